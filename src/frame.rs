@@ -1,0 +1,357 @@
+//! Frames: what a camera delivers and a gauge reads.
+//!
+//! Images have `row` (down) and `column` (right), pixel centres at integers. With p mm per pixel and the
+//! machine's axes (z along the spindle, x up in the image, y towards the camera): row = r0 - x/p,
+//! column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central column c0 = (columns - 1)/2.
+
+use thiserror::Error;
+
+/// Grey values of a frame, borrowed, in the container the camera used.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixels<'a> {
+    /// 8-bit counts.
+    U8(&'a [u8]),
+    /// 10-, 12- or 16-bit counts, unshifted in 16-bit containers.
+    U16(&'a [u16]),
+    /// Unquantised counts (simulation and accuracy tests only).
+    F32(&'a [f32]),
+}
+
+impl Pixels<'_> {
+    /// Number of pixels in the buffer.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(p) => p.len(),
+            Self::U16(p) => p.len(),
+            Self::F32(p) => p.len(),
+        }
+    }
+
+    /// Whether the buffer holds no pixel at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Bits of a grey value: what full scale means.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum PixelFormat {
+    /// 8-bit grey, 0..=255.
+    Mono8,
+    /// 10-bit grey in 16-bit containers, 0..=1023.
+    Mono10,
+    /// 12-bit grey in 16-bit containers, 0..=4095.
+    Mono12,
+    /// 16-bit grey, 0..=65535.
+    Mono16,
+    /// Unquantised f32 counts; full scale is not defined.
+    F32,
+}
+
+impl PixelFormat {
+    /// Largest count the format can carry; `None` for unquantised frames.
+    pub fn full_scale(self) -> Option<u16> {
+        match self {
+            Self::Mono8 => Some(255),
+            Self::Mono10 => Some(1023),
+            Self::Mono12 => Some(4095),
+            Self::Mono16 => Some(65535),
+            Self::F32 => None,
+        }
+    }
+
+    /// Bits per grey value, 32 for unquantised frames.
+    pub fn bit_depth(self) -> u8 {
+        match self {
+            Self::Mono8 => 8,
+            Self::Mono10 => 10,
+            Self::Mono12 => 12,
+            Self::Mono16 => 16,
+            Self::F32 => 32,
+        }
+    }
+}
+
+/// Why a buffer cannot be read as a frame.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// A frame without rows or columns.
+    #[error("a frame of {rows} rows x {columns} columns has no pixel; both must be at least 1")]
+    Empty {
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        columns: usize,
+    },
+    /// The buffer ends before the last pixel.
+    #[error(
+        "the buffer holds {found} pixels, but {rows} rows x {columns} columns at a stride of {stride} need {needed}"
+    )]
+    TooShort {
+        /// Pixels in the buffer.
+        found: usize,
+        /// Pixels needed.
+        needed: usize,
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        columns: usize,
+        /// Pixels from one row to the next.
+        stride: usize,
+    },
+    /// Rows overlap.
+    #[error("a stride of {stride} pixels is shorter than the {columns} columns of a row")]
+    StrideTooShort {
+        /// Pixels from one row to the next.
+        stride: usize,
+        /// Columns asked for.
+        columns: usize,
+    },
+    /// The container does not fit the format.
+    #[error("{format:?} does not fit a container of {container} pixels")]
+    Container {
+        /// Format asked for.
+        format: PixelFormat,
+        /// The buffer's element type.
+        container: &'static str,
+    },
+}
+
+/// A borrowed, possibly strided or transposed look at a frame's pixels: all that the gauge needs.
+///
+/// Pixel (row, column) stands at `row * row_stride + column * column_stride`.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameView<'a> {
+    pixels: Pixels<'a>,
+    format: PixelFormat,
+    rows: usize,
+    columns: usize,
+    row_stride: usize,
+    column_stride: usize,
+}
+
+impl<'a> FrameView<'a> {
+    /// A view of a row-major buffer; `stride` is in pixels from one row to the next.
+    ///
+    /// # Errors
+    /// Refuses empty frames, buffers that are too short, strides below the row length, and containers that
+    /// do not carry the format.
+    pub fn new(
+        pixels: Pixels<'a>,
+        format: PixelFormat,
+        rows: usize,
+        columns: usize,
+        stride: usize,
+    ) -> Result<Self, FrameError> {
+        if rows == 0 || columns == 0 {
+            return Err(FrameError::Empty { rows, columns });
+        }
+        if stride < columns {
+            return Err(FrameError::StrideTooShort { stride, columns });
+        }
+        check_container(&pixels, format)?;
+        let needed = (rows - 1).saturating_mul(stride).saturating_add(columns);
+        if pixels.len() < needed {
+            return Err(FrameError::TooShort { found: pixels.len(), needed, rows, columns, stride });
+        }
+        Ok(Self { pixels, format, rows, columns, row_stride: stride, column_stride: 1 })
+    }
+
+    /// The same pixels with rows and columns exchanged, without a copy: a vertical shaft seen as a horizontal one.
+    #[must_use]
+    pub fn transposed(self) -> Self {
+        Self {
+            rows: self.columns,
+            columns: self.rows,
+            row_stride: self.column_stride,
+            column_stride: self.row_stride,
+            ..self
+        }
+    }
+
+    /// The buffer; index it with [`Self::row_stride`] and [`Self::column_stride`].
+    pub fn pixels(&self) -> Pixels<'a> {
+        self.pixels
+    }
+
+    /// Format of the grey values.
+    pub fn format(&self) -> PixelFormat {
+        self.format
+    }
+
+    /// Number of rows, at least 1.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns, at least 1.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Pixels from one row to the next.
+    pub fn row_stride(&self) -> usize {
+        self.row_stride
+    }
+
+    /// Pixels from one column to the next: 1 unless transposed.
+    pub fn column_stride(&self) -> usize {
+        self.column_stride
+    }
+
+    /// Grey value at (row, column) in counts; `None` outside the frame.
+    pub fn get(&self, row: usize, column: usize) -> Option<f32> {
+        if row >= self.rows || column >= self.columns {
+            return None;
+        }
+        let index = row * self.row_stride + column * self.column_stride;
+        Some(match self.pixels {
+            Pixels::U8(p) => f32::from(p[index]),
+            Pixels::U16(p) => f32::from(p[index]),
+            Pixels::F32(p) => p[index],
+        })
+    }
+}
+
+fn check_container(pixels: &Pixels<'_>, format: PixelFormat) -> Result<(), FrameError> {
+    match (pixels, format) {
+        (Pixels::U8(_), PixelFormat::Mono8)
+        | (Pixels::U16(_), PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono16)
+        | (Pixels::F32(_), PixelFormat::F32) => Ok(()),
+        (Pixels::U8(_), _) => Err(FrameError::Container { format, container: "8-bit" }),
+        (Pixels::U16(_), _) => Err(FrameError::Container { format, container: "16-bit" }),
+        (Pixels::F32(_), _) => Err(FrameError::Container { format, container: "f32" }),
+    }
+}
+
+/// Pixels that a frame owns.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Buffer {
+    /// 8-bit counts.
+    U8(Vec<u8>),
+    /// Counts in 16-bit containers.
+    U16(Vec<u16>),
+    /// Unquantised counts.
+    F32(Vec<f32>),
+}
+
+/// Where on the sensor a frame's first pixel lies.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(deny_unknown_fields)]
+pub struct Roi {
+    /// Sensor row of the frame's row 0.
+    pub row: u32,
+    /// Sensor column of the frame's column 0.
+    pub column: u32,
+    /// Rows read out.
+    pub rows: u32,
+    /// Columns read out.
+    pub columns: u32,
+}
+
+/// What is known about a frame beside its pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameMeta {
+    /// Sequence number, unwrapped to 64 bits.
+    pub frame_id: u64,
+    /// Start of exposure on the device's clock, ns.
+    pub t_ns: u64,
+    /// Exposure time, µs.
+    pub exposure_us: f64,
+    /// Spindle angle φ, degrees.
+    pub angle_deg: f64,
+    /// Machine z of the image's central column, mm.
+    pub z_mm: f64,
+    /// The window of the sensor this frame shows; `None` for a full frame.
+    pub roi: Option<Roi>,
+}
+
+/// A frame that owns its pixels, row-major without padding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    buffer: Buffer,
+    format: PixelFormat,
+    rows: usize,
+    columns: usize,
+    /// What is known beside the pixels.
+    pub meta: FrameMeta,
+}
+
+impl Frame {
+    /// Takes ownership of `rows * columns` pixels.
+    ///
+    /// # Errors
+    /// As [`FrameView::new`].
+    pub fn new(
+        buffer: Buffer,
+        format: PixelFormat,
+        rows: usize,
+        columns: usize,
+        meta: FrameMeta,
+    ) -> Result<Self, FrameError> {
+        FrameView::new(buffer.as_pixels(), format, rows, columns, columns)?;
+        Ok(Self { buffer, format, rows, columns, meta })
+    }
+
+    /// The pixels as the gauge reads them.
+    pub fn view(&self) -> FrameView<'_> {
+        FrameView {
+            pixels: self.buffer.as_pixels(),
+            format: self.format,
+            rows: self.rows,
+            columns: self.columns,
+            row_stride: self.columns,
+            column_stride: 1,
+        }
+    }
+
+    /// Gives the pixels back, so that a source can reuse the allocation.
+    pub fn into_buffer(self) -> Buffer {
+        self.buffer
+    }
+}
+
+impl Buffer {
+    /// The pixels, borrowed.
+    pub fn as_pixels(&self) -> Pixels<'_> {
+        match self {
+            Self::U8(p) => Pixels::U8(p),
+            Self::U16(p) => Pixels::U16(p),
+            Self::F32(p) => Pixels::F32(p),
+        }
+    }
+}
+
+/// A source that failed to deliver the next frame.
+#[derive(Debug, Error)]
+#[error("{what}")]
+pub struct SourceError {
+    /// What failed, naming the file or device and what would be right.
+    pub what: String,
+    /// The cause underneath, where there is one.
+    #[source]
+    pub cause: Option<Box<dyn std::error::Error + Send + Sync>>,
+}
+
+/// Where frames come from: a simulator, a recording or a camera. Everything after it is the same for all three.
+pub trait FrameSource {
+    /// The next frame, or `None` at the end of the stream.
+    ///
+    /// # Errors
+    /// When the next frame cannot be delivered; the stream may go on after it.
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
+
+    /// Frames still to come, where that is known.
+    fn remaining(&self) -> Option<usize> {
+        None
+    }
+
+    /// Takes a spent frame back so that its buffer can be used again.
+    fn recycle(&mut self, _frame: Frame) {}
+}

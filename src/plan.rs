@@ -1,0 +1,109 @@
+//! What to cut and what to scan: the orders that flow from control to the machine.
+
+use std::fmt;
+
+/// Cutting data of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CuttingData {
+    /// Cutting speed v, m/min.
+    pub speed_m_per_min: f64,
+    /// Feed f, mm per revolution.
+    pub feed_mm_per_rev: f64,
+}
+
+/// Corrections along z, subtracted from the nominal when commanding: b = r - o, in mm of diameter.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct DiameterOffset {
+    /// Offset per station, mm of diameter; same length and order as the job's stations.
+    pub o_mm: Vec<f64>,
+}
+
+impl DiameterOffset {
+    /// No correction.
+    pub fn zero(stations: usize) -> Self {
+        Self { o_mm: vec![0.0; stations] }
+    }
+}
+
+/// One pass to cut.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassPlan {
+    /// Number of the pass, from 1.
+    pub pass: u32,
+    /// Nominal diameter r of the pass, mm: what the pass aims at.
+    pub nominal_mm: f64,
+    /// Cutting data.
+    pub cutting: CuttingData,
+    /// Stations' middles, mm, ascending.
+    pub station_z_mm: Vec<f64>,
+    /// Correction per station.
+    pub offset: DiameterOffset,
+}
+
+impl PassPlan {
+    /// Commanded diameter b = r - o of every station, mm.
+    pub fn commanded_mm(&self) -> impl Iterator<Item = f64> + '_ {
+        self.offset.o_mm.iter().map(|o| self.nominal_mm - o)
+    }
+}
+
+/// Why the last offsets hold.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum HeldReason {
+    /// Too many stations without a reading.
+    Gaps {
+        /// Stations without a value.
+        missing: usize,
+        /// Stations in all.
+        of: usize,
+    },
+    /// An offset step is larger than the limit.
+    StepLimit {
+        /// Largest step asked for, mm of diameter.
+        step_mm: f64,
+        /// The limit, mm of diameter.
+        limit_mm: f64,
+    },
+    /// A guard refused; the text names it, its limit and what was seen.
+    Guard(String),
+}
+
+impl fmt::Display for HeldReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gaps { missing, of } => write!(f, "{missing} of {of} stations have no reading"),
+            Self::StepLimit { step_mm, limit_mm } => {
+                write!(f, "an offset step of {step_mm:.4} mm exceeds the limit of {limit_mm:.4} mm")
+            }
+            Self::Guard(text) => f.write_str(text),
+        }
+    }
+}
+
+/// What control decided after a pass.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Decision {
+    /// New offsets for the next pass.
+    Offset(DiameterOffset),
+    /// The last offsets hold.
+    Held(HeldReason),
+}
+
+/// Where the carriage stops and at which spindle angles frames are taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanPlan {
+    /// Machine z of the field centres, mm, ascending.
+    pub field_z_mm: Vec<f64>,
+    /// Spindle angles of every field, degrees.
+    pub angle_deg: Vec<f64>,
+}
+
+impl ScanPlan {
+    /// Frames in the scan.
+    pub fn frames(&self) -> usize {
+        self.field_z_mm.len() * self.angle_deg.len()
+    }
+}
