@@ -1,1 +1,12 @@
-//! (room in preparation)
+//! The turning process: force law, beam deflection, the pass that leaves a shaft behind.
+//!
+//! [`TurningProcess`] keeps the workpiece. [`TurningProcess::cut`] takes what is commanded and gives what remains:
+//! the tool stands at b(z), the shaft yields by u(z), D(z) = b(z) + 2u(z), and the force that bends it follows
+//! the depth really cut. Nothing here knows what was measured.
+
+mod settings;
+
+pub use settings::{
+    ForceLaw, MaterialSettings, PassSettings, PowerLaw, ProcessSettings, SettingsError, SupportSettings,
+    TextureSettings,
+};
