@@ -1,6 +1,7 @@
 //! Reads the TOML a user writes, points at the key that is wrong, hashes it, publishes the JSON Schema.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use sha2::{Digest, Sha256};
@@ -36,7 +37,7 @@ pub enum ConfigError {
         help: Option<String>,
         /// The text, to point into.
         #[source_code]
-        source_text: NamedSource<String>,
+        source_text: Arc<NamedSource<String>>,
         /// The place.
         #[label("here")]
         span: Option<SourceSpan>,
@@ -52,7 +53,7 @@ pub enum ConfigError {
         problem: String,
         /// The text, to point into.
         #[source_code]
-        source_text: NamedSource<String>,
+        source_text: Arc<NamedSource<String>>,
         /// The place, where the file sets the key.
         #[label("here")]
         span: Option<SourceSpan>,
@@ -64,7 +65,8 @@ pub enum ConfigError {
 /// # Errors
 /// The first thing that is wrong, with the file, the key and what would be right.
 pub fn load(path: &Path) -> Result<Job, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
     parse(&text, &path.display().to_string())
 }
 
@@ -85,7 +87,7 @@ pub fn value_error(text: &str, file: &str, error: JobError) -> ConfigError {
         span: key_span(text, &error.key),
         key: error.key,
         problem: error.problem,
-        source_text: NamedSource::new(file, text.to_owned()),
+        source_text: Arc::new(NamedSource::new(file, text.to_owned())),
     }
 }
 
@@ -120,7 +122,7 @@ fn parse_error(text: &str, file: &str, error: &toml::de::Error) -> ConfigError {
         },
         help: unit_help(&message),
         message,
-        source_text: NamedSource::new(file, text.to_owned()),
+        source_text: Arc::new(NamedSource::new(file, text.to_owned())),
         span: error.span().map(SourceSpan::from),
     }
 }
@@ -136,7 +138,11 @@ fn unit_help(message: &str) -> Option<String> {
     let stem = unknown.rsplit_once('_').map_or(unknown, |(stem, _)| stem);
     let expected: Vec<&str> = quoted.collect();
     let near = expected.iter().find(|e| e.starts_with(stem)).copied().or_else(|| {
-        expected.iter().copied().min_by_key(|e| edit_distance(e, unknown)).filter(|e| edit_distance(e, unknown) <= 3)
+        expected
+            .iter()
+            .copied()
+            .min_by_key(|e| edit_distance(e, unknown))
+            .filter(|e| edit_distance(e, unknown) <= 3)
     })?;
     Some(format!("did you mean `{near}`? Units are part of the key's name."))
 }

@@ -7,11 +7,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::control::ControlSettings;
+use crate::control::{ControlError, ControlSettings};
 use crate::gauge::GaugeSettings;
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
 use crate::process::ProcessSettings;
-use crate::render::settings::{Camera, Departures, Light, Optics, RenderSettings, Sensor};
+use crate::render::RenderError;
+use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 
 /// A setting that cannot be right, with the dotted key it stands under.
@@ -107,11 +108,17 @@ impl Part {
         if self.station_mm > self.length_mm {
             return Err(JobError::at(
                 "part.station_mm",
-                format!("a station of {} mm is longer than the part ({} mm)", self.station_mm, self.length_mm),
+                format!(
+                    "a station of {} mm is longer than the part ({} mm)",
+                    self.station_mm, self.length_mm
+                ),
             ));
         }
         if self.length_mm / self.station_mm > 1e5 {
-            return Err(JobError::at("part.station_mm", "gives more than 100 000 stations; 1 to 10 mm is usual"));
+            return Err(JobError::at(
+                "part.station_mm",
+                "gives more than 100 000 stations; 1 to 10 mm is usual",
+            ));
         }
         if self.nominal_diameter_mm.is_empty() {
             return Err(JobError::at("part.nominal_diameter_mm", "is empty; give the diameter of each pass"));
@@ -121,7 +128,10 @@ impl Part {
             let key = format!("part.nominal_diameter_mm[{index}]");
             positive(&key, nominal)?;
             if nominal >= before {
-                return Err(JobError::at(key, format!("{nominal} mm does not remove material from {before} mm; diameters must fall")));
+                return Err(JobError::at(
+                    key,
+                    format!("{nominal} mm does not remove material from {before} mm; diameters must fall"),
+                ));
             }
             before = nominal;
         }
@@ -143,13 +153,11 @@ pub struct Scan {
     pub fields: usize,
     /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
     pub angles: usize,
-    /// Exposure time, µs.
-    pub exposure_us: f64,
 }
 
 impl Default for Scan {
     fn default() -> Self {
-        Self { fields: 14, angles: 8, exposure_us: 50.0 }
+        Self { fields: 14, angles: 8 }
     }
 }
 
@@ -246,9 +254,9 @@ impl Default for Job {
 }
 
 impl Job {
-    /// The settings of the renderer, put together.
-    pub fn render_settings(&self) -> RenderSettings {
-        RenderSettings {
+    /// The bench of the simulator, put together.
+    pub fn bench_settings(&self) -> BenchSettings {
+        BenchSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
             light: self.light.clone(),
@@ -271,7 +279,10 @@ impl Job {
     /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over half a turn.
     pub fn scan_plan(&self) -> ScanPlan {
         let half = self.field_length_mm() / 2.0;
-        let (first, last) = (half.min(self.part.length_mm / 2.0), (self.part.length_mm - half).max(self.part.length_mm / 2.0));
+        let (first, last) = (
+            half.min(self.part.length_mm / 2.0),
+            (self.part.length_mm - half).max(self.part.length_mm / 2.0),
+        );
         let steps = self.scan.fields.saturating_sub(1).max(1) as f64;
         let field_z_mm = match self.scan.fields {
             1 => vec![self.part.length_mm / 2.0],
@@ -293,7 +304,21 @@ impl Job {
     }
 
     fn nominal_mm_per_px(&self) -> f64 {
-        self.camera.pixel_um * 1e-3 / self.optics.magnification
+        self.bench_settings().nominal_pixel_mm()
+    }
+
+    fn check_stages(&self) -> Result<(), JobError> {
+        self.bench_settings().check().map_err(from_render)?;
+        self.gauge.validate().map_err(|e| {
+            JobError::at(
+                format!("gauge.{}", e.key),
+                format!("{} is out of range; right would be {}", e.value, e.right),
+            )
+        })?;
+        self.process.validate().map_err(|e| {
+            JobError::at(format!("process.{}", e.key), format!("{} must be {}", e.value, e.must_be))
+        })?;
+        self.control.validate().map_err(from_control)
     }
 
     /// Checks every stage's settings and how they fit together.
@@ -310,7 +335,6 @@ impl Job {
     }
 
     fn check_scan(&self) -> Result<(), JobError> {
-        positive("scan.exposure_us", self.scan.exposure_us)?;
         if self.scan.fields == 0 || self.scan.fields > 100_000 {
             return Err(JobError::at("scan.fields", "must be between 1 and 100 000"));
         }
@@ -358,7 +382,10 @@ impl Job {
             return Err(JobError::at("masters.frames_each", "must be at least 1"));
         }
         if self.masters.pins.len() < 2 {
-            return Err(JobError::at("masters.pins", "scale and edge offset need two pins of different diameter"));
+            return Err(JobError::at(
+                "masters.pins",
+                "scale and edge offset need two pins of different diameter",
+            ));
         }
         for (index, pin) in self.masters.pins.iter().enumerate() {
             let key = format!("masters.pins[{index}]");
@@ -368,16 +395,37 @@ impl Job {
             if pin.diameter_mm > 0.97 * self.field_height_mm() {
                 return Err(JobError::at(
                     format!("{key}.diameter_mm"),
-                    format!("a pin of {} mm does not fit the field of {:.2} mm", pin.diameter_mm, self.field_height_mm()),
+                    format!(
+                        "a pin of {} mm does not fit the field of {:.2} mm",
+                        pin.diameter_mm,
+                        self.field_height_mm()
+                    ),
                 ));
             }
         }
         let least = self.masters.pins.iter().map(|p| p.diameter_mm).fold(f64::INFINITY, f64::min);
         let most = self.masters.pins.iter().map(|p| p.diameter_mm).fold(0.0, f64::max);
         if most - least < 0.01 * most {
-            return Err(JobError::at("masters.pins", "the pins must differ by 1 % in diameter to separate scale from edge offset"));
+            return Err(JobError::at(
+                "masters.pins",
+                "the pins must differ by 1 % in diameter to separate scale from edge offset",
+            ));
         }
         Ok(())
+    }
+}
+
+fn from_render(error: RenderError) -> JobError {
+    match error {
+        RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
+        other => JobError::at("optics", other.to_string()),
+    }
+}
+
+fn from_control(error: ControlError) -> JobError {
+    match error {
+        ControlError::Setting { key, value, right } => JobError::at(key, format!("{value} must be {right}")),
+        other => JobError::at("control", other.to_string()),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The direction of imports is itself a test: every path of every source file is parsed (not only `use` lines), and
 //! planted violations must be found.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot read its own sources must fail")]
+
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{TokenStream, TokenTree};
@@ -16,7 +18,9 @@ const INSTRUMENT: [&str; 4] = ["gauge", "control", "nc", "source"];
 const FILE_SYSTEM_ROOMS: [&str; 4] = ["source", "run_folder", "config", "cli"];
 
 fn layer(room: &str) -> Option<usize> {
-    [&VOCABULARY[..], &STAGES[..], &COMPOSITION[..], &SURFACE[..]].iter().position(|rooms| rooms.contains(&room))
+    [&VOCABULARY[..], &STAGES[..], &COMPOSITION[..], &SURFACE[..]]
+        .iter()
+        .position(|rooms| rooms.contains(&room))
 }
 
 fn may_import(from: &str, to: &str) -> bool {
@@ -75,7 +79,6 @@ impl Paths {
             syn::UseTree::Rename(r) => self.push(&with(r.ident.to_string())),
             syn::UseTree::Glob(_) => self.push(prefix),
             syn::UseTree::Group(g) => g.items.iter().for_each(|t| self.use_tree(prefix, t)),
-            _ => {}
         }
     }
 
@@ -162,7 +165,8 @@ fn violations(file: &Path, source: &str) -> Vec<String> {
         if first == Some("wgpu") && !in_gpu {
             bad.push(format!("{}: wgpu belongs under src/render/gpu*: {text}", file.display()));
         }
-        let is_fs = path.len() > 1 && path[0] == "std" && path[1] == "fs" || first == Some("fs") && path.len() > 1;
+        let is_fs =
+            path.len() > 1 && path[0] == "std" && path[1] == "fs" || first == Some("fs") && path.len() > 1;
         if is_fs && !FILE_SYSTEM_ROOMS.contains(&room.as_str()) {
             bad.push(format!("{}: std::fs belongs to {FILE_SYSTEM_ROOMS:?}: {text}", file.display()));
         }
@@ -189,7 +193,9 @@ fn imports_flow_one_way() {
     assert!(files.len() > 10, "only {} source files found", files.len());
     let bad: Vec<String> = files
         .iter()
-        .flat_map(|file| violations(file.strip_prefix(root).unwrap(), &std::fs::read_to_string(file).unwrap()))
+        .flat_map(|file| {
+            violations(file.strip_prefix(root).unwrap(), &std::fs::read_to_string(file).unwrap())
+        })
         .collect();
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
@@ -213,7 +219,10 @@ fn planted_violations_are_found() {
         assert!(!violations(Path::new(file), source).is_empty(), "not found: {file}: {source}");
     }
     let allowed = [
-        ("src/gauge/edges.rs", "use crate::frame::FrameView; use super::model::Edge; use crate::gauge::x::Y;"),
+        (
+            "src/gauge/edges.rs",
+            "use crate::frame::FrameView; use super::model::Edge; use crate::gauge::x::Y;",
+        ),
         ("src/render/gpu/mod.rs", "use wgpu::Device;"),
         ("src/cli/run.rs", "use crate::report::write; use std::fs;"),
         ("src/truth.rs", "use crate::render::silhouette; use crate::shaft::Shaft;"),

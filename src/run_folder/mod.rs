@@ -62,14 +62,17 @@ impl RunFolder {
         let folder = Self { path: path.to_owned() };
         match folder.state()? {
             State::Free => {
-                std::fs::create_dir_all(path).map_err(|cause| RunFolderError::Write { path: path.to_owned(), cause })?;
+                std::fs::create_dir_all(path)
+                    .map_err(|cause| RunFolderError::Write { path: path.to_owned(), cause })?;
                 folder.write("run.toml", format!("{HASH_LINE}{hash}\n{resolved_toml}").as_bytes())?;
             }
             State::Run { hash: found, finished: false } if found == hash => {}
             State::Run { hash: found, finished } => {
                 let what = match (finished, found == hash) {
                     (true, _) => "holds a finished run".to_owned(),
-                    (false, _) => format!("holds an unfinished run of another config (hash {}…)", prefix(&found)),
+                    (false, _) => {
+                        format!("holds an unfinished run of another config (hash {}…)", prefix(&found))
+                    }
                 };
                 return Err(RunFolderError::Taken { path: path.to_owned(), what });
             }
@@ -135,7 +138,9 @@ impl RunFolder {
         let entries = match std::fs::read_dir(&self.path) {
             Ok(entries) => entries,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(State::Free),
-            Err(e) if e.kind() == io::ErrorKind::NotADirectory => return Ok(State::Other("a file".to_owned())),
+            Err(e) if e.kind() == io::ErrorKind::NotADirectory => {
+                return Ok(State::Other("a file".to_owned()));
+            }
             Err(cause) => return Err(RunFolderError::Write { path: self.path.clone(), cause }),
         };
         let mut names: Vec<String> = entries
@@ -146,7 +151,8 @@ impl RunFolder {
         names.sort();
         if names.iter().any(|n| n == "run.toml") {
             let text = self.read_text("run.toml")?;
-            let hash = text.lines().next().and_then(|l| l.strip_prefix(HASH_LINE)).unwrap_or_default().to_owned();
+            let hash =
+                text.lines().next().and_then(|l| l.strip_prefix(HASH_LINE)).unwrap_or_default().to_owned();
             return Ok(State::Run { hash, finished: names.iter().any(|n| n == "report.html") });
         }
         Ok(names.into_iter().next().map_or(State::Free, State::Other))

@@ -108,16 +108,29 @@ impl RunFolder {
 
 fn encode(schema: &str, columns: &[Column]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(parse_message_type(schema)?), Arc::new(properties))?;
+    let mut writer =
+        SerializedFileWriter::new(Vec::new(), Arc::new(parse_message_type(schema)?), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
     let mut columns = columns.iter();
     while let Some(mut target) = group.next_column()? {
         match (target.untyped(), columns.next()) {
-            (ColumnWriter::ByteArrayColumnWriter(w), Some(Column::Text(values))) => w.write_batch(values, None, None)?,
-            (ColumnWriter::Int32ColumnWriter(w), Some(Column::Int32(values))) => w.write_batch(values, None, None)?,
-            (ColumnWriter::Int64ColumnWriter(w), Some(Column::Int64(values))) => w.write_batch(values, None, None)?,
-            (ColumnWriter::DoubleColumnWriter(w), Some(Column::Double(values))) => w.write_batch(values, None, None)?,
-            _ => return Err(parquet::errors::ParquetError::General("the columns do not follow the schema".to_owned())),
+            (ColumnWriter::ByteArrayColumnWriter(w), Some(Column::Text(values))) => {
+                w.write_batch(values, None, None)?
+            }
+            (ColumnWriter::Int32ColumnWriter(w), Some(Column::Int32(values))) => {
+                w.write_batch(values, None, None)?
+            }
+            (ColumnWriter::Int64ColumnWriter(w), Some(Column::Int64(values))) => {
+                w.write_batch(values, None, None)?
+            }
+            (ColumnWriter::DoubleColumnWriter(w), Some(Column::Double(values))) => {
+                w.write_batch(values, None, None)?
+            }
+            _ => {
+                return Err(parquet::errors::ParquetError::General(
+                    "the columns do not follow the schema".to_owned(),
+                ));
+            }
         };
         target.close()?;
     }

@@ -149,7 +149,10 @@ impl RunFolder {
 
     fn write_csv<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), RunFolderError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let failed = |e: String| RunFolderError::Write { path: self.path().join(name), cause: std::io::Error::other(e) };
+        let failed = |e: String| RunFolderError::Write {
+            path: self.path().join(name),
+            cause: std::io::Error::other(e),
+        };
         rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|e| failed(e.to_string()))?;
         let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
         self.write(name, &bytes)
@@ -169,7 +172,10 @@ impl RunFolder {
 
 /// The measured profile of a pass from its rows.
 pub fn profile_of(pass: u32, rows: &[StationRow]) -> DiameterProfile {
-    DiameterProfile { pass, stations: rows.iter().filter(|r| r.pass == pass).map(StationRow::station).collect() }
+    DiameterProfile {
+        pass,
+        stations: rows.iter().filter(|r| r.pass == pass).map(StationRow::station).collect(),
+    }
 }
 
 /// The offsets of a pass from its rows.
