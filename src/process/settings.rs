@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::beam::{Part, Supports};
+
 /// A setting outside its range.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("process.{key} = {value} is not possible; it must be {must_be}")]
@@ -90,13 +92,15 @@ impl Default for MaterialSettings {
 pub struct SupportSettings {
     /// Radial stiffness of spindle and chuck, N/µm; `inf` for rigid.
     pub chuck_n_per_um: f64,
+    /// Tilting stiffness of spindle and chuck, N·m/mrad; `inf` for rigid.
+    pub chuck_tilt_nm_per_mrad: f64,
     /// Radial stiffness of the tailstock, N/µm; `inf` for rigid, 0 for a free end.
     pub tailstock_n_per_um: f64,
 }
 
 impl Default for SupportSettings {
     fn default() -> Self {
-        Self { chuck_n_per_um: 50.0, tailstock_n_per_um: 20.0 }
+        Self { chuck_n_per_um: 50.0, chuck_tilt_nm_per_mrad: f64::INFINITY, tailstock_n_per_um: 20.0 }
     }
 }
 
@@ -110,7 +114,7 @@ pub struct TextureSettings {
     pub correlation_z_mm: f64,
     /// Correlation length around the circumference (autocorrelation 1/e), degrees.
     pub correlation_deg: f64,
-    /// Standard deviation of the amplitudes of lobes of order 2 to 5, µm.
+    /// Root mean square amplitude of each lobe of orders 2 to 5, µm.
     pub lobe_um: f64,
 }
 
@@ -183,6 +187,8 @@ impl ProcessSettings {
         let poisson = Range { low: 0.0, open_low: false, high: 0.5 };
         check("material.poisson_ratio", self.material.poisson_ratio, &poisson, false)?;
         check("support.chuck_n_per_um", self.support.chuck_n_per_um, &Range::POSITIVE, true)?;
+        let tilt = self.support.chuck_tilt_nm_per_mrad;
+        check("support.chuck_tilt_nm_per_mrad", tilt, &Range::POSITIVE, true)?;
         check("support.tailstock_n_per_um", self.support.tailstock_n_per_um, &Range::NOT_NEGATIVE, true)?;
         not_negative("texture.rms_um", self.texture.rms_um)?;
         let along = Range { low: 0.2, open_low: false, high: 1000.0 };
@@ -193,6 +199,18 @@ impl ProcessSettings {
         let node = Range { low: 0.01, open_low: false, high: 50.0 };
         check("pass.node_mm", self.pass.node_mm, &node, false)?;
         not_negative("pass.minimum_chip_mm", self.pass.minimum_chip_mm)
+    }
+}
+
+impl SupportSettings {
+    /// The ends as the beam needs them.
+    pub fn supports(&self) -> Supports {
+        // 1 N/µm = 1e3 N/mm; 1 N·m/mrad = 1e6 N·mm/rad.
+        Supports {
+            chuck: Part::clamped(1e-3 / self.chuck_n_per_um, 1e-6 / self.chuck_tilt_nm_per_mrad),
+            tailstock: Part::hinged(1e-3 / self.tailstock_n_per_um),
+            steady_rests: Vec::new(),
+        }
     }
 }
 
