@@ -1,5 +1,7 @@
 //! Control laws against independent evaluations of their recurrences and on a slender shaft.
 
+#![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
+
 #[path = "support/plant.rs"]
 mod plant;
 
