@@ -107,7 +107,7 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(self.bench.clone(), self.part.clone())?;
+        let scene = Scene::new(&self.bench, self.part.clone())?;
         let stops = plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
         Ok(self.film(vec![scene], stops))
     }
@@ -117,7 +117,7 @@ impl TurningCell for SimulatedCell<'_> {
         let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48));
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
-            .map(|pose| Scene::new(self.bench.clone(), Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
+            .map(|pose| Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
             .collect();
         self.frame_id = (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
@@ -188,6 +188,7 @@ impl FrameSource for SimulatedFrames<'_> {
             angle_deg,
             noise: true,
             roi: None,
+            format: None,
             seed: self.seed,
         };
         let frame = self.renderer.render(scene, &request, self.spare.take()).map_err(|e| SourceError {
