@@ -3,6 +3,9 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+mod doctor;
+mod frame_files;
+mod render;
 mod schema;
 
 use std::io::IsTerminal as _;
@@ -65,12 +68,18 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Render shadowgraph frames of a config's shaft with their truth.
+    Render(render::RenderArgs),
+    /// Show adapters, drivers, what `auto` would choose and what is missing.
+    Doctor(doctor::DoctorArgs),
     /// Print the JSON Schema of a config file.
     Schema,
 }
 
 fn dispatch(command: &Command) -> CommandResult {
     match command {
+        Command::Render(args) => render::run(args),
+        Command::Doctor(args) => doctor::run(args),
         Command::Schema => schema::run(),
     }
 }
