@@ -96,12 +96,12 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
     }
 }
 
-/// Largest second difference of the medians around an interval, px.
+/// Half the largest second difference of the medians around an interval, px: what a line misses of an arc, at the ends too.
 fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     let second = |k: usize| (knots[k + 1].1 - 2.0 * knots[k].1 + knots[k - 1].1).abs();
     let before = if left >= 1 { second(left) } else { 0.0 };
     let after = if left + 2 < knots.len() { second(left + 1) } else { 0.0 };
-    before.max(after)
+    0.5 * before.max(after)
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 mod blur;
+mod calibration;
 mod clipped;
 mod coarse;
+mod diameter;
 mod edges;
 mod finder;
 mod gate;
@@ -12,12 +14,16 @@ mod noise;
 mod pixels;
 mod score;
 mod settings;
+mod station;
 mod table;
 mod window;
 
+pub use calibration::{CALIBRATION_VERSION, Calibration, CalibrationError, Certificate, MasterMeasurement};
+pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use settings::{Blur, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings};
+pub use station::StationAverager;
 
 use crate::frame::FrameView;
 

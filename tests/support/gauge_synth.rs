@@ -27,8 +27,11 @@ impl Synth {
         let (dark, light) = (700.0, 3300.0);
         let variance = ((light - dark) / snr).powi(2);
         // Photon noise: an eighth of the mid-edge variance is read noise.
-        let (read, gain) =
-            if shot { ((variance / 8.0).sqrt(), variance * 0.875 / (0.5 * (light + dark) - 100.0)) } else { (variance.sqrt(), 0.0) };
+        let (read, gain) = if shot {
+            ((variance / 8.0).sqrt(), variance * 0.875 / (0.5 * (light + dark) - 100.0))
+        } else {
+            (variance.sqrt(), 0.0)
+        };
         Self {
             rows: 160,
             columns: 2048,
@@ -44,7 +47,8 @@ impl Synth {
 
     /// Mean of a pixel between the true edges, counts.
     pub fn mean(&self, row: f64, top: f64, bottom: f64) -> f64 {
-        self.dark + (self.light - self.dark) * (1.0 - step(row, top, self.sigma) + step(row, bottom, self.sigma))
+        self.dark
+            + (self.light - self.dark) * (1.0 - step(row, top, self.sigma) + step(row, bottom, self.sigma))
     }
 
     pub fn variance(&self, level: f64) -> f64 {
@@ -70,9 +74,8 @@ impl Synth {
             let (top, bottom) = edges(column);
             for row in 0..self.rows {
                 let mean = field(row, column, self.mean(row as f64, top, bottom));
-                let noise = rng
-                    .as_mut()
-                    .map_or(0.0, |rng| normal.sample(rng) * self.variance(mean).max(0.0).sqrt());
+                let noise =
+                    rng.as_mut().map_or(0.0, |rng| normal.sample(rng) * self.variance(mean).max(0.0).sqrt());
                 counts[row * self.columns + column] = (mean + noise) as f32;
             }
         }
@@ -120,4 +123,3 @@ pub fn drifting(column: usize) -> (f64, f64) {
     let c = column as f64;
     (45.3 + 0.0041 * c + 0.2 * (c / 300.0).sin(), 114.7 - 0.0037 * c + 0.2 * (c / 250.0).cos())
 }
-
