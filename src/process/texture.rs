@@ -1,0 +1,104 @@
+//! The surface that a pass leaves: correlated heights and small lobes, from (seed, pass) alone.
+//!
+//! White Gaussian noise on a grid of z and θ is smoothed by a separable Gaussian kernel of standard deviation
+//! half the correlation length (periodic in θ) and scaled to the rms asked for. The autocorrelation of noise
+//! smoothed by a Gaussian of standard deviation s is exp(-τ²/4s²), which is 1/e at τ = 2s.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use super::settings::TextureSettings;
+use crate::shaft::{Lobe, SurfaceTexture};
+
+/// Grid nodes in a correlation length: bilinear interpolation needs at least two.
+const NODES_PER_CORRELATION: f64 = 2.5;
+/// Half width of the smoothing kernel in standard deviations: 1e-3 of the peak.
+const KERNEL_REACH: f64 = 3.7;
+
+/// What a stream of random numbers is for; keeps streams of one seed apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Stream {
+    /// Heights of the surface.
+    Texture = 1,
+    /// Small lobes.
+    Lobes = 2,
+}
+
+/// The generator of a (seed, purpose, pass).
+pub(super) fn generator(seed: u64, stream: Stream, pass: u32) -> Pcg64 {
+    Pcg64::new(u128::from(seed), (stream as u128) << 32 | u128::from(pass))
+}
+
+/// Heights over a shaft of `length_mm`; `None` for a smooth surface.
+pub(super) fn surface(
+    settings: &TextureSettings,
+    length_mm: f64,
+    seed: u64,
+    pass: u32,
+) -> Option<SurfaceTexture> {
+    if settings.rms_um == 0.0 {
+        return None;
+    }
+    let rows = (length_mm * NODES_PER_CORRELATION / settings.correlation_z_mm).ceil() as usize + 1;
+    let step_mm = length_mm / (rows - 1) as f64;
+    let nodes_theta = (360.0 * NODES_PER_CORRELATION / settings.correlation_deg).ceil() as usize;
+    let kernel_z = kernel(0.5 * settings.correlation_z_mm / step_mm);
+    let kernel_theta = kernel(0.5 * settings.correlation_deg * nodes_theta as f64 / 360.0);
+    let margin = kernel_z.len() / 2;
+    let mut random = generator(seed, Stream::Texture, pass);
+    let noise: Vec<f32> =
+        (0..(rows + 2 * margin) * nodes_theta).map(|_| StandardNormal.sample(&mut random)).collect();
+    let around: Vec<f32> =
+        noise.chunks_exact(nodes_theta).flat_map(|row| smooth_ring(row, &kernel_theta)).collect();
+    let scale = (settings.rms_um * 1e-3) as f32;
+    let height_mm =
+        (0..rows).flat_map(|row| smooth_rows(&around, row, nodes_theta, &kernel_z, scale)).collect();
+    Some(SurfaceTexture { z0_mm: 0.0, step_mm, nodes_theta, height_mm })
+}
+
+/// Gaussian weights whose squares add up to one, so that white noise keeps its variance.
+fn kernel(sd_nodes: f64) -> Vec<f32> {
+    let reach = (KERNEL_REACH * sd_nodes).ceil() as i32;
+    let raw: Vec<f64> = (-reach..=reach).map(|i| (-0.5 * (f64::from(i) / sd_nodes).powi(2)).exp()).collect();
+    let norm = raw.iter().map(|w| w * w).sum::<f64>().sqrt();
+    raw.iter().map(|w| (w / norm) as f32).collect()
+}
+
+/// One row, smoothed around the circumference.
+fn smooth_ring<'a>(row: &'a [f32], kernel: &'a [f32]) -> impl Iterator<Item = f32> + 'a {
+    let (n, reach) = (row.len(), kernel.len() / 2);
+    (0..n).map(move |j| {
+        let start = j + n * (1 + reach / n) - reach;
+        kernel.iter().enumerate().map(|(i, w)| w * row[(start + i) % n]).sum()
+    })
+}
+
+/// One row, smoothed along z; `rows` carries the kernel's reach as margin before and after.
+fn smooth_rows<'a>(
+    rows: &'a [f32],
+    row: usize,
+    n: usize,
+    kernel: &'a [f32],
+    scale: f32,
+) -> impl Iterator<Item = f32> + 'a {
+    (0..n).map(move |j| {
+        scale * kernel.iter().enumerate().map(|(i, w)| w * rows[(row + i) * n + j]).sum::<f32>()
+    })
+}
+
+/// Lobes of orders 2 to 5 with normally distributed amplitudes and uniform phases.
+pub(super) fn small_lobes(settings: &TextureSettings, seed: u64, pass: u32) -> Vec<Lobe> {
+    if settings.lobe_um == 0.0 {
+        return Vec::new();
+    }
+    let mut random = generator(seed, Stream::Lobes, pass);
+    (2..=5)
+        .map(|order_upr| {
+            let (re, im): (f64, f64) =
+                (StandardNormal.sample(&mut random), StandardNormal.sample(&mut random));
+            // Re and im give a Rayleigh amplitude with mean square 2; the phase is uniform.
+            let amplitude_mm = settings.lobe_um * 1e-3 * re.hypot(im) / std::f64::consts::SQRT_2;
+            Lobe { order_upr, amplitude_mm, phase_deg: im.atan2(re).to_degrees() / f64::from(order_upr) }
+        })
+        .collect()
+}
