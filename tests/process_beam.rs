@@ -1,5 +1,7 @@
 //! The condensed beam against closed forms and published values.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use shadowgauge::process::beam::{Part, Supports, travelling_load};
 use shadowgauge::process::{MaterialSettings, Section};
 

@@ -1,5 +1,7 @@
 //! The turning pass: error copying, repeatability, the surface it leaves.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::process::{BaseForm, PowerLaw, ProcessError, ProcessSettings, Stock, TurningProcess};
 
