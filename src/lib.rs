@@ -25,6 +25,7 @@ pub mod source;
 // -- 2 composition: where stages meet
 pub mod cell;
 pub mod closed_loop;
+pub mod job;
 pub mod studies;
 pub mod truth;
 // -- 3 surface

@@ -1,2 +1,7 @@
-//! Parses, calls the library, prints the error.
-fn main() {}
+//! Parses the command line, calls the library, prints the error.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    shadowgauge::cli::main()
+}

@@ -110,3 +110,63 @@ impl Shaft {
         }
     }
 }
+
+/// Roughness and waviness to be drawn by seed: a Gaussian random field over z and θ.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TextureForm {
+    /// Root mean square of the heights, µm.
+    pub rms_um: f64,
+    /// Distance along z over which the autocorrelation falls to 1/e, mm.
+    pub correlation_z_mm: f64,
+    /// Angle over which the autocorrelation falls to 1/e, degrees.
+    pub correlation_theta_deg: f64,
+}
+
+impl Default for TextureForm {
+    fn default() -> Self {
+        Self { rms_um: 0.4, correlation_z_mm: 0.5, correlation_theta_deg: 2.0 }
+    }
+}
+
+/// A bow of the body's own axis, half a sine wave over the part's length; turns with the spindle.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bow {
+    /// Largest offset of the axis, mm.
+    pub sagitta_mm: f64,
+    /// Body angle of the offset, degrees.
+    pub phase_deg: f64,
+}
+
+/// A deflection of the axis in the machine's frame, half a sine wave over the part's length; does not turn.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(deny_unknown_fields, default)]
+pub struct Deflection {
+    /// Largest offset along x (up in the image), mm.
+    pub sagitta_x_mm: f64,
+    /// Largest offset along y (towards the camera), mm.
+    pub sagitta_y_mm: f64,
+}
+
+/// Form errors and lie of a shaft as a user writes them: the `[shaft]` table.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ShaftForm {
+    /// Lobing terms, constant along z.
+    pub lobes: Vec<Lobe>,
+    /// Offset that turns with the spindle.
+    pub eccentricity: Eccentricity,
+    /// How the axis of rotation lies in the field.
+    pub pose: Pose,
+    /// Bow of the body's own axis.
+    pub bow: Bow,
+    /// Deflection of the axis in the machine's frame.
+    pub deflection: Deflection,
+    /// Roughness and waviness; none leaves the surface smooth.
+    pub texture: Option<TextureForm>,
+}

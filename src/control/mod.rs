@@ -1,5 +1,11 @@
 //! What to change before the next pass: compensation from measured diameters.
 
+mod error;
+mod settings;
+
+pub use error::ControlError;
+pub use settings::*;
+
 use crate::plan::{Decision, PassPlan};
 use crate::profile::DiameterProfile;
 

@@ -1,1 +1,5 @@
-//! (room in preparation)
+//! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
+
+mod settings;
+
+pub use settings::{Blur, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings};

@@ -1,1 +1,6 @@
-//! (room in preparation)
+//! Scene, optics and sensor to frames: silhouettes in f64, pixels on the GPU or its CPU twin.
+
+mod error;
+pub mod settings;
+
+pub use error::RenderError;

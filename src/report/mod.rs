@@ -1,1 +1,4 @@
-//! (room in preparation)
+//! Plots and HTML from what a run folder holds.
+
+pub mod html;
+pub mod plot;

@@ -1,0 +1,12 @@
+//! `shadowgauge schema`: the JSON Schema of a config file, for editors.
+
+use super::{CommandResult, Outcome};
+
+/// Prints the schema.
+///
+/// # Errors
+/// Never.
+pub fn run() -> CommandResult {
+    println!("{}", crate::config::json_schema());
+    Ok(Outcome::Done)
+}

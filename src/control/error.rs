@@ -1,0 +1,60 @@
+//! What control refuses.
+
+/// Why a controller cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ControlError {
+    /// A value of the `[control]` table is out of its range.
+    #[error("{key} = {value}: must be {right}")]
+    Setting {
+        /// The key, from the top of the configuration.
+        key: &'static str,
+        /// What stands there.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// No controller has this name.
+    #[error("no controller is called {word:?}; there are {}", names())]
+    UnknownController {
+        /// The word given.
+        word: String,
+    },
+    /// The closed loop is unstable at the plant gain assumed.
+    #[error(
+        "the {controller} loop is unstable at control.plant_gain = {plant_gain} (stable for {range}; spectral radius \
+         {spectral_radius:.4}): lower the gains, or set control.insist_on_unstable = true"
+    )]
+    Unstable {
+        /// Controller and form.
+        controller: String,
+        /// The gain assumed.
+        plant_gain: f64,
+        /// Gains for which the loop is stable, in words.
+        range: String,
+        /// Largest pole modulus.
+        spectral_radius: f64,
+    },
+    /// The stations cannot carry the shapes that are asked for.
+    #[error(
+        "{stations} stations cannot carry {shapes} shape functions along z: take fewer shapes or shorter stations"
+    )]
+    TooFewStations {
+        /// Stations of the job.
+        stations: usize,
+        /// Shapes asked for.
+        shapes: usize,
+    },
+    /// Stations must ascend.
+    #[error("station {index} at z = {z_mm} mm does not ascend")]
+    StationOrder {
+        /// First station that does not lie beyond its predecessor.
+        index: usize,
+        /// Its z, mm.
+        z_mm: f64,
+    },
+}
+
+fn names() -> String {
+    super::ControllerName::ALL.map(super::ControllerName::as_str).join(", ")
+}

@@ -1,0 +1,222 @@
+//! The `[gauge]` table: what a user may choose about the instrument. Nothing here describes the scene.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Settings of the gauge. Blur, levels and noise are estimated from each frame unless given here.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct GaugeSettings {
+    /// Whether the part is darker or brighter than its surroundings.
+    pub polarity: Polarity,
+    /// Smallest shadow taken for a part, px across; anything smaller is dirt. At least 4.
+    pub min_diameter_px: f64,
+    /// Least contrast A/σ_n at mid-edge for which edges are measured. At least 4.
+    pub min_snr: f64,
+    /// Steepest edge measured, as |d row / d column|. Above 0, at most 3.
+    pub max_slope: f64,
+    /// Probability that a good column fails the residual test. 1e-12 ..= 0.01.
+    pub residual_false_alarm: f64,
+    /// Largest departure of an edge from its neighbours' local line, px, beyond six standard uncertainties.
+    /// It must exceed the roughness of the surfaces measured. Above 0.
+    pub outlier_px: f64,
+    /// How bright and dark levels are found.
+    pub levels: Levels,
+    /// How the edge blur is found.
+    pub blur: Blur,
+    /// How the noise is found.
+    pub noise: Noise,
+    /// What a station needs to be given a diameter.
+    pub station: StationSettings,
+}
+
+impl Default for GaugeSettings {
+    fn default() -> Self {
+        Self {
+            polarity: Polarity::DarkOnBright,
+            min_diameter_px: 24.0,
+            min_snr: 6.0,
+            max_slope: 1.0,
+            residual_false_alarm: 1e-5,
+            outlier_px: 1.5,
+            levels: Levels::default(),
+            blur: Blur::default(),
+            noise: Noise::default(),
+            station: StationSettings::default(),
+        }
+    }
+}
+
+/// Which side of the edge is the part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Polarity {
+    /// A shadow in back light.
+    #[default]
+    DarkOnBright,
+    /// A lit part before a dark ground.
+    BrightOnDark,
+}
+
+/// Levels of light and shadow beside each edge.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Levels {
+    /// A piecewise linear curve along the shaft with as many knots as the frame's own data support.
+    Pooled {
+        /// Most knots tried. 2 ..= 64.
+        max_knots: usize,
+    },
+    /// Every column by itself: costs 12-19 % in uncertainty, assumes nothing.
+    PerColumn {},
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self::Pooled { max_knots: 64 }
+    }
+}
+
+/// Blur of the edge (standard deviation of its Gaussian part, without the pixel's own area).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Blur {
+    /// From the frame, smoothly along the shaft where the data support it.
+    Estimated {},
+    /// Known beforehand.
+    Given {
+        /// Standard deviation, px. 0.2 ..= 6.
+        sigma_px: f64,
+    },
+}
+
+impl Default for Blur {
+    fn default() -> Self {
+        Self::Estimated {}
+    }
+}
+
+/// Temporal noise of the sensor as a function of the grey level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Noise {
+    /// Variance in light and in shadow from the frame's own flat regions, linear in between.
+    Estimated {},
+    /// From a photon transfer measurement (EMVA 1288): variance = gain·(level − black) + read².
+    PhotonTransfer {
+        /// System gain K, counts per electron. Above 0.
+        gain_counts_per_electron: f64,
+        /// Noise at black, counts, quantisation included. Above 0.
+        read_noise_counts: f64,
+        /// Grey value without light, counts.
+        black_counts: f64,
+    },
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self::Estimated {}
+    }
+}
+
+/// What a station needs to be given a diameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StationSettings {
+    /// Least fraction of the station's columns that must be measured, averaged over its frames. Above 0, at most 1.
+    pub min_fill: f64,
+    /// Least number of spindle angles. At least 1.
+    pub min_angles: usize,
+}
+
+impl Default for StationSettings {
+    fn default() -> Self {
+        Self { min_fill: 0.25, min_angles: 1 }
+    }
+}
+
+/// A `[gauge]` value out of its range.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("gauge.{key} = {value} is out of range; right would be {right}")]
+pub struct GaugeSettingsError {
+    /// The key, dotted, below `[gauge]`.
+    pub key: &'static str,
+    /// The value found.
+    pub value: f64,
+    /// What would be right.
+    pub right: &'static str,
+}
+
+impl GaugeSettings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first key out of its range and what would be right.
+    pub fn validate(&self) -> Result<(), GaugeSettingsError> {
+        within("min_diameter_px", self.min_diameter_px, 4.0, 1e5, "4 or more pixels")?;
+        within("min_snr", self.min_snr, 4.0, 1e6, "4 or more")?;
+        within("max_slope", self.max_slope, 1e-3, 3.0, "0.001 to 3")?;
+        within("residual_false_alarm", self.residual_false_alarm, 1e-12, 0.01, "1e-12 to 0.01")?;
+        within("outlier_px", self.outlier_px, 1e-3, 1e4, "a departure in pixels above 0.001")?;
+        within("station.min_fill", self.station.min_fill, 1e-6, 1.0, "a fraction above 0, at most 1")?;
+        within("station.min_angles", self.station.min_angles as f64, 1.0, 1e9, "1 or more")?;
+        if let Levels::Pooled { max_knots } = self.levels {
+            within("levels.pooled.max_knots", max_knots as f64, 2.0, 64.0, "2 to 64")?;
+        }
+        if let Blur::Given { sigma_px } = self.blur {
+            within("blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
+        }
+        self.noise.validate()
+    }
+}
+
+impl Noise {
+    fn validate(self) -> Result<(), GaugeSettingsError> {
+        let Self::PhotonTransfer { gain_counts_per_electron: gain, read_noise_counts: read, black_counts } =
+            self
+        else {
+            return Ok(());
+        };
+        let above = "above 0";
+        within("noise.photon_transfer.gain_counts_per_electron", gain, 1e-9, 1e6, above)?;
+        within("noise.photon_transfer.read_noise_counts", read, 1e-9, 1e6, above)?;
+        within("noise.photon_transfer.black_counts", black_counts, -1e6, 1e6, "a grey value")
+    }
+}
+
+fn within(
+    key: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+    right: &'static str,
+) -> Result<(), GaugeSettingsError> {
+    if value.is_finite() && (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(GaugeSettingsError { key, value, right })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_survive_toml() {
+        let settings = GaugeSettings::default();
+        settings.validate().unwrap();
+        let text = toml::to_string(&settings).unwrap();
+        assert_eq!(toml::from_str::<GaugeSettings>(&text).unwrap(), settings);
+    }
+
+    #[test]
+    fn a_wrong_value_is_named_and_an_unknown_key_refused() {
+        let settings = GaugeSettings { min_snr: 0.5, ..GaugeSettings::default() };
+        assert_eq!(settings.validate().unwrap_err().key, "min_snr");
+        assert!(toml::from_str::<GaugeSettings>("sigma = 1.0").is_err());
+        let given: GaugeSettings = toml::from_str("[blur.given]\nsigma_px = 0.9").unwrap();
+        assert_eq!(given.blur, Blur::Given { sigma_px: 0.9 });
+    }
+}

@@ -1,0 +1,438 @@
+//! A job: the part, the scan, the masters and the settings of every stage, checked as a whole.
+//!
+//! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
+//! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::control::{ControlError, ControlSettings};
+use crate::gauge::GaugeSettings;
+use crate::plan::{CuttingData, PassPlan, ScanPlan};
+use crate::process::ProcessSettings;
+use crate::render::RenderError;
+use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::shaft::ShaftForm;
+
+/// A setting that cannot be right, with the dotted key it stands under.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{key}: {problem}")]
+pub struct JobError {
+    /// Dotted key as in the TOML file, e.g. `optics.magnification`.
+    pub key: String,
+    /// What is wrong and what would be right.
+    pub problem: String,
+}
+
+impl JobError {
+    /// An error at `key`.
+    pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: problem.into() }
+    }
+}
+
+/// Diameter tolerance of the finished part: lower and upper limit deviation from the nominal size (ISO 286-1).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Nominal size, mm.
+    pub nominal_mm: f64,
+    /// Upper limit deviation (es), mm.
+    pub upper_mm: f64,
+    /// Lower limit deviation (ei), mm.
+    pub lower_mm: f64,
+}
+
+impl Tolerance {
+    /// Whether a diameter lies within the limits.
+    pub fn contains(&self, d_mm: f64) -> bool {
+        (self.nominal_mm + self.lower_mm..=self.nominal_mm + self.upper_mm).contains(&d_mm)
+    }
+}
+
+/// The part and its passes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Part {
+    /// Length from the chuck face to the tailstock, mm.
+    pub length_mm: f64,
+    /// Diameter of the stock before the first pass, mm.
+    pub stock_diameter_mm: f64,
+    /// Nominal diameter r(k) of every pass, mm, falling.
+    pub nominal_diameter_mm: Vec<f64>,
+    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm.
+    pub aim_mm: f64,
+    /// Length of a station, mm.
+    pub station_mm: f64,
+    /// Tolerance of the finished part; without one no verdict is given.
+    pub tolerance: Option<Tolerance>,
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Self {
+            length_mm: 500.0,
+            stock_diameter_mm: 27.0,
+            nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
+            aim_mm: -0.0065,
+            station_mm: 5.0,
+            tolerance: Some(Tolerance { nominal_mm: 25.0, upper_mm: 0.0, lower_mm: -0.013 }),
+        }
+    }
+}
+
+impl Part {
+    /// Number of passes.
+    pub fn passes(&self) -> usize {
+        self.nominal_diameter_mm.len()
+    }
+
+    /// What pass `pass` (from 1) aims at, mm: its nominal, the last one with the aim added.
+    pub fn target_mm(&self, pass: u32) -> f64 {
+        let index = (pass as usize).saturating_sub(1).min(self.passes().saturating_sub(1));
+        let aim = if index + 1 == self.passes() { self.aim_mm } else { 0.0 };
+        self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
+    }
+
+    /// Middles of the stations, mm from the chuck face; a rest shorter than a station at the end is left out.
+    pub fn station_z_mm(&self) -> Vec<f64> {
+        let count = (self.length_mm / self.station_mm + 1e-9).floor() as usize;
+        (0..count).map(|i| (i as f64 + 0.5) * self.station_mm).collect()
+    }
+
+    fn check(&self) -> Result<(), JobError> {
+        positive("part.length_mm", self.length_mm)?;
+        positive("part.stock_diameter_mm", self.stock_diameter_mm)?;
+        positive("part.station_mm", self.station_mm)?;
+        if self.station_mm > self.length_mm {
+            return Err(JobError::at(
+                "part.station_mm",
+                format!(
+                    "a station of {} mm is longer than the part ({} mm)",
+                    self.station_mm, self.length_mm
+                ),
+            ));
+        }
+        if self.length_mm / self.station_mm > 1e5 {
+            return Err(JobError::at(
+                "part.station_mm",
+                "gives more than 100 000 stations; 1 to 10 mm is usual",
+            ));
+        }
+        if self.nominal_diameter_mm.is_empty() {
+            return Err(JobError::at("part.nominal_diameter_mm", "is empty; give the diameter of each pass"));
+        }
+        let mut before = self.stock_diameter_mm;
+        for (index, &nominal) in self.nominal_diameter_mm.iter().enumerate() {
+            let key = format!("part.nominal_diameter_mm[{index}]");
+            positive(&key, nominal)?;
+            if nominal >= before {
+                return Err(JobError::at(
+                    key,
+                    format!("{nominal} mm does not remove material from {before} mm; diameters must fall"),
+                ));
+            }
+            before = nominal;
+        }
+        match self.tolerance {
+            Some(t) if t.lower_mm >= t.upper_mm => Err(JobError::at(
+                "part.tolerance.lower_mm",
+                format!("{} mm must lie below upper_mm = {} mm", t.lower_mm, t.upper_mm),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How the camera scans the part after a pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scan {
+    /// Positions of the carriage along z; together their fields must cover the part.
+    pub fields: usize,
+    /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
+    pub angles: usize,
+}
+
+impl Default for Scan {
+    fn default() -> Self {
+        Self { fields: 14, angles: 8 }
+    }
+}
+
+/// A master pin with its certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MasterPin {
+    /// Certified diameter at 20 °C, mm.
+    pub diameter_mm: f64,
+    /// Expanded uncertainty U of the certificate, mm.
+    pub expanded_u_mm: f64,
+    /// Coverage factor k of U.
+    #[serde(default = "two")]
+    pub coverage_factor: f64,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+/// How the gauge is calibrated at the start of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Masters {
+    /// Two or more pins of different diameter.
+    pub pins: Vec<MasterPin>,
+    /// Frames taken of each pin.
+    pub frames_each: usize,
+}
+
+impl Default for Masters {
+    fn default() -> Self {
+        let pin = |diameter_mm| MasterPin { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
+        Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8 }
+    }
+}
+
+/// Everything one run needs. The top-level tables of a config file are its fields.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Job {
+    /// Name for reports.
+    pub name: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The part and its passes.
+    pub part: Part,
+    /// Cutting data of every pass.
+    pub cutting: CuttingData,
+    /// Fields and angles.
+    pub scan: Scan,
+    /// Master pins.
+    pub masters: Masters,
+    /// Form errors of the shaft, as set up in the machine.
+    pub shaft: ShaftForm,
+    /// Camera geometry.
+    pub camera: Camera,
+    /// Lens.
+    pub optics: Optics,
+    /// Backlight.
+    pub light: Light,
+    /// Sensor.
+    pub sensor: Sensor,
+    /// How far the true optics and sensor may lie from their nominal values (drawn by seed).
+    pub departures: Departures,
+    /// The turning process.
+    pub process: ProcessSettings,
+    /// The gauge.
+    pub gauge: GaugeSettings,
+    /// The controller.
+    pub control: ControlSettings,
+}
+
+impl Default for Job {
+    fn default() -> Self {
+        Self {
+            name: "slender shaft".to_owned(),
+            seed: 1,
+            part: Part::default(),
+            cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },
+            scan: Scan::default(),
+            masters: Masters::default(),
+            shaft: ShaftForm::default(),
+            camera: Camera::default(),
+            optics: Optics::default(),
+            light: Light::default(),
+            sensor: Sensor::default(),
+            departures: Departures::default(),
+            process: ProcessSettings::default(),
+            gauge: GaugeSettings::default(),
+            control: ControlSettings::default(),
+        }
+    }
+}
+
+impl Job {
+    /// The bench of the simulator, put together.
+    pub fn bench_settings(&self) -> BenchSettings {
+        BenchSettings {
+            camera: self.camera.clone(),
+            optics: self.optics.clone(),
+            light: self.light.clone(),
+            sensor: self.sensor.clone(),
+            departures: self.departures.clone(),
+        }
+    }
+
+    /// Plan of pass `pass` (from 1) with the given offsets.
+    pub fn pass_plan(&self, pass: u32, offset: crate::plan::DiameterOffset) -> PassPlan {
+        PassPlan {
+            pass,
+            nominal_mm: self.part.target_mm(pass),
+            cutting: self.cutting,
+            station_z_mm: self.part.station_z_mm(),
+            offset,
+        }
+    }
+
+    /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over half a turn.
+    pub fn scan_plan(&self) -> ScanPlan {
+        let half = self.field_length_mm() / 2.0;
+        let (first, last) = (
+            half.min(self.part.length_mm / 2.0),
+            (self.part.length_mm - half).max(self.part.length_mm / 2.0),
+        );
+        let steps = self.scan.fields.saturating_sub(1).max(1) as f64;
+        let field_z_mm = match self.scan.fields {
+            1 => vec![self.part.length_mm / 2.0],
+            n => (0..n).map(|i| first + (last - first) * i as f64 / steps).collect(),
+        };
+        let angle_deg = (0..self.scan.angles).map(|i| 180.0 * i as f64 / self.scan.angles as f64).collect();
+        ScanPlan { field_z_mm, angle_deg }
+    }
+
+    /// Length along z that one frame shows, mm, by the nominal magnification; a little less than the whole field, so that
+    /// fields overlap whatever the true magnification.
+    pub fn field_length_mm(&self) -> f64 {
+        0.97 * f64::from(self.camera.columns) * self.nominal_mm_per_px()
+    }
+
+    /// Height of the field, mm, by the nominal magnification.
+    pub fn field_height_mm(&self) -> f64 {
+        f64::from(self.camera.rows) * self.nominal_mm_per_px()
+    }
+
+    fn nominal_mm_per_px(&self) -> f64 {
+        self.bench_settings().nominal_pixel_mm()
+    }
+
+    fn check_stages(&self) -> Result<(), JobError> {
+        self.bench_settings().check().map_err(from_render)?;
+        self.gauge.validate().map_err(|e| {
+            JobError::at(
+                format!("gauge.{}", e.key),
+                format!("{} is out of range; right would be {}", e.value, e.right),
+            )
+        })?;
+        self.process.validate().map_err(|e| {
+            JobError::at(format!("process.{}", e.key), format!("{} must be {}", e.value, e.must_be))
+        })?;
+        self.control.validate().map_err(from_control)
+    }
+
+    /// Checks every stage's settings and how they fit together.
+    ///
+    /// # Errors
+    /// The first setting that cannot be right.
+    pub fn check(&self) -> Result<(), JobError> {
+        self.part.check()?;
+        positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
+        positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
+        self.check_stages()?;
+        self.check_scan()?;
+        self.check_masters()
+    }
+
+    fn check_scan(&self) -> Result<(), JobError> {
+        if self.scan.fields == 0 || self.scan.fields > 100_000 {
+            return Err(JobError::at("scan.fields", "must be between 1 and 100 000"));
+        }
+        if self.scan.angles == 0 || self.scan.angles > 100_000 {
+            return Err(JobError::at("scan.angles", "must be between 1 and 100 000"));
+        }
+        let height = self.field_height_mm();
+        if self.part.stock_diameter_mm > 0.97 * height {
+            return Err(JobError::at(
+                "part.stock_diameter_mm",
+                format!(
+                    "a shaft of {} mm does not fit the field of {height:.2} mm ({} rows at {:.3} µm); at most {:.2} mm, or lower optics.magnification",
+                    self.part.stock_diameter_mm,
+                    self.camera.rows,
+                    self.nominal_mm_per_px() * 1e3,
+                    0.97 * height
+                ),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Whether the fields cover the part: needed by a run, not by `render`.
+    ///
+    /// # Errors
+    /// Names the number of fields that would be enough.
+    pub fn check_coverage(&self) -> Result<(), JobError> {
+        let needed = (self.part.length_mm / self.field_length_mm()).ceil() as usize;
+        if self.scan.fields < needed {
+            return Err(JobError::at(
+                "scan.fields",
+                format!(
+                    "{} fields of {:.1} mm leave gaps on a part of {} mm; at least {needed}",
+                    self.scan.fields,
+                    self.field_length_mm(),
+                    self.part.length_mm
+                ),
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_masters(&self) -> Result<(), JobError> {
+        if self.masters.frames_each == 0 {
+            return Err(JobError::at("masters.frames_each", "must be at least 1"));
+        }
+        if self.masters.pins.len() < 2 {
+            return Err(JobError::at(
+                "masters.pins",
+                "scale and edge offset need two pins of different diameter",
+            ));
+        }
+        for (index, pin) in self.masters.pins.iter().enumerate() {
+            let key = format!("masters.pins[{index}]");
+            positive(&format!("{key}.diameter_mm"), pin.diameter_mm)?;
+            positive(&format!("{key}.expanded_u_mm"), pin.expanded_u_mm)?;
+            positive(&format!("{key}.coverage_factor"), pin.coverage_factor)?;
+            if pin.diameter_mm > 0.97 * self.field_height_mm() {
+                return Err(JobError::at(
+                    format!("{key}.diameter_mm"),
+                    format!(
+                        "a pin of {} mm does not fit the field of {:.2} mm",
+                        pin.diameter_mm,
+                        self.field_height_mm()
+                    ),
+                ));
+            }
+        }
+        let least = self.masters.pins.iter().map(|p| p.diameter_mm).fold(f64::INFINITY, f64::min);
+        let most = self.masters.pins.iter().map(|p| p.diameter_mm).fold(0.0, f64::max);
+        if most - least < 0.01 * most {
+            return Err(JobError::at(
+                "masters.pins",
+                "the pins must differ by 1 % in diameter to separate scale from edge offset",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn from_render(error: RenderError) -> JobError {
+    match error {
+        RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
+        other => JobError::at("optics", other.to_string()),
+    }
+}
+
+fn from_control(error: ControlError) -> JobError {
+    match error {
+        ControlError::Setting { key, value, right } => JobError::at(key, format!("{value} must be {right}")),
+        other => JobError::at("control", other.to_string()),
+    }
+}
+
+fn positive(key: &str, value: f64) -> Result<(), JobError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(JobError::at(key, format!("{value} must be a positive number")))
+    }
+}

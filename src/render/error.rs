@@ -1,0 +1,60 @@
+//! What the renderer refuses and what can fail under it.
+
+use thiserror::Error;
+
+/// Errors of the render stage.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A setting outside its range.
+    #[error("{key} = {found}: {right}")]
+    Setting {
+        /// Dotted key of the setting, as written in a config.
+        key: &'static str,
+        /// The value found.
+        found: String,
+        /// What would be right.
+        right: String,
+    },
+    /// The shaft does not fit the field of view.
+    #[error("{what}")]
+    Field {
+        /// What sticks out, by how much, and what would fit.
+        what: String,
+    },
+    /// The shaft cannot be drawn.
+    #[error("shaft: {what}")]
+    Shaft {
+        /// What is wrong with it and what would be right.
+        what: String,
+    },
+    /// No adapter of the kind asked for.
+    #[error("no {wanted} adapter: {why}; `doctor` lists what is missing, `--backend cpu` needs none")]
+    NoAdapter {
+        /// The backend asked for.
+        wanted: &'static str,
+        /// What the driver answered.
+        why: String,
+    },
+    /// The device refused or was lost.
+    #[error("the rendering device failed: {what}")]
+    Device {
+        /// What the driver answered.
+        what: String,
+    },
+}
+
+impl RenderError {
+    /// A setting refused.
+    pub(crate) fn setting(key: &'static str, found: impl ToString, right: impl Into<String>) -> Self {
+        Self::Setting { key, found: found.to_string(), right: right.into() }
+    }
+}
+
+/// Refuses a number that is not finite or lies outside `low..=high`.
+pub(crate) fn within(key: &'static str, value: f64, low: f64, high: f64) -> Result<(), RenderError> {
+    if value.is_finite() && (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(RenderError::setting(key, value, format!("must lie in {low} to {high}")))
+}

@@ -1,0 +1,243 @@
+//! What a user sets about camera, optics, light and sensor: the nominal bench.
+//!
+//! The true bench differs from it by seeded amounts ([`Departures`]) that only `truth` knows; the gauge gets frames
+//! and has to calibrate. Levels are grey values in counts, electrons follow from them by the sensor's gain.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::error::{RenderError, within};
+use crate::frame::PixelFormat;
+
+/// The pixel matrix and its timing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Pixels along the spindle axis.
+    pub columns: u32,
+    /// Pixels across it.
+    pub rows: u32,
+    /// Pixel pitch on the sensor, µm.
+    pub pixel_um: f64,
+    /// Exposure time, µs.
+    pub exposure_us: f64,
+    /// Time from one frame to the next, ms.
+    pub frame_period_ms: f64,
+}
+
+impl Default for Camera {
+    /// A 2/3" sensor of 2448 × 2048 pixels of 3.45 µm.
+    fn default() -> Self {
+        Self { columns: 2448, rows: 2048, pixel_um: 3.45, exposure_us: 50.0, frame_period_ms: 28.0 }
+    }
+}
+
+impl Camera {
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self) -> Result<(), RenderError> {
+        within("camera.columns", f64::from(self.columns), 1.0, 16384.0)?;
+        within("camera.rows", f64::from(self.rows), 1.0, 16384.0)?;
+        within("camera.pixel_um", self.pixel_um, 0.1, 100.0)?;
+        within("camera.exposure_us", self.exposure_us, 0.001, 1e7)?;
+        within("camera.frame_period_ms", self.frame_period_ms, 0.001, 1e6)
+    }
+}
+
+/// Lens and edge spread.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Optics {
+    /// Lateral magnification of the telecentric lens, image size over object size.
+    pub magnification: f64,
+    /// How light passes into shadow.
+    pub esf: Esf,
+}
+
+impl Default for Optics {
+    /// Ø25 fills 80 % of 2048 rows: 15.26 µm a pixel on the object.
+    fn default() -> Self {
+        Self { magnification: 0.226, esf: Esf::default() }
+    }
+}
+
+impl Optics {
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self) -> Result<(), RenderError> {
+        within("optics.magnification", self.magnification, 1e-3, 100.0)?;
+        match &self.esf {
+            Esf::Gaussian(g) => within("optics.esf.gaussian.sigma_px", g.sigma_px, 0.25, 20.0),
+        }
+    }
+}
+
+/// The family of the edge-spread function. One table in the config: `[optics.esf.gaussian]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum Esf {
+    /// Gaussian blur.
+    Gaussian(GaussianEsf),
+}
+
+impl Default for Esf {
+    fn default() -> Self {
+        Self::Gaussian(GaussianEsf::default())
+    }
+}
+
+/// A Gaussian line-spread function; the pixel's area comes on top of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct GaussianEsf {
+    /// Standard deviation of the blur in the image, px.
+    pub sigma_px: f64,
+}
+
+impl Default for GaussianEsf {
+    fn default() -> Self {
+        Self { sigma_px: 1.2 }
+    }
+}
+
+/// Mean grey values of field and shadow.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Light {
+    /// Mean grey value of the bright field, counts.
+    pub bright_counts: f64,
+    /// Mean grey value in the shadow (black level + stray light), counts.
+    pub shadow_counts: f64,
+}
+
+impl Default for Light {
+    /// Three quarters of a 12-bit scale, stray light of 1.5 %.
+    fn default() -> Self {
+        Self { bright_counts: 3100.0, shadow_counts: 110.0 }
+    }
+}
+
+impl Light {
+    /// Checks every value against its range and the sensor's scale.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self, sensor: &Sensor) -> Result<(), RenderError> {
+        within("light.shadow_counts", self.shadow_counts, sensor.black_level_counts, 65535.0)?;
+        let full = f64::from(sensor.format.full_scale().unwrap_or(u16::MAX));
+        within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)
+    }
+}
+
+/// From photons to counts (EMVA 1288 4.0: K is the system gain, its inverse is set here).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sensor {
+    /// Pixel format; full scale follows from it.
+    pub format: PixelFormat,
+    /// Electrons a count stands for, 1/K.
+    pub electrons_per_count: f64,
+    /// Temporal dark noise σ_d, electrons.
+    pub read_noise_e: f64,
+    /// Grey value without a single electron, counts.
+    pub black_level_counts: f64,
+}
+
+impl Default for Sensor {
+    /// A 12-bit global-shutter CMOS sensor with 10 500 electrons full well.
+    fn default() -> Self {
+        Self {
+            format: PixelFormat::Mono12,
+            electrons_per_count: 2.6,
+            read_noise_e: 2.4,
+            black_level_counts: 64.0,
+        }
+    }
+}
+
+impl Sensor {
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self) -> Result<(), RenderError> {
+        within("sensor.electrons_per_count", self.electrons_per_count, 1e-4, 1e5)?;
+        within("sensor.read_noise_e", self.read_noise_e, 0.0, 1e4)?;
+        within("sensor.black_level_counts", self.black_level_counts, 0.0, 65535.0)
+    }
+}
+
+/// How far the true bench may lie from the nominal one: standard deviations of the seeded draws.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Departures {
+    /// Relative standard deviation of the magnification.
+    pub magnification_rel: f64,
+    /// Relative standard deviation of the blur.
+    pub blur_rel: f64,
+    /// Relative standard deviation of the electrons per count.
+    pub gain_rel: f64,
+}
+
+impl Default for Departures {
+    fn default() -> Self {
+        Self { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 }
+    }
+}
+
+impl Departures {
+    /// A bench exactly as its nominal values say.
+    pub fn none() -> Self {
+        Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self) -> Result<(), RenderError> {
+        within("departures.magnification_rel", self.magnification_rel, 0.0, 0.1)?;
+        within("departures.blur_rel", self.blur_rel, 0.0, 0.2)?;
+        within("departures.gain_rel", self.gain_rel, 0.0, 0.2)
+    }
+}
+
+/// Everything a user sets about the bench.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct BenchSettings {
+    /// The pixel matrix.
+    pub camera: Camera,
+    /// Lens and edge spread.
+    pub optics: Optics,
+    /// Levels.
+    pub light: Light,
+    /// Photons to counts.
+    pub sensor: Sensor,
+    /// Distance of the true bench from the nominal one.
+    pub departures: Departures,
+}
+
+impl BenchSettings {
+    /// Checks every part.
+    ///
+    /// # Errors
+    /// Names the key that is wrong and what would be right.
+    pub fn check(&self) -> Result<(), RenderError> {
+        self.camera.check()?;
+        self.optics.check()?;
+        self.sensor.check()?;
+        self.light.check(&self.sensor)?;
+        self.departures.check()
+    }
+
+    /// Nominal size of a pixel on the object, mm.
+    pub fn nominal_pixel_mm(&self) -> f64 {
+        self.camera.pixel_um * 1e-3 / self.optics.magnification
+    }
+}

@@ -1,0 +1,263 @@
+//! Line and scatter charts as SVG text, in one look for all reports.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::ValueFormatter;
+use plotters::prelude::*;
+
+/// Colours that stay apart for colour-blind readers (Okabe and Ito), in order of use.
+pub const PALETTE: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(60, 60, 60),
+];
+
+const WIDTH: u32 = 860;
+const HEIGHT: u32 = 380;
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A line through the points.
+    Line,
+    /// A thin, pale line: context.
+    Faint,
+    /// A dashed line: a limit or a reference.
+    Dashed,
+    /// Dots.
+    Dots,
+    /// A line with dots.
+    LineDots,
+}
+
+/// One series of a chart. Points that are not finite break a line.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name in the legend; empty for none.
+    pub name: String,
+    /// Points (x, y).
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Index into [`PALETTE`], wrapping.
+    pub colour: usize,
+}
+
+impl Series {
+    /// A series.
+    pub fn new(name: impl Into<String>, mark: Mark, colour: usize, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), points, mark, colour }
+    }
+}
+
+/// A chart over linear x and linear or logarithmic y.
+#[derive(Clone, Debug, Default)]
+pub struct Chart {
+    /// Caption above the axes; empty for none.
+    pub title: String,
+    /// Label of the x axis, with its unit.
+    pub x_label: String,
+    /// Label of the y axis, with its unit.
+    pub y_label: String,
+    /// What is drawn, back to front.
+    pub series: Vec<Series>,
+    /// A shaded band (y from, y to), such as a tolerance.
+    pub band: Option<(f64, f64)>,
+    /// Whether y is logarithmic (points at or below 0 are left out).
+    pub log_y: bool,
+    /// Limits of y; from the data where absent.
+    pub y_range: Option<(f64, f64)>,
+}
+
+impl Chart {
+    /// The chart as an `<svg>` element.
+    ///
+    /// # Errors
+    /// Where the drawing fails, as text.
+    pub fn to_svg(&self) -> Result<String, String> {
+        let mut svg = String::new();
+        {
+            let root = SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT)).into_drawing_area();
+            let drawn = if self.log_y { self.draw_log(&root) } else { self.draw_linear(&root) };
+            drawn.and_then(|()| root.present().map_err(|e| e.to_string()))?;
+        }
+        Ok(svg)
+    }
+
+    fn draw_linear(&self, root: &Area<'_>) -> Result<(), String> {
+        let (x, y) = self.ranges(false);
+        let mut builder = self.builder(root);
+        let mut chart = builder.build_cartesian_2d(x.clone(), y).map_err(|e| e.to_string())?;
+        self.mesh(&mut chart)?;
+        self.fill(&mut chart, &x)
+    }
+
+    fn draw_log(&self, root: &Area<'_>) -> Result<(), String> {
+        let (x, y) = self.ranges(true);
+        let mut builder = self.builder(root);
+        let mut chart = builder.build_cartesian_2d(x.clone(), y.log_scale()).map_err(|e| e.to_string())?;
+        self.mesh(&mut chart)?;
+        self.fill(&mut chart, &x)
+    }
+
+    fn builder<'a, 'b>(&self, root: &'a Area<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+        let mut builder = ChartBuilder::on(root);
+        builder.margin(12).x_label_area_size(42).y_label_area_size(66);
+        if !self.title.is_empty() {
+            builder.caption(&self.title, ("sans-serif", 17));
+        }
+        builder
+    }
+
+    fn mesh<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>) -> Result<(), String>
+    where
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+    {
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .light_line_style(WHITE)
+            .bold_line_style(BLACK.mix(0.1))
+            .label_style(("sans-serif", 13))
+            .axis_desc_style(("sans-serif", 14))
+            .x_label_formatter(&|v| tidy(*v))
+            .y_label_formatter(&|v| tidy(*v))
+            .draw()
+            .map_err(|e| e.to_string())
+    }
+
+    fn fill<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>, x: &Range<f64>) -> Result<(), String>
+    where
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+    {
+        if let Some((low, high)) = self.band {
+            let shade = Rectangle::new([(x.start, low), (x.end, high)], PALETTE[2].mix(0.15).filled());
+            chart.draw_series(std::iter::once(shade)).map_err(|e| e.to_string())?;
+        }
+        for series in &self.series {
+            self.draw_one(chart, series)?;
+        }
+        if self.series.iter().any(|s| !s.name.is_empty()) {
+            chart
+                .configure_series_labels()
+                .background_style(WHITE.mix(0.85))
+                .border_style(BLACK.mix(0.2))
+                .label_font(("sans-serif", 13))
+                .position(SeriesLabelPosition::UpperRight)
+                .draw()
+                .map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    }
+
+    fn draw_one<'a, 'b: 'a, Y>(&self, chart: &mut Axes<'a, 'b, Y>, series: &Series) -> Result<(), String>
+    where
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+    {
+        let colour = PALETTE[series.colour % PALETTE.len()];
+        let style = match series.mark {
+            Mark::Faint => colour.mix(0.35).stroke_width(1),
+            Mark::Dashed => colour.stroke_width(1),
+            _ => colour.stroke_width(2),
+        };
+        let usable = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
+        let mut legend = (!series.name.is_empty()).then_some(series.name.as_str());
+        if series.mark != Mark::Dots {
+            for run in series.points.split(|p| !usable(p)).filter(|run| !run.is_empty()) {
+                let points = run.iter().copied();
+                let drawn = if series.mark == Mark::Dashed {
+                    chart.draw_series(DashedLineSeries::new(points, 6, 4, style))
+                } else {
+                    chart.draw_series(LineSeries::new(points, style))
+                };
+                let annotation = drawn.map_err(|e| e.to_string())?;
+                if let Some(name) = legend.take() {
+                    annotation
+                        .label(name)
+                        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+                }
+            }
+        }
+        if matches!(series.mark, Mark::Dots | Mark::LineDots) {
+            let radius = if series.points.len() > 150 { 1 } else { 3 };
+            let dots =
+                series.points.iter().filter(|p| usable(p)).map(|&p| Circle::new(p, radius, colour.filled()));
+            let annotation = chart.draw_series(dots).map_err(|e| e.to_string())?;
+            if let Some(name) = legend.take() {
+                annotation.label(name).legend(move |(x, y)| Circle::new((x + 9, y), 3, colour.filled()));
+            }
+        }
+        Ok(())
+    }
+
+    fn ranges(&self, log: bool) -> (Range<f64>, Range<f64>) {
+        let points = || {
+            self.series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0.is_finite() && p.1.is_finite())
+        };
+        let (x0, x1) = extent(points().map(|p| p.0));
+        if let Some((low, high)) = self.y_range {
+            return (x0..x1, low..high);
+        }
+        let ys = points().map(|p| p.1).filter(|&y| !log || y > 0.0);
+        let (y0, y1) = extent(ys.chain(self.band.into_iter().flat_map(|(a, b)| [a, b])));
+        if log {
+            return (x0..x1, y0 / 1.6..y1 * 1.6);
+        }
+        let pad = 0.06 * (y1 - y0);
+        (x0..x1, y0 - pad..y1 + pad)
+    }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Axes<'a, 'b, Y> =
+    ChartContext<'a, SVGBackend<'b>, Cartesian2d<plotters::coord::types::RangedCoordf64, Y>>;
+
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    match (low.is_finite(), high > low) {
+        (false, _) => (0.0, 1.0),
+        (true, true) => (low, high),
+        (true, false) => (low - 0.5 * low.abs().max(1e-9), high + 0.5 * high.abs().max(1e-9)),
+    }
+}
+
+/// A number with as many digits as a reader needs.
+fn tidy(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chart_names_its_axes_and_breaks_lines_at_gaps() {
+        let points = vec![(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 3.0)];
+        let chart = Chart {
+            x_label: "z / mm".into(),
+            y_label: "e / µm".into(),
+            series: vec![Series::new("measured", Mark::Line, 0, points)],
+            ..Chart::default()
+        };
+        let svg = chart.to_svg().unwrap();
+        assert!(svg.contains("z / mm") && svg.contains("e / µm") && svg.contains("measured"));
+        let log = Chart { log_y: true, ..chart }.to_svg().unwrap();
+        assert_ne!(log, svg);
+    }
+
+    #[test]
+    fn tidy_numbers() {
+        assert_eq!(["0", "0.5", "-2", "1e-5"], [0.0, 0.5, -2.0, 1e-5].map(tidy).map(|s| s.leak() as &str));
+    }
+}

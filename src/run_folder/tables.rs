@@ -1,0 +1,184 @@
+//! The CSV tables of a run folder.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{RunFolder, RunFolderError};
+use crate::plan::DiameterOffset;
+use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
+
+/// A row of `passes.csv`: one finished pass. The `true_` columns are for comparison only.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PassRow {
+    /// Pass, from 1.
+    pub pass: u32,
+    /// What the pass aimed at, mm.
+    pub nominal_mm: f64,
+    /// Largest |measured - nominal| over stations, mm.
+    pub max_abs_error_mm: f64,
+    /// Root mean square of measured - nominal, mm.
+    pub rms_error_mm: f64,
+    /// Largest |true - nominal|, mm.
+    pub true_max_abs_error_mm: f64,
+    /// Largest |measured - true|, mm.
+    pub worst_measured_minus_true_mm: f64,
+    /// Rms over stations of (measured - true)/u.
+    pub rms_error_over_u: f64,
+    /// Stations with a reading.
+    pub stations_measured: usize,
+    /// Frames measured.
+    pub frames: usize,
+    /// What control decided after the pass: `released`, `held` or `last`.
+    pub decision: String,
+}
+
+/// A row of `stations.csv`: what the gauge believes of one station after a pass, and the truth beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StationRow {
+    /// Pass, from 1.
+    pub pass: u32,
+    /// Middle of the station, mm.
+    pub z_mm: f64,
+    /// Mean caliper diameter, mm; empty for a gap.
+    pub d_mm: Option<f64>,
+    /// Random standard uncertainty, mm.
+    pub u_random_mm: Option<f64>,
+    /// Common standard uncertainty, mm.
+    pub u_common_mm: Option<f64>,
+    /// Reason of a gap.
+    pub flag: Option<Reason>,
+    /// True mean caliper diameter, mm.
+    pub true_d_mm: f64,
+}
+
+impl StationRow {
+    /// The row of a station.
+    pub fn new(pass: u32, station: &Station, true_d_mm: f64) -> Self {
+        let value = station.reading.value();
+        Self {
+            pass,
+            z_mm: station.z_mm,
+            d_mm: value.map(|d| d.d_mm),
+            u_random_mm: value.map(|d| d.u_random_mm),
+            u_common_mm: value.map(|d| d.u_common_mm),
+            flag: match station.reading {
+                Reading::Gap(reason) => Some(reason),
+                Reading::Value(_) => None,
+            },
+            true_d_mm,
+        }
+    }
+
+    /// The measured station, without the truth.
+    pub fn station(&self) -> Station {
+        let reading = match (self.d_mm, self.u_random_mm, self.u_common_mm) {
+            (Some(d_mm), Some(u_random_mm), Some(u_common_mm)) => {
+                Reading::Value(Diameter { d_mm, u_random_mm, u_common_mm })
+            }
+            _ => Reading::Gap(self.flag.unwrap_or(Reason::NotScanned)),
+        };
+        Station { z_mm: self.z_mm, reading }
+    }
+}
+
+/// A row of `offsets.csv`: the offset in force at a station in a pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OffsetRow {
+    /// The pass the offset was cut with, from 1.
+    pub pass: u32,
+    /// Middle of the station, mm.
+    pub z_mm: f64,
+    /// Offset o, mm of diameter: b = r - o.
+    pub offset_mm: f64,
+    /// Commanded diameter b, mm.
+    pub commanded_mm: f64,
+    /// `released`, or `held` where a guard kept the offsets of the pass before.
+    pub status: String,
+    /// Why it was held.
+    pub reason: String,
+}
+
+impl RunFolder {
+    /// Writes `passes.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_passes(&self, rows: &[PassRow]) -> Result<(), RunFolderError> {
+        self.write_csv("passes.csv", rows)
+    }
+
+    /// Reads `passes.csv`; empty where no pass is finished.
+    ///
+    /// # Errors
+    /// Where it cannot be read or parsed.
+    pub fn passes(&self) -> Result<Vec<PassRow>, RunFolderError> {
+        self.read_csv("passes.csv")
+    }
+
+    /// Writes `stations.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_stations(&self, rows: &[StationRow]) -> Result<(), RunFolderError> {
+        self.write_csv("stations.csv", rows)
+    }
+
+    /// Reads `stations.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be read or parsed.
+    pub fn stations(&self) -> Result<Vec<StationRow>, RunFolderError> {
+        self.read_csv("stations.csv")
+    }
+
+    /// Writes `offsets.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_offsets(&self, rows: &[OffsetRow]) -> Result<(), RunFolderError> {
+        self.write_csv("offsets.csv", rows)
+    }
+
+    /// Reads `offsets.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be read or parsed.
+    pub fn offsets(&self) -> Result<Vec<OffsetRow>, RunFolderError> {
+        self.read_csv("offsets.csv")
+    }
+
+    fn write_csv<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), RunFolderError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let failed = |e: String| RunFolderError::Write {
+            path: self.path().join(name),
+            cause: std::io::Error::other(e),
+        };
+        rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|e| failed(e.to_string()))?;
+        let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
+        self.write(name, &bytes)
+    }
+
+    fn read_csv<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunFolderError> {
+        if !self.path().join(name).exists() {
+            return Ok(Vec::new());
+        }
+        let text = self.read_text(name)?;
+        csv::Reader::from_reader(text.as_bytes())
+            .deserialize()
+            .collect::<Result<_, _>>()
+            .map_err(|e| RunFolderError::Read { path: self.path().join(name), cause: e.to_string() })
+    }
+}
+
+/// The measured profile of a pass from its rows.
+pub fn profile_of(pass: u32, rows: &[StationRow]) -> DiameterProfile {
+    DiameterProfile {
+        pass,
+        stations: rows.iter().filter(|r| r.pass == pass).map(StationRow::station).collect(),
+    }
+}
+
+/// The offsets of a pass from its rows.
+pub fn offset_of(pass: u32, rows: &[OffsetRow]) -> DiameterOffset {
+    DiameterOffset { o_mm: rows.iter().filter(|r| r.pass == pass).map(|r| r.offset_mm).collect() }
+}
