@@ -16,7 +16,7 @@ pub struct SettingsError {
 
 impl SettingsError {
     /// An error at a key.
-    pub fn at(key: impl Into<String>, value: impl ToString, must_be: impl Into<String>) -> Self {
+    pub fn at(key: impl Into<String>, value: impl std::fmt::Display, must_be: impl Into<String>) -> Self {
         Self { key: key.into(), value: value.to_string(), must_be: must_be.into() }
     }
 }

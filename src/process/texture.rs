@@ -49,12 +49,12 @@ fn kernel_f32(sd_nodes: f64) -> Vec<f32> {
 /// The same surface with the helix that a tool of nose radius r leaves at a feed f: heights s²/2r, s the distance
 /// along z from the middle of the mark, f²/8r at the crests. The valleys lie on the radius that was cut.
 pub(super) fn with_feed_marks(
-    surface: Option<SurfaceTexture>,
+    surface: Option<&SurfaceTexture>,
     length_mm: f64,
     feed_mm: f64,
     nose_radius_mm: f64,
 ) -> SurfaceTexture {
-    let nodes_theta = surface.as_ref().map_or(120, |s| s.nodes_theta);
+    let nodes_theta = surface.map_or(120, |s| s.nodes_theta);
     let rows = (length_mm * NODES_PER_FEED / feed_mm).ceil() as usize + 1;
     let step_mm = length_mm / (rows - 1) as f64;
     let mark = |z_mm: f64, j: usize| {
@@ -62,7 +62,7 @@ pub(super) fn with_feed_marks(
         let s = feed_mm * (turns - turns.round());
         (s * s / (2.0 * nose_radius_mm)) as f32
     };
-    let rough = |z_mm: f64, j: usize| surface.as_ref().map_or(0.0, |s| along(s, z_mm, j));
+    let rough = |z_mm: f64, j: usize| surface.map_or(0.0, |s| along(s, z_mm, j));
     let height = |z_mm: f64| (0..nodes_theta).map(move |j| mark(z_mm, j) + rough(z_mm, j));
     let height_mm = (0..rows).flat_map(|row| height(row as f64 * step_mm)).collect();
     SurfaceTexture { z0_mm: 0.0, step_mm, nodes_theta, height_mm }

@@ -320,7 +320,7 @@ impl TurningProcess {
         let mut surface = texture::surface(settings, length_mm, self.seed, plan.pass);
         if settings.feed_marks {
             let (feed, nose) = (plan.cutting.feed_mm_per_rev, self.settings.tool.nose_radius_mm);
-            surface = Some(texture::with_feed_marks(surface, length_mm, feed, nose));
+            surface = Some(texture::with_feed_marks(surface.as_ref(), length_mm, feed, nose));
         }
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
         Shaft {
