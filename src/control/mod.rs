@@ -1,9 +1,24 @@
 //! What to change before the next pass: compensation from measured diameters.
+//!
+//! Per station, in mm of diameter: error e(k) = D(k) − r(k) of pass k, offset o(k+1) of the next, commanded diameter
+//! b(k+1) = r(k+1) − o(k+1). A *law* ([`Pid`], least squares, …) proposes offsets; the guards release them or hold
+//! the last ones with a reason. Stability of the loop from pass to pass is judged in [`stability`].
 
+mod build;
+mod compensator;
 mod error;
+pub mod fit;
+mod guards;
+mod law;
+mod pid;
+mod readings;
 mod settings;
+mod shapes;
+pub mod stability;
 
+pub use build::{assess, build, describe, transfer};
 pub use error::ControlError;
+pub use pid::Pid;
 pub use settings::*;
 
 use crate::plan::{Decision, PassPlan};
@@ -17,4 +32,9 @@ pub trait Controller {
     /// Decides the offsets of the next pass from the pass just measured. `plan` is what was commanded in that pass
     /// (its `nominal_mm` is the r of the error e = D - r; its `offset` the offsets in force).
     fn decide(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Decision;
+
+    /// Remarks on the last decision that belong in the log, such as stations that were interpolated.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
 }

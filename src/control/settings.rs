@@ -123,6 +123,17 @@ pub enum PidAlgorithm {
     Incremental,
 }
 
+/// What acts on the first pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FirstPass {
+    /// Proportional and integral part (the difference is zero): u(1) = (Kp + Ki) e(1).
+    #[default]
+    Full,
+    /// Eq. 18's second line: u(1) = Kp e(1).
+    Proportional,
+}
+
 /// PID controller: `[control.pid]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -137,6 +148,8 @@ pub struct PidSettings {
     pub form: OffsetForm,
     /// Positional or incremental.
     pub algorithm: PidAlgorithm,
+    /// Whether the integral acts on the first pass.
+    pub first_pass: FirstPass,
     /// Share of the last filtered difference in the next one, 0 (no filter) ≤ α < 1.
     pub derivative_filter: f64,
     /// Errors smaller than this count as zero, mm of diameter.
@@ -158,6 +171,7 @@ impl Default for PidSettings {
             kd: 0.05,
             form: OffsetForm::default(),
             algorithm: PidAlgorithm::default(),
+            first_pass: FirstPass::default(),
             derivative_filter: 0.0,
             deadband_mm: 0.0,
             output_limit_mm: None,

@@ -2,3 +2,8 @@
 
 pub mod html;
 pub mod plot;
+mod run_report;
+mod sample;
+
+pub use run_report::{ReportError, RunPage, RunView, run_report};
+pub use sample::SampleView;

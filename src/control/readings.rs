@@ -1,0 +1,107 @@
+//! From a measured profile to one error a station: e = D - r with its uncertainty.
+
+use super::GapSettings;
+use crate::plan::{HeldReason, PassPlan};
+use crate::profile::{Diameter, DiameterProfile};
+
+/// Stations may lie this far from where the plan has them, mm.
+const STATION_TOLERANCE_MM: f64 = 1e-6;
+
+/// Errors of one pass, one a station, none missing.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Errors {
+    /// e = D - r, mm of diameter.
+    pub e_mm: Vec<f64>,
+    /// Standard uncertainty of e that is independent from station to station, mm.
+    pub u_random_mm: Vec<f64>,
+    /// Combined standard uncertainty of e, mm.
+    pub u_mm: Vec<f64>,
+    /// Stations whose value was interpolated.
+    pub interpolated: Vec<usize>,
+}
+
+/// Reads the errors of a pass, filling gaps where the settings allow it.
+///
+/// # Errors
+/// The reason to hold: stations that are not the plan's, numbers that are none, or gaps that may not be filled.
+pub(crate) fn errors(
+    plan: &PassPlan,
+    measured: &DiameterProfile,
+    gaps: &GapSettings,
+) -> Result<Errors, HeldReason> {
+    check_stations(plan, measured)?;
+    let mut values: Vec<Option<Diameter>> = measured.stations.iter().map(|s| s.reading.value()).collect();
+    if let Some(index) = values.iter().position(|v| v.is_some_and(|d| !is_number(&d))) {
+        return Err(HeldReason::Guard(format!(
+            "the reading at z = {} mm is no number with a positive uncertainty",
+            plan.station_z_mm[index]
+        )));
+    }
+    let interpolated = fill(&plan.station_z_mm, &mut values, gaps)?;
+    let values: Vec<Diameter> = values.into_iter().flatten().collect();
+    Ok(Errors {
+        e_mm: values.iter().map(|d| d.d_mm - plan.nominal_mm).collect(),
+        u_random_mm: values.iter().map(|d| d.u_random_mm).collect(),
+        u_mm: values.iter().map(Diameter::u_mm).collect(),
+        interpolated,
+    })
+}
+
+fn is_number(d: &Diameter) -> bool {
+    d.d_mm.is_finite()
+        && d.u_mm().is_finite()
+        && d.u_random_mm >= 0.0
+        && d.u_common_mm >= 0.0
+        && d.u_mm() > 0.0
+}
+
+fn check_stations(plan: &PassPlan, measured: &DiameterProfile) -> Result<(), HeldReason> {
+    let (planned, seen) = (plan.station_z_mm.len(), measured.stations.len());
+    if planned != seen || plan.offset.o_mm.len() != planned {
+        let offsets = plan.offset.o_mm.len();
+        let text = format!("{seen} stations were measured, {planned} planned with {offsets} offsets");
+        return Err(HeldReason::Guard(text));
+    }
+    let in_place = |z: f64, seen: f64| (z - seen).abs() <= STATION_TOLERANCE_MM;
+    let moved = plan.station_z_mm.iter().zip(&measured.stations).find(|(z, s)| !in_place(**z, s.z_mm));
+    match moved {
+        Some((z, s)) => {
+            Err(HeldReason::Guard(format!("a station measured at z = {} mm is planned at {z} mm", s.z_mm)))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Interpolates linearly in z inside runs of gaps that are short enough; returns the stations filled.
+fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<Vec<usize>, HeldReason> {
+    let missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_none()).collect();
+    let of = values.len();
+    let held = Err(HeldReason::Gaps { missing: missing.len(), of });
+    if missing.len() as f64 > gaps.interpolate_share * of as f64 {
+        return if missing.is_empty() { Ok(missing) } else { held };
+    }
+    let measured: Vec<(usize, Diameter)> =
+        values.iter().enumerate().filter_map(|(i, v)| v.map(|d| (i, d))).collect();
+    for pair in measured.windows(2) {
+        let ((left, a), (right, b)) = (pair[0], pair[1]);
+        if right - left - 1 > gaps.interpolate_run {
+            return held;
+        }
+        for i in left + 1..right {
+            values[i] = Some(between(a, b, (z[i] - z[left]) / (z[right] - z[left])));
+        }
+    }
+    let ends_measured =
+        values.first().is_some_and(Option::is_some) && values.last().is_some_and(Option::is_some);
+    if ends_measured { Ok(missing) } else { held }
+}
+
+/// Linear interpolation with the uncertainty propagated (GUM 5.1.2; the common part is common).
+fn between(a: Diameter, b: Diameter, share: f64) -> Diameter {
+    let mix = |x: f64, y: f64| x * (1.0 - share) + y * share;
+    Diameter {
+        d_mm: mix(a.d_mm, b.d_mm),
+        u_random_mm: (a.u_random_mm * (1.0 - share)).hypot(b.u_random_mm * share),
+        u_common_mm: mix(a.u_common_mm, b.u_common_mm),
+    }
+}
