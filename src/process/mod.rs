@@ -9,6 +9,7 @@ mod check;
 mod cut;
 mod disturbance;
 pub mod fem;
+pub mod fit;
 mod force;
 pub mod geometry;
 pub mod kienzle;
