@@ -23,7 +23,7 @@ pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use settings::{Blur, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings};
-pub use station::StationAverager;
+pub use station::{StationAverager, interval_means};
 
 use crate::frame::FrameView;
 
