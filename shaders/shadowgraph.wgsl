@@ -59,7 +59,7 @@ struct Quantile {
 @group(0) @binding(1) var<storage, read> columns: array<Column>;
 @group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
 @group(0) @binding(3) var<storage, read> row_keys: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> normal: array<Quantile, 2048>;
+@group(0) @binding(4) var<storage, read> normal: array<Quantile, 2049>;
 @group(0) @binding(5) var<storage, read> esf: array<vec4<f32>>;
 @group(0) @binding(6) var<storage, read> quadrature: array<Node>;
 @group(0) @binding(7) var<storage, read_write> image: array<u32>;
@@ -73,10 +73,12 @@ fn hash(key: vec2<u32>, column: u32) -> u32 {
     return x ^ (x >> 16u);
 }
 
-// A standard normal deviate from 32 bits: 11 choose the segment, 21 the place in it.
+// A standard normal deviate from 32 bits: a sign and the tail's probability, whose leading bits choose the segment.
 fn standard_normal(bits: u32) -> f32 {
-    let q = normal[bits >> 21u];
-    return q.base + q.slope * (f32(bits & 0x1fffffu) * 4.76837158203125e-7);
+    let probability = f32(i32(bits & 0x7fffffffu)) + 0.5;
+    let segment = min((bitcast<u32>(probability) >> 17u) - 8064u, 2048u);
+    let q = normal[segment];
+    return bitcast<f32>(bitcast<u32>(q.base + q.slope * probability) ^ (bits & 0x80000000u));
 }
 
 // Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.

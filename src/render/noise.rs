@@ -14,74 +14,91 @@
 
 use std::sync::OnceLock;
 
-/// log2 of the table's segments: 2048 pairs of f32 are 16 KiB, half of a first-level cache.
-pub const TABLE_BITS: u32 = 11;
+/// log2 of the segments an octave of probability: chords between them err by 2e-5 in z.
+const OCTAVE_BITS: u32 = 6;
 
-/// Segments of the quantile table.
-pub const SEGMENTS: usize = 1 << TABLE_BITS;
+/// Octaves of probability, 2^-33 to 1/2: the largest deviate is 6.3.
+const OCTAVES: usize = 32;
 
-/// One segment of the quantile table: z = base + slope·fraction.
+/// Segments of the quantile table and one entry for p = 1/2 itself; 16 KiB, half of a first-level cache.
+pub const SEGMENTS: usize = (OCTAVES << OCTAVE_BITS) + 1;
+
+/// Place of the first segment among the leading bits of an f32: probabilities are counted in units of 2^-32, from 1/2 unit.
+pub const FIRST_SEGMENT: u32 = 126 << OCTAVE_BITS;
+
+/// One segment of the quantile table: |z| = base + slope·(probability in units of 2^-32).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Quantile {
-    /// z at the segment's start.
+    /// |z| extrapolated to probability 0.
     pub base: f32,
-    /// Rise over the segment.
+    /// Change a unit of probability, negative.
     pub slope: f32,
 }
 
-/// The table: interior knots at Φ⁻¹(i/N)·scale; scale and end knots make variance 1 and kurtosis 3 exactly.
+/// The table: |z| over the tail's probability, knots equally spaced within each octave, so that the far tail is as
+/// well resolved as the middle. The knots are bent by s·(z + c·(z³ - 3z)) until variance 1 and kurtosis 3 are exact.
 pub fn normal_table() -> &'static [Quantile; SEGMENTS] {
     static TABLE: OnceLock<Box<[Quantile; SEGMENTS]>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let knots = normal_knots();
         let mut table = Box::new([Quantile { base: 0.0, slope: 0.0 }; SEGMENTS]);
-        for (i, q) in table.iter_mut().enumerate() {
-            *q = Quantile { base: knots[i] as f32, slope: (knots[i + 1] - knots[i]) as f32 };
+        for (q, pair) in table.iter_mut().zip(knots.windows(2)) {
+            let slope = (pair[1].z - pair[0].z) / (pair[1].units - pair[0].units);
+            *q = Quantile { base: (pair[0].z - slope * pair[0].units) as f32, slope: slope as f32 };
         }
         table
     })
 }
 
-/// Knots of the table in f64.
-fn normal_knots() -> Vec<f64> {
-    let interior: Vec<f64> =
-        (1..SEGMENTS).map(|i| standard_normal_quantile(i as f64 / SEGMENTS as f64)).collect();
-    let with_end = |end: f64| {
-        let mut knots = Vec::with_capacity(SEGMENTS + 1);
-        knots.push(-end);
-        knots.extend_from_slice(&interior);
-        knots.push(end);
-        knots
+/// A knot of the table in f64.
+#[derive(Clone, Copy)]
+struct Knot {
+    /// Tail probability in units of 2^-32.
+    units: f64,
+    z: f64,
+}
+
+fn normal_knots() -> Vec<Knot> {
+    let per_octave = 1 << OCTAVE_BITS;
+    let plain: Vec<Knot> = (0..SEGMENTS)
+        .map(|i| {
+            let place = 1.0 + (i % per_octave) as f64 / per_octave as f64;
+            let units = place * 2f64.powi((i / per_octave) as i32 - 1);
+            Knot { units, z: standard_normal_quantile(units * 2f64.powi(-32)) }
+        })
+        .collect();
+    let bent = |c: f64| -> Vec<Knot> {
+        plain.iter().map(|k| Knot { z: k.z + c * (k.z.powi(3) - 3.0 * k.z), ..*k }).collect()
     };
-    let kurtosis = |end: f64| {
-        let (m2, m4) = even_moments(&with_end(end));
-        m4 / (m2 * m2)
-    };
-    let (mut low, mut high) = (interior[SEGMENTS - 2], 8.0);
+    let (mut low, mut high) = (-0.01, 0.01);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if kurtosis(middle) < 3.0 { low = middle } else { high = middle }
+        let (m2, m4) = even_moments(&bent(middle));
+        if m4 < 3.0 * m2 * m2 { low = middle } else { high = middle }
     }
-    let knots = with_end(0.5 * (low + high));
+    let knots = bent(0.5 * (low + high));
     let scale = even_moments(&knots).0.sqrt();
-    knots.iter().map(|k| k / scale).collect()
+    knots.iter().map(|k| Knot { z: k.z / scale, ..*k }).collect()
 }
 
-/// Second and fourth moment of a uniform variate sent through the knots.
-fn even_moments(knots: &[f64]) -> (f64, f64) {
-    let n = (knots.len() - 1) as f64;
-    let mut sums = (0.0, 0.0);
+/// Second and fourth moment of a uniform variate sent through the knots; beyond the last octave |z| stays.
+fn even_moments(knots: &[Knot]) -> (f64, f64) {
+    let first = knots[0];
+    let share = first.units * 2f64.powi(-31);
+    let mut sums = (share * first.z.powi(2), share * first.z.powi(4));
     for pair in knots.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        sums.0 += (a * a + a * b + b * b) / 3.0;
-        sums.1 += (a.powi(4) + a.powi(3) * b + a * a * b * b + a * b.powi(3) + b.powi(4)) / 5.0;
+        let (a, b) = (pair[0].z, pair[1].z);
+        let share = (pair[1].units - pair[0].units) * 2f64.powi(-31);
+        sums.0 += share * (a * a + a * b + b * b) / 3.0;
+        sums.1 += share * (a.powi(4) + a.powi(3) * b + a * a * b * b + a * b.powi(3) + b.powi(4)) / 5.0;
     }
-    (sums.0 / n, sums.1 / n)
+    sums
 }
 
+/// The deviate that is exceeded with probability p.
 fn standard_normal_quantile(p: f64) -> f64 {
-    -std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * p)
+    std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * p)
 }
 
 /// Keys of a sensor row in a frame; 64 bits, so that no two rows share their noise.

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::columns::Edge;
-use super::noise::{Quantile, SEGMENTS};
+use super::noise::{FIRST_SEGMENT, Quantile, SEGMENTS};
 use super::params::{Job, Params};
 
 /// Columns treated together: their counts stay in the first-level cache.
@@ -26,11 +26,13 @@ fn hash(key: [u32; 2], column: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A standard normal deviate from 32 bits: 11 choose the segment, 21 the place in it.
+/// A standard normal deviate from 32 bits: a sign and the tail's probability, whose leading bits choose the segment.
 #[inline(always)]
 fn standard_normal(normal: &[Quantile; SEGMENTS], bits: u32) -> f32 {
-    let q = normal[(bits >> 21) as usize];
-    q.base + q.slope * ((bits & 0x1f_ffff) as i32 as f32 * 4.768_371_6e-7)
+    let probability = (bits & 0x7fff_ffff) as i32 as f32 + 0.5;
+    let segment = (probability.to_bits() >> 17).wrapping_sub(FIRST_SEGMENT).min(SEGMENTS as u32 - 1);
+    let q = normal[segment as usize];
+    f32::from_bits((q.base + q.slope * probability).to_bits() ^ (bits & 0x8000_0000))
 }
 
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
