@@ -18,7 +18,9 @@ mod station;
 mod table;
 mod window;
 
-pub use calibration::{CALIBRATION_VERSION, Calibration, CalibrationError, Certificate, MasterMeasurement};
+pub use calibration::{
+    CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
+};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;

@@ -78,18 +78,17 @@ struct AngleFit {
 
 impl StationAverager {
     /// Stations by their middles, ascending, and their common length.
-    pub fn new(z_mm: Vec<f64>, station_mm: f64, settings: StationSettings) -> Self {
+    pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
         let sums = vec![BTreeMap::new(); z_mm.len()];
-        Self { z_mm, station_mm, settings, sums, pitch_mm: 0.0 }
+        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0 }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg * 1e6).round() as i64;
-        let middle = (diameters.readings.len() as f64 - 1.0) / 2.0;
         for (column, reading) in diameters.readings.iter().enumerate() {
-            let z_mm = meta.z_mm + (column as f64 - middle) * diameters.pitch_mm;
+            let z_mm = diameters.z_mm(meta, column);
             let Some(station) = self.station_at(z_mm) else { continue };
             let sums = self.sums[station].entry(angle).or_default();
             match reading {
@@ -236,7 +235,7 @@ mod tests {
         let mut rng = Pcg64::seed_from_u64(5);
         let texture = Normal::new(0.0, 1e-3).unwrap();
         let z: Vec<f64> = (0..400).map(|k| 2.5 + 5.0 * f64::from(k)).collect();
-        let mut averager = StationAverager::new(z, 5.0, StationSettings::default());
+        let mut averager = StationAverager::new(&StationSettings::default(), z, 5.0);
         for field in 0..101 {
             for i in 0..8 {
                 let angle = 22.5 * f64::from(i);
@@ -260,7 +259,7 @@ mod tests {
 
     #[test]
     fn stations_without_frames_or_columns_are_gaps() {
-        let mut averager = StationAverager::new(vec![5.0, 500.0], 5.0, StationSettings::default());
+        let mut averager = StationAverager::new(&StationSettings::default(), vec![5.0, 500.0], 5.0);
         let (meta, mut diameters) = frame(0.0, 5.0, |_| 25.0);
         diameters.readings.iter_mut().for_each(|r| *r = Reading::Gap(Reason::Outlier));
         averager.add(&meta, &diameters);
