@@ -2,6 +2,7 @@
 
 mod blur;
 mod calibration;
+mod caliper;
 mod clipped;
 mod coarse;
 mod diameter;
@@ -21,6 +22,7 @@ mod window;
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
+pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
