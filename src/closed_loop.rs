@@ -10,8 +10,8 @@ use crate::cell::{CellError, TurningCell};
 use crate::control::{self, ControlError, Controller};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::{
-    Calibration, CalibrationError, Certificate, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
-    MasterMeasurement, StationAverager, interval_means,
+    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
+    MasterMeasurement, StationAverager,
 };
 use crate::job::{Job, JobError};
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
@@ -253,14 +253,14 @@ fn calibrate(job: &Job, cell: &mut dyn TurningCell, gauge: &Gauge) -> Result<Cal
         if edges.is_empty() {
             return Err(LoopError::Master { pin: index + 1, why });
         }
-        let certificate = Certificate {
+        let certificate = MasterCertificate {
             diameter_mm: pin.diameter_mm,
             expanded_u_mm: pin.expanded_u_mm,
-            k: pin.coverage_factor,
+            coverage_factor: pin.coverage_factor,
         };
-        measurements.push(MasterMeasurement::from_edges(certificate, &edges)?);
+        measurements.push(MasterMeasurement { certificate, frames: edges });
     }
-    Ok(Calibration::fit(&measurements, &job.name)?)
+    Ok(Calibration::fit(&measurements)?.with_optics_id(&job.name))
 }
 
 /// What is gathered while a pass is scanned.
@@ -280,7 +280,7 @@ struct Measured<'c> {
 
 impl<'c> Measured<'c> {
     fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
-        let averager = StationAverager::new(job.part.station_z_mm(), job.part.station_mm, job.gauge.station);
+        let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
         let angles = job.scan.angles.max(1);
         Self {
             calibration,
@@ -326,14 +326,14 @@ impl<'c> Measured<'c> {
         let columns = self.calibration.diameters(&self.edges);
         self.averager.add(&frame.meta, &columns);
         let meta = &frame.meta;
-        self.readings.extend(interval_means(meta, &columns, RECORD_STEP_MM).into_iter().map(
-            |(z_mm, reading)| FrameReading {
+        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
+            FrameReading {
                 frame_id: meta.frame_id,
                 t_ns: meta.t_ns,
                 angle_deg: meta.angle_deg,
                 z_mm,
                 reading,
-            },
-        ));
+            }
+        }));
     }
 }

@@ -24,24 +24,24 @@ const LEAST_SPREAD_PX: f64 = 8.0;
 /// What a master's certificate says.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Certificate {
+pub struct MasterCertificate {
     /// Certified diameter at 20 °C, mm.
     pub diameter_mm: f64,
     /// Expanded uncertainty U, mm.
     pub expanded_u_mm: f64,
     /// Coverage factor k of U.
-    pub k: f64,
+    pub coverage_factor: f64,
 }
 
-impl Certificate {
+impl MasterCertificate {
     /// Standard uncertainty U/k, mm.
     pub fn u_mm(&self) -> f64 {
-        self.expanded_u_mm / self.k
+        self.expanded_u_mm / self.coverage_factor
     }
 
     fn check(&self, master: usize) -> Result<(), CalibrationError> {
         let fine = |v: f64| v.is_finite() && v > 0.0;
-        if fine(self.diameter_mm) && fine(self.expanded_u_mm) && fine(self.k) {
+        if fine(self.diameter_mm) && fine(self.expanded_u_mm) && fine(self.coverage_factor) {
             Ok(())
         } else {
             Err(CalibrationError::Certificate { master: master + 1 })
@@ -49,25 +49,37 @@ impl Certificate {
     }
 }
 
-/// A master as the gauge saw it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A master and the frames that show it (angles, positions).
+#[derive(Clone, Debug, PartialEq)]
 pub struct MasterMeasurement {
     /// Its certificate.
-    pub certificate: Certificate,
+    pub certificate: MasterCertificate,
+    /// Edges of its frames.
+    pub frames: Vec<FrameEdges>,
+}
+
+/// A master as the calibration keeps it: certificate and mean shadow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MasterFigure {
+    /// Its certificate.
+    pub certificate: MasterCertificate,
     /// Mean shadow width across its axis, px.
     pub width_px: f64,
     /// Standard uncertainty of that mean, px.
     pub u_width_px: f64,
 }
 
-impl MasterMeasurement {
+impl MasterFigure {
     /// Mean over the columns of frames of one master (angles, positions): the uncertainty is the larger one of what the
     /// edges state and what the frames scatter.
     ///
     /// # Errors
     /// Where no frame shows the master.
-    pub fn from_edges(certificate: Certificate, frames: &[FrameEdges]) -> Result<Self, CalibrationError> {
+    pub fn from_edges(
+        certificate: MasterCertificate,
+        frames: &[FrameEdges],
+    ) -> Result<Self, CalibrationError> {
         let means: Vec<(f64, f64)> = frames.iter().filter_map(mean_width).collect();
         if means.is_empty() {
             return Err(CalibrationError::Unseen { diameter_mm: certificate.diameter_mm });
@@ -159,15 +171,25 @@ pub struct Calibration {
     /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
     pub covariance: [f64; 3],
     /// The masters it was made from.
-    pub masters: Vec<MasterMeasurement>,
+    pub masters: Vec<MasterFigure>,
 }
 
 impl Calibration {
-    /// Weighted least squares over two masters or more.
+    /// Weighted least squares over two masters or more and all their frames.
     ///
     /// # Errors
-    /// Refuses fewer than two masters, masters of one size and impossible certificates.
-    pub fn fit(masters: &[MasterMeasurement], optics_id: &str) -> Result<Self, CalibrationError> {
+    /// Refuses fewer than two masters, masters of one size or not seen, and impossible certificates.
+    pub fn fit(masters: &[MasterMeasurement]) -> Result<Self, CalibrationError> {
+        let figures: Result<Vec<MasterFigure>, CalibrationError> =
+            masters.iter().map(|m| MasterFigure::from_edges(m.certificate, &m.frames)).collect();
+        Self::fit_figures(&figures?)
+    }
+
+    /// As [`Self::fit`], from mean shadows.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn fit_figures(masters: &[MasterFigure]) -> Result<Self, CalibrationError> {
         if masters.len() < 2 {
             return Err(CalibrationError::TooFew { found: masters.len() });
         }
@@ -188,12 +210,18 @@ impl Calibration {
         }
         Ok(Self {
             version: CALIBRATION_VERSION,
-            optics_id: optics_id.to_owned(),
+            optics_id: String::new(),
             scale_mm_per_px: fit.scale,
             offset_mm: fit.offset,
             covariance: fit.covariance,
             masters: masters.to_vec(),
         })
+    }
+
+    /// Names the optics it belongs to.
+    #[must_use]
+    pub fn with_optics_id(self, optics_id: &str) -> Self {
+        Self { optics_id: optics_id.to_owned(), ..self }
     }
 
     /// A bare scale without offset and uncertainty, as `--um-per-px` gives it.
@@ -268,7 +296,7 @@ impl Calibration {
     }
 
     /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before the fit.
-    pub fn residual_mm(&self, master: &MasterMeasurement) -> (f64, f64) {
+    pub fn residual_mm(&self, master: &MasterFigure) -> (f64, f64) {
         let residual = master.certificate.diameter_mm - self.diameter_mm(master.width_px);
         (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
     }
@@ -287,9 +315,8 @@ struct LineFit {
 }
 
 impl LineFit {
-    fn through(masters: &[MasterMeasurement], scale: f64) -> Self {
-        let weight =
-            |m: &MasterMeasurement| 1.0 / (m.certificate.u_mm().powi(2) + (scale * m.u_width_px).powi(2));
+    fn through(masters: &[MasterFigure], scale: f64) -> Self {
+        let weight = |m: &MasterFigure| 1.0 / (m.certificate.u_mm().powi(2) + (scale * m.u_width_px).powi(2));
         let total: f64 = masters.iter().map(weight).sum();
         let mean_w = masters.iter().map(|m| weight(m) * m.width_px).sum::<f64>() / total;
         let mean_d = masters.iter().map(|m| weight(m) * m.certificate.diameter_mm).sum::<f64>() / total;
@@ -312,15 +339,15 @@ impl LineFit {
 mod tests {
     use super::*;
 
-    fn master(diameter_mm: f64, width_px: f64, u: f64) -> MasterMeasurement {
-        let certificate = Certificate { diameter_mm, expanded_u_mm: 2.0 * u, k: 2.0 };
-        MasterMeasurement { certificate, width_px, u_width_px: 0.0 }
+    fn master(diameter_mm: f64, width_px: f64, u: f64) -> MasterFigure {
+        let certificate = MasterCertificate { diameter_mm, expanded_u_mm: 2.0 * u, coverage_factor: 2.0 };
+        MasterFigure { certificate, width_px, u_width_px: 0.0 }
     }
 
     #[test]
     fn two_masters_are_met_exactly_and_uncertainty_is_theirs() {
         let (a, b) = (master(20.0, 1000.5, 3e-4), master(30.0, 1500.3, 4e-4));
-        let calibration = Calibration::fit(&[a, b], "x").unwrap();
+        let calibration = Calibration::fit_figures(&[a, b]).unwrap();
         assert!((calibration.diameter_mm(1000.5) - 20.0).abs() < 1e-12);
         assert!((calibration.u_common_mm(1000.5) - 3e-4).abs() < 1e-10);
         assert!((calibration.u_common_mm(1500.3) - 4e-4).abs() < 1e-10);
@@ -332,11 +359,14 @@ mod tests {
     #[test]
     fn bad_calibrations_are_refused_by_name() {
         let a = master(20.0, 1000.0, 3e-4);
-        assert!(matches!(Calibration::fit(&[a], "x"), Err(CalibrationError::TooFew { found: 1 })));
-        assert!(matches!(Calibration::fit(&[a, a], "x"), Err(CalibrationError::SameSize { .. })));
+        assert!(matches!(Calibration::fit_figures(&[a]), Err(CalibrationError::TooFew { found: 1 })));
+        assert!(matches!(Calibration::fit_figures(&[a, a]), Err(CalibrationError::SameSize { .. })));
         let b = master(30.0, 1500.0, f64::NAN);
-        assert!(matches!(Calibration::fit(&[a, b], "x"), Err(CalibrationError::Certificate { master: 2 })));
-        let good = Calibration::fit(&[a, master(30.0, 1500.0, 3e-4)], "x").unwrap();
+        assert!(matches!(
+            Calibration::fit_figures(&[a, b]),
+            Err(CalibrationError::Certificate { master: 2 })
+        ));
+        let good = Calibration::fit_figures(&[a, master(30.0, 1500.0, 3e-4)]).unwrap();
         let text = serde_json::to_string(&good).unwrap();
         let read = Calibration::read(text.as_bytes()).unwrap();
         assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);

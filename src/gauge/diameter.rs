@@ -5,6 +5,7 @@
 
 use super::calibration::Calibration;
 use super::edges::{Edge, FrameEdges};
+use crate::frame::FrameMeta;
 use crate::profile::{Diameter, Reading, Reason};
 
 /// Diameters of a frame's columns.
@@ -20,6 +21,61 @@ pub struct ColumnDiameters {
     pub pitch_mm: f64,
     /// Shadow width of each column across the axis, px; NaN in a gap.
     pub width_px: Vec<f64>,
+}
+
+impl ColumnDiameters {
+    /// Machine z of a column of the frame with this metadata, mm.
+    pub fn z_mm(&self, meta: &FrameMeta, column: usize) -> f64 {
+        meta.z_mm + (column as f64 - (self.readings.len() as f64 - 1.0) / 2.0) * self.pitch_mm
+    }
+
+    /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's middle, reading). An
+    /// interval without a good column is a gap with its most frequent reason.
+    pub fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
+        let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.readings.len().max(1));
+        (0..self.readings.len())
+            .step_by(size)
+            .map(|from| {
+                let to = (from + size).min(self.readings.len());
+                let z_mm = 0.5 * (self.z_mm(meta, from) + self.z_mm(meta, to - 1));
+                (z_mm, self.mean(from..to))
+            })
+            .collect()
+    }
+
+    /// Mean over columns; the shared part of the uncertainty does not shrink, which is right for spans up to `shared_length`
+    /// and cautious beyond.
+    pub fn mean(&self, columns: std::ops::Range<usize>) -> Reading {
+        let (mut n, mut d, mut own, mut shared, mut common) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for column in columns.clone() {
+            if let Some(Reading::Value(value)) = self.readings.get(column) {
+                let own_share = self.shared_mm[column].powi(2);
+                n += 1.0;
+                d += value.d_mm;
+                own += (value.u_random_mm.powi(2) - own_share).max(0.0);
+                shared += own_share;
+                common += value.u_common_mm;
+            }
+        }
+        if n == 0.0 {
+            return Reading::Gap(self.frequent_reason(columns));
+        }
+        Reading::Value(Diameter {
+            d_mm: d / n,
+            u_random_mm: (own / (n * n) + shared / n).sqrt(),
+            u_common_mm: common / n,
+        })
+    }
+
+    fn frequent_reason(&self, columns: std::ops::Range<usize>) -> Reason {
+        let mut counts = std::collections::BTreeMap::<Reason, usize>::new();
+        for column in columns {
+            if let Some(Reading::Gap(reason)) = self.readings.get(column) {
+                *counts.entry(*reason).or_default() += 1;
+            }
+        }
+        counts.into_iter().max_by_key(|(_, n)| *n).map_or(Reason::NoEdge, |(reason, _)| reason)
+    }
 }
 
 /// Slopes of the axis and of the flanks in a frame.

@@ -2,6 +2,7 @@
 
 mod blur;
 mod calibration;
+mod caliper;
 mod clipped;
 mod coarse;
 mod diameter;
@@ -18,12 +19,15 @@ mod station;
 mod table;
 mod window;
 
-pub use calibration::{CALIBRATION_VERSION, Calibration, CalibrationError, Certificate, MasterMeasurement};
+pub use calibration::{
+    CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
+};
+pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use settings::{Blur, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings};
-pub use station::{StationAverager, interval_means};
+pub use station::StationAverager;
 
 use crate::frame::FrameView;
 

@@ -35,33 +35,8 @@ struct AngleSums {
 }
 
 impl AngleSums {
-    fn push(&mut self, reading: &Reading, shared_mm: f64, shared_length: f64) {
-        let Reading::Value(d) = reading else {
-            self.gaps += 1;
-            return;
-        };
-        let shared = shared_mm.powi(2);
-        self.columns += 1;
-        self.d_mm += d.d_mm;
-        self.common_mm += d.u_common_mm;
-        self.own += (d.u_random_mm.powi(2) - shared).max(0.0);
-        self.shared += shared;
-        self.length = shared_length;
-    }
-
     fn mean_mm(&self) -> f64 {
         self.d_mm / self.columns as f64
-    }
-
-    /// The mean with what the edges state; `None` without a column.
-    fn reading(&self) -> Option<Reading> {
-        (self.columns > 0).then(|| {
-            Reading::Value(Diameter {
-                d_mm: self.mean_mm(),
-                u_random_mm: self.noise().sqrt(),
-                u_common_mm: self.common_mm / self.columns as f64,
-            })
-        })
     }
 
     /// Variance of the mean from the edges' own statements, mm².
@@ -75,29 +50,6 @@ impl AngleSums {
         };
         self.own / (n * n) + correlation * self.shared / n
     }
-}
-
-/// Means of one frame's columns over intervals of `step_mm` along z, for the record: (middle of the interval, reading). Intervals
-/// stand at multiples of the step, so that those of overlapping fields coincide; a gap's reason is that of its first column.
-pub fn interval_means(meta: &FrameMeta, diameters: &ColumnDiameters, step_mm: f64) -> Vec<(f64, Reading)> {
-    let middle = (diameters.readings.len() as f64 - 1.0) / 2.0;
-    let interval = |column: usize| {
-        ((meta.z_mm + (column as f64 - middle) * diameters.pitch_mm) / step_mm).floor() as i64
-    };
-    let columns: Vec<usize> = (0..diameters.readings.len()).collect();
-    columns
-        .chunk_by(|a, b| interval(*a) == interval(*b))
-        .map(|chunk| {
-            let mut sums = AngleSums::default();
-            for &column in chunk {
-                sums.push(&diameters.readings[column], diameters.shared_mm[column], diameters.shared_length);
-            }
-            (
-                (interval(chunk[0]) as f64 + 0.5) * step_mm,
-                sums.reading().unwrap_or(diameters.readings[chunk[0]]),
-            )
-        })
-        .collect()
 }
 
 /// Averages a scan's frames into stations.
@@ -126,21 +78,31 @@ struct AngleFit {
 
 impl StationAverager {
     /// Stations by their middles, ascending, and their common length.
-    pub fn new(z_mm: Vec<f64>, station_mm: f64, settings: StationSettings) -> Self {
+    pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
         let sums = vec![BTreeMap::new(); z_mm.len()];
-        Self { z_mm, station_mm, settings, sums, pitch_mm: 0.0 }
+        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0 }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg * 1e6).round() as i64;
-        let middle = (diameters.readings.len() as f64 - 1.0) / 2.0;
         for (column, reading) in diameters.readings.iter().enumerate() {
-            let z_mm = meta.z_mm + (column as f64 - middle) * diameters.pitch_mm;
+            let z_mm = diameters.z_mm(meta, column);
             let Some(station) = self.station_at(z_mm) else { continue };
             let sums = self.sums[station].entry(angle).or_default();
-            sums.push(reading, diameters.shared_mm[column], diameters.shared_length);
+            match reading {
+                Reading::Gap(_) => sums.gaps += 1,
+                Reading::Value(d) => {
+                    let shared = diameters.shared_mm[column].powi(2);
+                    sums.columns += 1;
+                    sums.d_mm += d.d_mm;
+                    sums.common_mm += d.u_common_mm;
+                    sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
+                    sums.shared += shared;
+                    sums.length = diameters.shared_length;
+                }
+            }
         }
     }
 
@@ -273,7 +235,7 @@ mod tests {
         let mut rng = Pcg64::seed_from_u64(5);
         let texture = Normal::new(0.0, 1e-3).unwrap();
         let z: Vec<f64> = (0..400).map(|k| 2.5 + 5.0 * f64::from(k)).collect();
-        let mut averager = StationAverager::new(z, 5.0, StationSettings::default());
+        let mut averager = StationAverager::new(&StationSettings::default(), z, 5.0);
         for field in 0..101 {
             for i in 0..8 {
                 let angle = 22.5 * f64::from(i);
@@ -297,7 +259,7 @@ mod tests {
 
     #[test]
     fn stations_without_frames_or_columns_are_gaps() {
-        let mut averager = StationAverager::new(vec![5.0, 500.0], 5.0, StationSettings::default());
+        let mut averager = StationAverager::new(&StationSettings::default(), vec![5.0, 500.0], 5.0);
         let (meta, mut diameters) = frame(0.0, 5.0, |_| 25.0);
         diameters.readings.iter_mut().for_each(|r| *r = Reading::Gap(Reason::Outlier));
         averager.add(&meta, &diameters);
