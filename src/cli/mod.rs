@@ -4,6 +4,9 @@
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
 mod schema;
+mod study;
+mod study_deflection;
+mod study_files;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -67,11 +70,15 @@ struct Arguments {
 enum Command {
     /// Print the JSON Schema of a config file.
     Schema,
+    /// Measurements over the stages.
+    #[command(subcommand)]
+    Study(study::Study),
 }
 
 fn dispatch(command: &Command) -> CommandResult {
     match command {
         Command::Schema => schema::run(),
+        Command::Study(study) => study::run(study),
     }
 }
 
