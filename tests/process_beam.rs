@@ -5,6 +5,7 @@
 use shadowgauge::process::beam::{Part, SteadyRest, Supports, travelling_load};
 use shadowgauge::process::fem::deflection_line_mm;
 use shadowgauge::process::geometry::{diameter_after_mm, radial_error_mm, tangential_error_mm};
+use shadowgauge::process::stepped::{Piece, SteppedShaft};
 use shadowgauge::process::{MaterialSettings, Section};
 
 const LENGTH_MM: f64 = 1000.0;
@@ -192,4 +193,19 @@ fn a_tangential_deflection_hardly_matters() {
     assert!((both - radial_error_mm(radial) - tangential_error_mm(commanded, tangential)).abs() < 1e-6);
     assert!((tangential_error_mm(commanded, tangential) - 2.0 * 0.05 * 0.05 / 25.0).abs() < 1e-8);
     assert_eq!(radial_error_mm(radial), 0.04);
+}
+
+#[test]
+fn pieces_without_a_mesh_agree_with_the_mesh() {
+    let steel = MaterialSettings::default().resolve().unwrap();
+    let (thick, thin) = (Section::circular(50.0, &steel), Section::circular(48.0, &steel));
+    let supports = held(50.0, 20.0, &[(400.0, 30.0), (700.0, f64::INFINITY)]);
+    let uniform = |length_mm| Piece { length_mm, ahead: thick, behind: thin };
+    let shaft = SteppedShaft { pieces: vec![uniform(300.0), uniform(700.0)], supports: supports.clone() };
+    for node in [5, 20, 25, 35, 36, 45, 50] {
+        let z = 20.0 * node as f64;
+        let meshed = travelling_load(20.0, &half_cut(50, node), &supports)[node];
+        let found = shaft.compliance_mm_per_n(z);
+        assert!((found - meshed).abs() <= 1e-10 * meshed.abs() + 1e-16, "{z}: {found:e} {meshed:e}");
+    }
 }

@@ -10,6 +10,9 @@ mod record;
 mod render;
 mod run;
 mod schema;
+mod study;
+mod study_deflection;
+mod study_files;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -81,6 +84,9 @@ enum Command {
     Doctor(doctor::DoctorArgs),
     /// Print the JSON Schema of a config file.
     Schema,
+    /// Measurements over the stages.
+    #[command(subcommand)]
+    Study(study::Study),
 }
 
 fn dispatch(command: &Command) -> CommandResult {
@@ -90,6 +96,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Render(args) => render::run(args),
         Command::Doctor(args) => doctor::run(args),
         Command::Schema => schema::run(),
+        Command::Study(study) => study::run(study),
     }
 }
 

@@ -17,6 +17,7 @@ pub mod material;
 mod random;
 mod section;
 mod settings;
+pub mod stepped;
 mod texture;
 mod turning;
 
