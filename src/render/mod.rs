@@ -1,6 +1,7 @@
 //! Scene, optics and sensor to frames: silhouettes in f64, pixels on the GPU or its CPU twin.
 
 mod error;
+pub mod esf_families;
 pub mod settings;
 
 pub use error::RenderError;
