@@ -7,6 +7,7 @@ mod bench;
 pub mod columns;
 mod error;
 pub mod esf;
+pub mod esf_families;
 pub mod form;
 pub mod gpu;
 pub mod noise;
