@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+mod measure;
 mod schema;
 
 use std::io::IsTerminal as _;
@@ -65,12 +66,15 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Measure edges and diameters of frames in files.
+    Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
     Schema,
 }
 
 fn dispatch(command: &Command) -> CommandResult {
     match command {
+        Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
     }
 }
