@@ -9,6 +9,7 @@ mod frame_files;
 mod record;
 mod render;
 mod run;
+mod measure;
 mod schema;
 mod study;
 mod study_deflection;
@@ -82,6 +83,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs),
+    /// Measure edges and diameters of frames in files.
+    Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
     Schema,
     /// Measurements over the stages.
@@ -95,6 +98,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Run(args) => run::run(args),
         Command::Render(args) => render::run(args),
         Command::Doctor(args) => doctor::run(args),
+        Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
         Command::Study(study) => study::run(study),
     }
