@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+mod optimize;
 mod schema;
 mod study;
 mod study_deflection;
@@ -70,6 +71,8 @@ struct Arguments {
 enum Command {
     /// Print the JSON Schema of a config file.
     Schema,
+    /// Choose cutting data: the shortest time under limits of size error and roughness.
+    Optimize(optimize::OptimizeArgs),
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study),
@@ -78,6 +81,7 @@ enum Command {
 fn dispatch(command: &Command) -> CommandResult {
     match command {
         Command::Schema => schema::run(),
+        Command::Optimize(args) => optimize::run(args),
         Command::Study(study) => study::run(study),
     }
 }
