@@ -108,7 +108,8 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let scene = Scene::new(&self.bench, self.part.clone())?;
-        let stops = plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
+        let stops =
+            plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
         Ok(self.film(vec![scene], stops))
     }
 
