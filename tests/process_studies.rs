@@ -95,3 +95,53 @@ fn deflection_refuses_what_cannot_be() {
     assert_eq!(missing.status.code(), Some(2));
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/beam_003.toml").exists());
 }
+
+fn optimize_config(from: &str, to: &str) -> String {
+    let text = include_str!("../configs/optimize_003.toml");
+    assert!(text.contains(from), "{from}");
+    text.replace(from, to)
+}
+
+#[test]
+fn optimize_prints_the_optimum_and_writes_the_front() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("front");
+    let found = json(&["optimize", "configs/optimize_003.toml", "--json", "--out", out.to_str().unwrap()]);
+    assert_eq!(found["feasible"], true);
+    assert!((found["optimum"]["time_min"].as_f64().unwrap() - 15.7616).abs() < 2e-3);
+    assert!(found["genetic"]["gap"].as_f64().unwrap() < 2e-3);
+    assert!(std::fs::read_to_string(out.join("front.svg")).unwrap().contains("<svg"));
+    assert!(std::fs::read_to_string(out.join("front.csv")).unwrap().lines().count() > 20);
+    let seven = json(&["optimize", "configs/optimize_003.toml", "--json", "--seed", "7"]);
+    assert_ne!(found["genetic"]["solution"], seven["genetic"]["solution"]);
+    assert_eq!(found["optimum"], seven["optimum"]);
+}
+
+#[test]
+fn optimize_calls_an_infeasible_problem_infeasible() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("table_1.toml");
+    std::fs::write(&path, optimize_config("coefficient_n = 521.2", "coefficient_n = 4764.2")).unwrap();
+    let output = run(&["optimize", path.to_str().unwrap(), "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&found["feasible"], &found["conflict"]["constraints"][0]),
+        (&false.into(), &"size_error".into())
+    );
+    let words = run(&["optimize", path.to_str().unwrap()]);
+    assert!(String::from_utf8_lossy(&words.stdout).contains("infeasible"));
+}
+
+#[test]
+fn optimize_refuses_what_cannot_be() {
+    let command = ["optimize"];
+    let crossed = optimize_config("speed_m_per_min = [30.0, 80.0]", "speed_m_per_min = [80.0, 30.0]");
+    assert_refused(&command, &crossed, 2, &["limits.speed_m_per_min[1]", "exclude each other"]);
+    let reserve = optimize_config("reserve_mm = 0.01", "reserve_mm = 0.05");
+    assert_refused(&command, &reserve, 2, &["quality.reserve_mm", "below"]);
+    let unknown = optimize_config("roughness_um", "roughness_mm");
+    assert_refused(&command, &unknown, 2, &["roughness_mm", "roughness_um"]);
+    let deep = optimize_config("depth_mm = [0.2, 1.0]", "depth_mm = [0.2, 30.0]");
+    assert_refused(&command, &deep, 2, &["limits.depth_mm[1]", "leave a shaft"]);
+}

@@ -6,6 +6,7 @@
 mod demo;
 mod doctor;
 mod frame_files;
+mod optimize;
 mod record;
 mod render;
 mod run;
@@ -87,6 +88,8 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
     Schema,
+    /// Choose cutting data: the shortest time under limits of size error and roughness.
+    Optimize(optimize::OptimizeArgs),
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study),
@@ -100,6 +103,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Doctor(args) => doctor::run(args),
         Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
+        Command::Optimize(args) => optimize::run(args),
         Command::Study(study) => study::run(study),
     }
 }

@@ -1,3 +1,4 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
 pub mod deflection;
+pub mod optimize;
