@@ -6,11 +6,11 @@
 mod demo;
 mod doctor;
 mod frame_files;
+mod measure;
 mod optimize;
 mod record;
 mod render;
 mod run;
-mod measure;
 mod schema;
 mod study;
 mod study_deflection;
