@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use super::{CommandResult, Failure, Outcome};
 use crate::frame::{Frame, FrameView};
 use crate::gauge::{
-    Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity, largest_caliper,
+    Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
+    largest_caliper,
 };
 use crate::profile::Reason;
 use crate::source::{FileFrames, list_images};
@@ -68,7 +69,8 @@ struct Measured {
 pub fn run(args: &MeasureArgs) -> CommandResult {
     let calibration = calibration(args)?;
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
-    let gauge = Gauge::new(GaugeSettings { polarity, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+    let gauge =
+        Gauge::new(GaugeSettings { polarity, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
     let mut paths = Vec::new();
     for input in &args.input {
         paths.extend(list_images(input).map_err(Failure::fail)?);
@@ -167,7 +169,8 @@ fn figures(measured: &Measured, calibration: Option<&Calibration>) -> Value {
         Ok(edges) => {
             valid = edges.valid();
             largest = largest_caliper(edges);
-            for reason in (0..edges.columns()).filter_map(|c| column_reason(&edges.top[c], &edges.bottom[c])) {
+            for reason in (0..edges.columns()).filter_map(|c| column_reason(&edges.top[c], &edges.bottom[c]))
+            {
                 *flags.entry(reason.as_str()).or_default() += 1;
             }
         }
@@ -177,7 +180,10 @@ fn figures(measured: &Measured, calibration: Option<&Calibration>) -> Value {
     }
     let in_mm = largest.zip(calibration).map(|(largest, calibration)| {
         let random = calibration.scale_mm_per_px * largest.u_px;
-        (calibration.diameter_mm(largest.diameter_px), random.hypot(calibration.u_common_mm(largest.diameter_px)))
+        (
+            calibration.diameter_mm(largest.diameter_px),
+            random.hypot(calibration.u_common_mm(largest.diameter_px)),
+        )
     });
     json!({
         "frame": measured.stem,
@@ -198,7 +204,10 @@ fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
 }
 
 fn print_table(figures: &[Value], bench: Option<&Value>) {
-    println!("{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  flags", "frame", "columns", "valid", "max px", "max mm", "u mm");
+    println!(
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  flags",
+        "frame", "columns", "valid", "max px", "max mm", "u mm"
+    );
     let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     for f in figures {
         let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
@@ -221,7 +230,8 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
 
 /// Writes the edges under a temporary name, then renames.
 fn write_edges(path: &Path, results: &[Measured]) -> Result<(), Failure> {
-    let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: cannot be written: {e}", path.display()));
+    let named =
+        |e: &dyn std::fmt::Display| Failure::fail(format!("{}: cannot be written: {e}", path.display()));
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
@@ -236,7 +246,9 @@ fn write_edges(path: &Path, results: &[Measured]) -> Result<(), Failure> {
 fn write_rows(path: &Path, results: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
     let mut csv = csv::Writer::from_path(path)?;
     csv.write_record(["frame", "column", "top_px", "bottom_px", "u_top_px", "u_bottom_px", "flag"])?;
-    let number = |usable: bool, value: f64, digits: usize| if usable { format!("{value:.digits$}") } else { String::new() };
+    let number = |usable: bool, value: f64, digits: usize| {
+        if usable { format!("{value:.digits$}") } else { String::new() }
+    };
     for measured in results {
         let edges = match &measured.result {
             Ok(edges) => edges,

@@ -4,7 +4,7 @@
 //! tabulated scoring → residual and neighbourhood tests. Nothing is carried from frame to frame but where the edges were and the tables.
 
 use super::blur::{self, BlurContext, BlurEstimate};
-use super::clipped;
+use super::clipped::{self, ClippedStart};
 use super::coarse::{CoarseEdge, find_part};
 use super::edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused};
 use super::gate::{self, OutlierScratch};
@@ -23,6 +23,8 @@ const LEAST_ROWS: usize = 24;
 const LEAST_COLUMNS: usize = 8;
 /// Fewest columns with both edges that make a frame believable.
 const LEAST_VALID: usize = 8;
+/// Least fraction of the measured columns that must lie on unbroken contours.
+const LEAST_COHERENT: f64 = 0.5;
 /// Differences looked at per level for the noise: its variance is then known to 2 %.
 const NOISE_SAMPLES: usize = 8192;
 /// Fraction of flat light pixels at full scale above which the light counts as clipped.
@@ -137,7 +139,8 @@ impl EdgeStream {
         let mut rough = Vec::new();
         for width_sigma in [4.0, 2.0, 0.8] {
             for (windows, centres) in self.sides.iter_mut().zip(coarse) {
-                windows.centre = sparse(centres);
+                windows.centre.clear();
+                windows.centre.extend_from_slice(centres);
                 windows.prepare(width_sigma, window_width(width_sigma), plane.columns);
                 windows.read(plane);
                 rough.extend(blur::rough(windows, plane.columns, &mut self.floats));
@@ -353,8 +356,14 @@ impl EdgeStream {
 
     fn fit_clipped(&mut self, scene: &Scene, side: usize, clip: f32, line: &mut Vec<Edge>) {
         let (dark, _) = typical_levels(scene, side);
-        let variance = scene.noise.variance(dark);
-        clipped::fit_side(&self.sides[side], &self.slope[side], dark, variance, clip, line);
+        let windows = &self.sides[side];
+        let start = ClippedStart {
+            dark,
+            variance: scene.noise.variance(dark),
+            clip: f64::from(clip),
+            fraction: clipped_fraction(windows, clip),
+        };
+        clipped::fit_side(windows, &self.slope[side], start, line);
     }
 
     fn gate(&mut self, scene: &Scene, out: &mut FrameEdges) -> Result<(), FrameRefused> {
@@ -382,6 +391,11 @@ impl EdgeStream {
                 ),
             ));
         }
+        let jump_px = self.settings.outlier_px + self.settings.max_slope;
+        if gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
+            let detail = "the edges of neighbouring columns do not join to contours".to_owned();
+            return Err(refused(Reason::Outlier, detail));
+        }
         Ok(())
     }
 
@@ -398,11 +412,6 @@ impl EdgeStream {
             misfit,
         }
     }
-}
-
-/// Blocks of columns keep every few centres for the first look at the blur.
-fn sparse(centres: &[CoarseEdge]) -> Vec<CoarseEdge> {
-    centres.to_vec()
 }
 
 fn refused(reason: Reason, detail: String) -> FrameRefused {
