@@ -5,7 +5,7 @@
 //! the expected information per pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s². The true light level lies above the clip;
 //! it, the blur and the dark level are estimated once a frame from many columns, the position of each column with them.
 //!
-//! Where nearly all of the light is clipped, the flank alone cannot tell a higher light from a wider blur (real edges
+//! Where most of the light is clipped, the flank alone cannot tell a higher light from a wider blur (real edges
 //! are not Gaussian in their feet, and the fit would wander by half a pixel between frames). Then the light is taken at
 //! 1.05 times the clip, and what the edge would move by at 1.5 times goes into the shared uncertainty.
 
@@ -23,8 +23,9 @@ const TEACHERS: usize = 64;
 const BRIGHTEST: f64 = 1.5;
 /// Light taken where the frame does not tell, as a multiple of the clip.
 const ASSUMED: f64 = 1.05;
-/// Fraction of clipped flat light pixels above which the frame does not tell the light.
-const BLIND: f64 = 0.9;
+/// Fraction of clipped flat light pixels above which the frame does not tell the light: what is not clipped then is a
+/// darker corner, not the light beside the edge.
+const BLIND: f64 = 0.5;
 
 /// The frame's side as the censored fit sees it.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,8 @@ struct Model {
     dark: f64,
     light: f64,
     sigma: f64,
+    /// Variance of the residuals, counts², the same for all pixels: real feet and flanks miss the Gaussian model by more
+    /// than their noise, and photon weights would let the dark foot place the edge.
     variance: f64,
     clip: f64,
     /// Whether the light is fitted.
@@ -61,7 +64,8 @@ impl Model {
             let mean = self.dark + contrast * sample.value;
             let alpha = (self.clip - 0.5 - mean) / s;
             let (cdf, pdf) = (phi_cdf(alpha), phi_pdf(alpha));
-            let hazard = if cdf < 1.0 - 1e-12 { pdf / (1.0 - cdf) } else { 0.0 };
+            // Far below the clip the hazard is α (Mills' ratio).
+            let hazard = if alpha < 6.0 { pdf / (1.0 - cdf) } else { alpha };
             let residual = if f64::from(*m) >= self.clip { hazard } else { (f64::from(*m) - mean) / s };
             let information = (cdf - alpha * pdf + pdf * hazard).clamp(0.0, 1.0);
             let by = Vector4::new(
@@ -144,7 +148,7 @@ impl Model {
         self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
             .clamp(self.clip, BRIGHTEST * self.clip);
         self.sigma = (self.sigma + step[2].clamp(-0.2 * last, 0.3 * last)).clamp(0.25, 6.0);
-        self.variance *= (chi2 / telling).clamp(0.25, 4.0);
+        self.variance = (self.variance * (chi2 / telling).clamp(0.25, 4.0)).max(0.1);
         Some((self.sigma / last - 1.0).abs())
     }
 }
@@ -162,8 +166,8 @@ pub(crate) struct ClippedStart {
     pub(crate) fraction: f64,
 }
 
-/// Fits all columns of a side.
-pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, line: &mut Vec<Edge>) {
+/// Fits all columns of a side; gives the degrees of freedom to test their residuals with.
+pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, line: &mut Vec<Edge>) -> f64 {
     let columns = windows.centre.len();
     let able: Vec<usize> =
         (0..columns).filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < 0.2).collect();
@@ -182,14 +186,16 @@ pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, li
         let mut brighter = Model { light: BRIGHTEST * start.clip, ..model };
         let moved = brighter.learn(windows, &teachers);
         let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
-        // The light is anywhere between: a rectangular distribution (GUM 4.3.7).
-        shared = (mean(&moved) - mean(&places)).abs() / 12.0_f64.sqrt();
+        // The light is anywhere between, and the value taken stands at one end of the range.
+        shared = (mean(&moved) - mean(&places)).abs() / 3.0_f64.sqrt();
     }
     line.extend((0..columns).map(|column| {
         let mut edge = fit_column(windows, &model, column, slope[column]);
         edge.u_shared_px = if edge.is_usable() { shared as f32 } else { f32::NAN };
         edge
     }));
+    // The flank's noise is larger than the mean over flank and dark foot: as if only the flank had freedom.
+    4.0
 }
 
 fn fit_column(windows: &Windows, model: &Model, column: usize, slope: f32) -> Edge {

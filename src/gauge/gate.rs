@@ -19,13 +19,11 @@ pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
         / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
 }
 
-/// Median χ² ratio of the usable edges over what noise alone would give; 1 without any.
-pub(crate) fn misfit(lines: [&[Edge]; 2], freedom: f64, pool: &mut Vec<f32>) -> f64 {
+/// Median χ² ratio of a line's usable edges over what noise alone would give; 1 without any.
+pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
-    for line in lines {
-        let step = line.len().div_ceil(512).max(1);
-        pool.extend(line.iter().step_by(step).filter(|e| e.is_usable()).map(|e| e.chi2));
-    }
+    let step = line.len().div_ceil(512).max(1);
+    pool.extend(line.iter().step_by(step).filter(|e| e.is_usable()).map(|e| e.chi2));
     if pool.is_empty() {
         return 1.0;
     }
