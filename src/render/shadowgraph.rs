@@ -121,21 +121,37 @@ impl Pixel for f32 {
     }
 }
 
+/// Segments in a table of a power of two: an index needs no check once it is masked.
+const PACKED: usize = SEGMENTS.next_power_of_two();
+
+/// The quantile table with base and slope in one word, base in the lower half.
+fn packed(normal: &[Quantile]) -> Box<[u64; PACKED]> {
+    let mut table = Box::new([0; PACKED]);
+    for (word, q) in table.iter_mut().zip(normal) {
+        *word = u64::from(q.base.to_bits()) | u64::from(q.slope.to_bits()) << 32;
+    }
+    table
+}
+
 /// Standard normal deviates of a block of a row, in steps that each vectorise; only the look-up does not.
 #[inline(always)]
-fn deviates(normal: &[Quantile; SEGMENTS], key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
+fn deviates(normal: &[u64; PACKED], key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
     let mut bits = [0u32; BLOCK];
     let mut segment = [0u32; BLOCK];
-    let mut quantile = [Quantile { base: 0.0, slope: 0.0 }; BLOCK];
+    let mut words = [0u64; BLOCK];
     for i in 0..BLOCK {
         bits[i] = hash(key, first.wrapping_add(i as u32));
         segment[i] = tail(bits[i]).1;
     }
     for i in 0..BLOCK {
-        quantile[i] = normal[(segment[i] as usize).min(SEGMENTS - 1)];
+        words[i] = normal[segment[i] as usize % PACKED];
     }
     for i in 0..BLOCK {
-        z[i] = signed(quantile[i], tail(bits[i]).0, bits[i]);
+        let q = Quantile {
+            base: f32::from_bits(words[i] as u32),
+            slope: f32::from_bits((words[i] >> 32) as u32),
+        };
+        z[i] = signed(q, tail(bits[i]).0, bits[i]);
     }
 }
 
@@ -160,9 +176,12 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
 
 /// Counts of a pixel near an edge.
 #[inline(always)]
-fn edge_pixel(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At) -> f32 {
+fn edge_pixel(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At, lower: bool) -> f32 {
     let c = &job.columns[at.column];
-    let light = transmitted(job, &c.top, at.row) + transmitted(job, &c.bottom, at.row);
+    let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
+    if job.params.overlap != 0 {
+        light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
+    }
     let k = shaped(&job.params, job.params.shadow + job.params.contrast * light);
     sample(k, standard_normal(normal, hash(at.key, job.params.column0 + at.column as u32)))
 }
@@ -206,15 +225,21 @@ pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let columns = job.params.columns as usize;
     let extents: Vec<BlockExtent> =
         (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
+    let normal = packed(job.normal);
     out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
-        fill_rows(job, &extents, task * TASK_ROWS, rows);
+        fill_rows(job, &normal, &extents, task * TASK_ROWS, rows);
     });
 }
 
 /// Rows `first..` of a frame, in the widest instruction set the machine has.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
-fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out: &mut [P]) {
-    let Ok(normal) = <&[Quantile; SEGMENTS]>::try_from(job.normal) else { return };
+fn fill_rows<P: Pixel>(
+    job: &Job<'_>,
+    normal: &[u64; PACKED],
+    extents: &[BlockExtent],
+    first: usize,
+    out: &mut [P],
+) {
     let columns = job.params.columns as usize;
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
@@ -232,21 +257,22 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out
             }
         }
     }
-    bands(job, normal, first, out);
+    bands(job, first, out);
 }
 
 /// Overwrites the pixels that an edge touches.
 #[inline(always)]
-fn bands<P: Pixel>(job: &Job<'_>, normal: &[Quantile; SEGMENTS], first: usize, out: &mut [P]) {
+fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
+    let Ok(normal) = <&[Quantile; SEGMENTS]>::try_from(job.normal) else { return };
     let columns = job.params.columns as usize;
     let group = columns.div_ceil(job.bands.start.len().max(1)).max(1);
     let last = (first + out.len() / columns) as i32;
     for column in 0..columns {
-        for start in job.bands.start[column / group] {
+        for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
             let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
             for row in rows {
-                let key = job.row_keys[row as usize];
-                let counts = edge_pixel(job, normal, At { row, column, key });
+                let at = At { row, column, key: job.row_keys[row as usize] };
+                let counts = edge_pixel(job, normal, at, side == 1);
                 out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
             }
         }

@@ -193,7 +193,8 @@ impl GoldenScene {
             ProfileKnot { z_mm: case.z_mm - half, radius_mm: radius + rise },
             ProfileKnot { z_mm: case.z_mm + half, radius_mm: (radius - rise).max(1e-3) },
         ];
-        let knots = if case.taper_deg == 0.0 { knots[..1].to_vec() } else { taper(&knots, case.z_mm, radius) };
+        let knots =
+            if case.taper_deg == 0.0 { knots[..1].to_vec() } else { taper(&knots, case.z_mm, radius) };
         let scene =
             Scene::new(&bench, form_shaft(knots, &case.shaft, case.length_mm, case.seed).unwrap()).unwrap();
         let request = FrameRequest {
