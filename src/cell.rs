@@ -1,1 +1,212 @@
-//! (room in preparation)
+//! The turning cell: cuts a pass, shows the part to the camera. The simulated one joins process and render.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+use thiserror::Error;
+
+use crate::frame::{Frame, FrameSource, SourceError};
+use crate::job::{Job, MasterPin};
+use crate::plan::{PassPlan, ScanPlan};
+use crate::process::{BaseForm, ProcessError, Stock, TurningProcess};
+use crate::render::form::form_shaft;
+use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::shaft::{Pose, ProfileKnot, Shaft};
+use crate::truth;
+
+/// A cell that cannot do what it was told.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CellError {
+    /// The pass cannot be cut.
+    #[error(transparent)]
+    Process(#[from] ProcessError),
+    /// The part cannot be shown.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// A lathe with a gauge on its carriage, real or simulated.
+pub trait TurningCell {
+    /// Cuts a pass.
+    ///
+    /// # Errors
+    /// Where the machine refuses; the workpiece is then as before.
+    fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError>;
+
+    /// Frames of the part as it now is, field after field, angle after angle, tool clear.
+    ///
+    /// # Errors
+    /// Where no frame can be taken at all.
+    fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError>;
+
+    /// Frames of master pin `index` of the job.
+    ///
+    /// # Errors
+    /// Where no frame can be taken at all.
+    fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
+
+    /// True mean caliper diameter of stations (z from, z to), mm; `None` where nobody knows. For comparison only.
+    fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;
+}
+
+/// Process and renderer in place of a lathe and a camera.
+pub struct SimulatedCell<'a> {
+    renderer: &'a Renderer,
+    bench: OpticalBench,
+    process: TurningProcess,
+    part: Shaft,
+    masters_mm: Vec<f64>,
+    seed: u64,
+    frame_id: u64,
+    clock_ns: u64,
+}
+
+/// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
+const MASTER_STREAM: u64 = 0x6d61_7374_6572;
+const PROCESS_STREAM: u64 = 0x7072_6f63_6573_73;
+/// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
+const FRAMES_OF_A_PASS: u64 = 1 << 32;
+
+impl<'a> SimulatedCell<'a> {
+    /// A cell with the stock clamped and the true bench drawn from the job's seed.
+    ///
+    /// # Errors
+    /// Where a stage refuses its settings.
+    pub fn new(job: &Job, renderer: &'a Renderer) -> Result<Self, CellError> {
+        let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
+        let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
+        let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
+        let part = form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)?;
+        let form = BaseForm {
+            lobes: part.lobes.clone(),
+            eccentricity: part.eccentricity,
+            bow: part.bow.clone(),
+            pose: part.pose,
+        };
+        let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
+        Ok(Self {
+            renderer,
+            bench,
+            process,
+            part,
+            masters_mm: true_masters_mm(&job.masters.pins, job.seed),
+            seed: job.seed,
+            frame_id: 0,
+            clock_ns: 0,
+        })
+    }
+}
+
+impl TurningCell for SimulatedCell<'_> {
+    fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError> {
+        let cut = self.process.cut(plan)?;
+        self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
+        self.frame_id = u64::from(plan.pass) * FRAMES_OF_A_PASS;
+        Ok(())
+    }
+
+    fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
+        let scene = Scene::new(&self.bench, self.part.clone())?;
+        let stops =
+            plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
+        Ok(self.film(vec![scene], stops))
+    }
+
+    fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
+        let diameter_mm = self.masters_mm[index];
+        let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48));
+        let scenes: Result<Vec<Scene>, RenderError> = poses
+            .into_iter()
+            .map(|pose| Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
+            .collect();
+        self.frame_id = (1 << 31) + ((index as u64) << 24);
+        let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
+        Ok(self.film(scenes?, stops))
+    }
+
+    fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>> {
+        truth::station_diameters_mm(&self.part, stations_mm).ok()
+    }
+}
+
+impl SimulatedCell<'_> {
+    /// One scene for all stops, or one a stop.
+    fn film(&mut self, scenes: Vec<Scene>, stops: Vec<(f64, f64)>) -> Box<dyn FrameSource + '_> {
+        Box::new(SimulatedFrames {
+            renderer: self.renderer,
+            scenes,
+            stops,
+            next: 0,
+            frame_id: &mut self.frame_id,
+            clock_ns: &mut self.clock_ns,
+            seed: self.seed,
+            spare: None,
+        })
+    }
+}
+
+/// True diameters of the masters: drawn from what their certificates say.
+fn true_masters_mm(pins: &[MasterPin], seed: u64) -> Vec<f64> {
+    let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
+    pins.iter()
+        .map(|pin| {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            pin.diameter_mm + draw * pin.expanded_u_mm / pin.coverage_factor
+        })
+        .collect()
+}
+
+/// A pin laid in by hand: a little off the axis and a little oblique each time.
+fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut draw = |size: f64| {
+        let z: f64 = StandardNormal.sample(&mut random);
+        size * z.clamp(-2.0, 2.0)
+    };
+    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3) }).collect()
+}
+
+struct SimulatedFrames<'a> {
+    renderer: &'a Renderer,
+    scenes: Vec<Scene>,
+    stops: Vec<(f64, f64)>,
+    next: usize,
+    frame_id: &'a mut u64,
+    clock_ns: &'a mut u64,
+    seed: u64,
+    spare: Option<Frame>,
+}
+
+impl FrameSource for SimulatedFrames<'_> {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let Some(&(z_mm, angle_deg)) = self.stops.get(self.next) else { return Ok(None) };
+        let scene = &self.scenes[self.next.min(self.scenes.len() - 1)];
+        let request = FrameRequest {
+            frame_id: *self.frame_id,
+            t_ns: *self.clock_ns,
+            z_mm,
+            angle_deg,
+            noise: true,
+            roi: None,
+            format: None,
+            seed: self.seed,
+        };
+        let frame = self.renderer.render(scene, &request, self.spare.take()).map_err(|e| SourceError {
+            what: format!("frame {} (z = {z_mm} mm, {angle_deg}°) was not rendered", request.frame_id),
+            cause: Some(Box::new(e)),
+        })?;
+        self.next += 1;
+        *self.frame_id += 1;
+        *self.clock_ns += (scene.bench().nominal.camera.frame_period_ms * 1e6) as u64;
+        Ok(Some(frame))
+    }
+
+    fn remaining(&self) -> Option<usize> {
+        Some(self.stops.len() - self.next)
+    }
+
+    fn recycle(&mut self, frame: Frame) {
+        self.spare = Some(frame);
+    }
+}

@@ -205,6 +205,8 @@ pub struct Job {
     pub seed: u64,
     /// The part and its passes.
     pub part: Part,
+    /// Passes to cut, where not all of the part's.
+    pub passes: Option<usize>,
     /// Cutting data of every pass.
     pub cutting: CuttingData,
     /// Fields and angles.
@@ -237,6 +239,7 @@ impl Default for Job {
             name: "slender shaft".to_owned(),
             seed: 1,
             part: Part::default(),
+            passes: None,
             cutting: CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 },
             scan: Scan::default(),
             masters: Masters::default(),
@@ -263,6 +266,11 @@ impl Job {
             sensor: self.sensor.clone(),
             departures: self.departures.clone(),
         }
+    }
+
+    /// Passes to cut.
+    pub fn passes(&self) -> usize {
+        self.passes.unwrap_or(usize::MAX).min(self.part.passes())
     }
 
     /// Plan of pass `pass` (from 1) with the given offsets.
@@ -327,6 +335,12 @@ impl Job {
     /// The first setting that cannot be right.
     pub fn check(&self) -> Result<(), JobError> {
         self.part.check()?;
+        if self.passes.is_some_and(|n| n == 0 || n > self.part.passes()) {
+            return Err(JobError::at(
+                "passes",
+                format!("must be 1 to {}, the nominal diameters given", self.part.passes()),
+            ));
+        }
         positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
         self.check_stages()?;

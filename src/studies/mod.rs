@@ -1,1 +1,4 @@
-//! (room in preparation)
+//! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
+
+pub mod deflection;
+pub mod optimize;

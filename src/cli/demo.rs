@@ -1,0 +1,48 @@
+//! `shadowgauge demo`: the main job with the preset that the binary carries.
+
+use std::path::{Path, PathBuf};
+
+use crate::config;
+use crate::render::BackendChoice;
+use crate::run_folder::RunFolder;
+
+use super::run::execute;
+use super::{CommandResult, Failure, Outcome};
+
+/// Arguments of `demo`.
+#[derive(Debug, clap::Args)]
+pub struct DemoArgs {
+    /// Run folder; an earlier demo in it is replaced.
+    #[arg(long, value_name = "DIR", default_value = "out/demo")]
+    out: PathBuf,
+    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    backend: BackendChoice,
+}
+
+/// Runs the slender shaft of the preset and of nothing else; replaces only its own earlier result.
+///
+/// # Errors
+/// Exit 2 where the folder holds something else, 3 where a device or a disk fails.
+pub fn run(args: &DemoArgs) -> CommandResult {
+    let job = config::parse(config::SLENDER_SHAFT, "configs/slender_shaft.toml").map_err(Failure::refused)?;
+    let resolved = config::resolved(&job).map_err(Failure::fail)?;
+    clear_earlier(&args.out, &resolved)?;
+    let finished = execute(&job, &args.out, args.backend, true)?;
+    print!("{}", finished.to_table());
+    println!("report: {}", args.out.join("report.html").display());
+    Ok(Outcome::Done)
+}
+
+/// Removes a finished run of this very preset (or of an earlier version's preset of the same name).
+fn clear_earlier(out: &Path, resolved: &str) -> Result<(), Failure> {
+    if !RunFolder::is_run(out) {
+        return Ok(());
+    }
+    let name = |text: &str| text.lines().find(|l| l.starts_with("name = ")).map(str::to_owned);
+    let earlier = RunFolder::open(out).and_then(|f| f.config_text()).map_err(super::run::folder_failure)?;
+    if name(&earlier) == name(resolved) {
+        std::fs::remove_dir_all(out).map_err(|e| Failure::fail(format!("{}: {e}", out.display())))?;
+    }
+    Ok(())
+}

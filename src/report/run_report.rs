@@ -1,0 +1,319 @@
+//! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
+
+use super::html::Page;
+use super::plot::{Chart, Mark, Series};
+use super::sample;
+use crate::closed_loop::Sample;
+use crate::job::Job;
+use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
+
+/// What a report is made from.
+#[derive(Clone, Copy)]
+pub struct RunView<'a> {
+    /// The resolved job.
+    pub job: &'a Job,
+    /// The run's folder, all passes finished.
+    pub folder: &'a RunFolder,
+    /// The same run without control, where there is one.
+    pub reference: Option<&'a RunFolder>,
+    /// Backend frames were rendered with.
+    pub backend: &'a str,
+    /// Adapter frames were rendered with.
+    pub adapter: &'a str,
+    /// The frame kept from the last pass.
+    pub sample: Option<&'a Sample>,
+}
+
+/// A report and the files that go beside it.
+pub struct RunPage {
+    /// The page.
+    pub html: String,
+    /// Files by their name below the run folder.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+/// A report that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The run folder cannot be read.
+    #[error(transparent)]
+    Folder(#[from] RunFolderError),
+    /// A chart or picture cannot be drawn.
+    #[error("report: {0}")]
+    Draw(String),
+}
+
+struct Rows {
+    passes: Vec<PassRow>,
+    stations: Vec<StationRow>,
+}
+
+impl Rows {
+    fn read(folder: &RunFolder) -> Result<Self, ReportError> {
+        Ok(Self { passes: folder.passes()?, stations: folder.stations()? })
+    }
+
+    fn of_pass(&self, pass: u32) -> impl Iterator<Item = &StationRow> {
+        self.stations.iter().filter(move |s| s.pass == pass)
+    }
+}
+
+/// Writes the page of a finished run.
+///
+/// # Errors
+/// Where the folder cannot be read or a chart not be drawn.
+pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
+    let rows = Rows::read(view.folder)?;
+    let reference = view.reference.map(Rows::read).transpose()?;
+    let controller = view.job.control.controller.as_str();
+    let mut page =
+        Page::new(format!("{}: {} passes, controller {controller}", view.job.name, rows.passes.len()));
+    page.text(&format!(
+        "Seed {}, backend {} ({}). Errors are diameter minus the pass's nominal; \"true\" figures come from the simulation's \
+         geometry and are for comparison only: the controller saw measured diameters alone.",
+        view.job.seed, view.backend, view.adapter
+    ));
+    summary(&mut page, view, &rows, reference.as_ref());
+    error_along_z(&mut page, view, &rows, reference.as_ref())?;
+    convergence(&mut page, controller, &rows, reference.as_ref())?;
+    offsets(&mut page, view)?;
+    let mut files = Vec::new();
+    if let Some(sample) = view.sample {
+        files = sample::figures(&mut page, sample).map_err(ReportError::Draw)?;
+    }
+    uncertainty(&mut page, &rows)?;
+    calibration(&mut page, view)?;
+    Ok(RunPage { html: page.finish(), files })
+}
+
+fn um(mm: f64) -> String {
+    format!("{:.2}", mm * 1e3)
+}
+
+fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&Rows>) {
+    let table: Vec<Vec<String>> = rows
+        .passes
+        .iter()
+        .map(|p| {
+            let beside = reference
+                .and_then(|r| r.passes.iter().find(|q| q.pass == p.pass))
+                .map_or("–".to_owned(), |q| um(q.true_max_abs_error_mm));
+            vec![
+                p.pass.to_string(),
+                format!("{:.4}", p.nominal_mm),
+                um(p.max_abs_error_mm),
+                um(p.true_max_abs_error_mm),
+                um(p.worst_measured_minus_true_mm),
+                format!("{:.2}", p.rms_error_over_u),
+                beside,
+                p.decision.clone(),
+            ]
+        })
+        .collect();
+    let header = [
+        "pass",
+        "nominal / mm",
+        "measured max |e| / µm",
+        "true max |e| / µm",
+        "worst |measured − true| / µm",
+        "rms (error/u)",
+        "without control: true max |e| / µm",
+        "decision",
+    ];
+    page.heading("Passes").table(&header, &table);
+    let Some(tolerance) = view.job.part.tolerance.filter(|_| rows.passes.len() == view.job.part.passes())
+    else {
+        return;
+    };
+    let last: Vec<f64> = rows.of_pass(rows.passes.len() as u32).filter_map(|s| s.d_mm).collect();
+    let inside = last.iter().filter(|&&d| tolerance.contains(d)).count();
+    page.text(&format!(
+        "Finished part: {inside} of {} measured stations lie within {} {:+.3}/{:+.3} mm.",
+        last.len(),
+        tolerance.nominal_mm,
+        tolerance.upper_mm,
+        tolerance.lower_mm
+    ));
+}
+
+fn error_along_z(
+    page: &mut Page,
+    view: &RunView<'_>,
+    rows: &Rows,
+    reference: Option<&Rows>,
+) -> Result<(), ReportError> {
+    page.heading("Error along z");
+    let line = |rows: &Rows, pass: &PassRow, mark: Mark, name: String, colour: usize| {
+        let points = rows
+            .of_pass(pass.pass)
+            .map(|s| (s.z_mm, s.d_mm.map_or(f64::NAN, |d| (d - pass.nominal_mm) * 1e3)))
+            .collect();
+        Series::new(name, mark, colour, points)
+    };
+    let mut series = Vec::new();
+    if let Some(reference) = reference {
+        for pass in &reference.passes {
+            let name = format!("pass {}, no control", pass.pass);
+            series.push(line(reference, pass, Mark::Faint, name, pass.pass as usize - 1));
+        }
+    }
+    for pass in &rows.passes {
+        series.push(line(rows, pass, Mark::Line, format!("pass {}", pass.pass), pass.pass as usize - 1));
+    }
+    let chart = Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "measured − nominal / µm".into(),
+        series,
+        ..Chart::default()
+    };
+    draw(page, &chart, "Measured diameter error per station and pass; pale: the same job without control.")?;
+    let corrected: Vec<Series> = rows
+        .passes
+        .iter()
+        .skip(1)
+        .flat_map(|p| {
+            let truth = rows.of_pass(p.pass).map(|s| (s.z_mm, (s.true_d_mm - p.nominal_mm) * 1e3)).collect();
+            [
+                Series::new(String::new(), Mark::Faint, p.pass as usize - 1, truth),
+                line(rows, p, Mark::Dots, format!("pass {}", p.pass), p.pass as usize - 1),
+            ]
+        })
+        .collect();
+    if corrected.is_empty() {
+        return Ok(());
+    }
+    let tolerance = view.job.part.tolerance;
+    let target = view.job.part.target_mm(view.job.part.passes() as u32);
+    let band = tolerance
+        .map(|t| ((t.nominal_mm + t.lower_mm - target) * 1e3, (t.nominal_mm + t.upper_mm - target) * 1e3));
+    let chart = Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "error / µm".into(),
+        series: corrected,
+        band: band.filter(|_| reference.is_some()),
+        ..Chart::default()
+    };
+    draw(
+        page,
+        &chart,
+        "The corrected passes alone: measured (dots) and true (pale lines). Shaded: the finished part's tolerance about the last pass's aim.",
+    )
+}
+
+fn convergence(
+    page: &mut Page,
+    controller: &str,
+    rows: &Rows,
+    reference: Option<&Rows>,
+) -> Result<(), ReportError> {
+    let line = |rows: &Rows, name: &str, colour: usize| {
+        let points = rows.passes.iter().map(|p| (f64::from(p.pass), p.true_max_abs_error_mm * 1e3)).collect();
+        Series::new(name, Mark::LineDots, colour, points)
+    };
+    let mut series = vec![line(rows, controller, 0)];
+    series.extend(reference.map(|r| line(r, "none", 1)));
+    let chart = Chart {
+        x_label: "pass".into(),
+        y_label: "true max |error| / µm".into(),
+        series,
+        log_y: true,
+        ..Chart::default()
+    };
+    page.heading("Convergence");
+    draw(page, &chart, "Largest true error over all stations after each pass, with and without control.")
+}
+
+fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
+    let rows = view.folder.offsets()?;
+    let last = rows.iter().map(|r| r.pass).max().unwrap_or(0);
+    let series: Vec<Series> = (2..=last)
+        .map(|pass| {
+            let points =
+                rows.iter().filter(|r| r.pass == pass).map(|r| (r.z_mm, r.offset_mm * 1e3)).collect();
+            Series::new(format!("pass {pass}"), Mark::Line, pass as usize - 1, points)
+        })
+        .collect();
+    if series.is_empty() {
+        return Ok(());
+    }
+    let chart = Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "offset / µm of diameter".into(),
+        series,
+        ..Chart::default()
+    };
+    page.heading("Offsets in force");
+    draw(page, &chart, "What was subtracted from the nominal when commanding the tool.")
+}
+
+fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
+    let stated = |s: &StationRow| Some((s.d_mm? - s.true_d_mm, s.u_random_mm?.hypot(s.u_common_mm?)));
+    let mut ratios: Vec<f64> = rows.stations.iter().filter_map(stated).map(|(e, u)| e / u).collect();
+    if ratios.is_empty() {
+        return Ok(());
+    }
+    ratios.sort_by(f64::total_cmp);
+    let count = ratios.len() as f64;
+    let steps = ratios.iter().enumerate().map(|(i, &r)| (r, (i as f64 + 0.5) / count)).collect();
+    let normal =
+        (-40..=40).map(|i| f64::from(i) / 10.0).map(|x| (x, 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)));
+    let chart = Chart {
+        x_label: "(measured − true) / stated standard uncertainty".into(),
+        y_label: "share of stations".into(),
+        series: vec![
+            Series::new("standard normal", Mark::Dashed, 1, normal.collect()),
+            Series::new("all stations and passes", Mark::Dots, 0, steps),
+        ],
+        y_range: Some((0.0, 1.0)),
+        ..Chart::default()
+    };
+    page.heading("Stated against actual uncertainty");
+    let rms = (ratios.iter().map(|r| r * r).sum::<f64>() / count).sqrt();
+    draw(
+        page,
+        &chart,
+        &format!(
+            "Cumulative distribution of error over stated u; rms {rms:.2}. An honest uncertainty lies on the dashed line."
+        ),
+    )?;
+    let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
+    let residual = |f: &dyn Fn(f64, f64) -> f64| -> Vec<(f64, f64)> {
+        rows.of_pass(last).map(|s| (s.z_mm, stated(s).map_or(f64::NAN, |(e, u)| f(e, u) * 1e3))).collect()
+    };
+    let chart = Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "measured − true / µm".into(),
+        series: vec![
+            Series::new("± 2u", Mark::Dashed, 1, residual(&|_, u| 2.0 * u)),
+            Series::new("", Mark::Dashed, 1, residual(&|_, u| -2.0 * u)),
+            Series::new(format!("pass {last}"), Mark::LineDots, 0, residual(&|e, _| e)),
+        ],
+        ..Chart::default()
+    };
+    draw(page, &chart, "Residuals of the last pass with the stated expanded uncertainty (k = 2).")
+}
+
+fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
+    let text = view.folder.read_text("calibration.json")?;
+    let json: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+    let rows: Vec<Vec<String>> = json
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, v)| v.is_number() || v.is_string())
+        .map(|(k, v)| vec![k.clone(), v.as_str().map_or_else(|| v.to_string(), str::to_owned)])
+        .collect();
+    page.heading("Calibration").text(
+        "Fitted on the master pins at the start of the run; the whole of it stands in calibration.json.",
+    );
+    page.table(&["quantity", "value"], &rows);
+    Ok(())
+}
+
+fn draw(page: &mut Page, chart: &Chart, caption: &str) -> Result<(), ReportError> {
+    let svg = chart.to_svg().map_err(ReportError::Draw)?;
+    page.figure(&svg, caption);
+    Ok(())
+}

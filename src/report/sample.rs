@@ -1,0 +1,189 @@
+//! A frame with the edges found in it, for people to look at.
+
+use std::fmt::Write as _;
+use std::io::Cursor;
+
+use image::{GrayImage, ImageFormat};
+
+use super::html::{Page, base64};
+use super::plot::{Chart, Mark, Series};
+use crate::closed_loop::Sample;
+use crate::frame::FrameView;
+use crate::gauge::Edge;
+
+/// Width of the overview picture, px.
+const OVERVIEW_PX: usize = 816;
+/// Columns and rows of the magnified corner around the upper edge.
+const CROP: (usize, usize) = (48, 24);
+/// Columns whose pixels make the edge profile.
+const PROFILE_COLUMNS: usize = 200;
+/// Half width of the edge profile, px.
+const PROFILE_REACH_PX: f64 = 7.0;
+
+/// A frame and its edges per column, rows in px; `None` where there is a gap.
+struct Picture<'a> {
+    view: FrameView<'a>,
+    top_px: Vec<Option<f64>>,
+    bottom_px: Vec<Option<f64>>,
+}
+
+/// Adds the figures to the page; gives the files that go beside it.
+///
+/// # Errors
+/// Where a picture cannot be encoded.
+pub fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let rows = |line: &[Edge]| line.iter().map(|e| e.is_usable().then_some(e.row_px)).collect();
+    let frame_id = sample.frame.meta.frame_id;
+    let sample = Picture {
+        view: sample.frame.view(),
+        top_px: rows(&sample.edges.top),
+        bottom_px: rows(&sample.edges.bottom),
+    };
+    let stretch = Stretch::of(&sample.view);
+    let step = sample.view.columns().div_ceil(OVERVIEW_PX).max(1);
+    let overview = picture(&sample.view, &stretch, (0, 0), (sample.view.rows(), sample.view.columns()), step);
+    let png = encode(&overview)?;
+    let overlay = overview_svg(&sample, &png, &overview, step);
+    page.heading("A frame and its edges");
+    page.figure(&overlay, "A frame of the last pass with both edges of every column.");
+    if let Some((svg, caption)) = magnified(&sample, &stretch)? {
+        page.figure(&svg, &caption);
+    }
+    if let Some(chart) = profile(&sample) {
+        page.figure(
+            &chart.to_svg()?,
+            "Grey values against their distance from the measured edge, 200 columns of the frame laid over one another: \
+             the edge spread sampled far below a pixel. Its width is blur, pixel area and noise.",
+        );
+    }
+    let name = format!("{:04}", frame_id & 0xffff);
+    Ok(vec![
+        (format!("previews/{name}.png"), png),
+        (format!("previews/{name}_edges.svg"), overlay.into_bytes()),
+    ])
+}
+
+/// Grey values to 8 bit, between the frame's 0.1 % and 99.9 % quantiles.
+struct Stretch {
+    low: f32,
+    scale: f32,
+}
+
+impl Stretch {
+    fn of(view: &FrameView<'_>) -> Self {
+        let mut values: Vec<f32> = (0..view.rows())
+            .step_by(7)
+            .flat_map(|r| (0..view.columns()).step_by(7).filter_map(move |c| view.get(r, c)))
+            .collect();
+        values.sort_by(f32::total_cmp);
+        let at = |share: f64| {
+            values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1))).copied()
+        };
+        let (low, high) = (at(0.001).unwrap_or(0.0), at(0.999).unwrap_or(255.0));
+        Self { low, scale: 245.0 / (high - low).max(1.0) }
+    }
+
+    fn grey(&self, counts: f32) -> u8 {
+        ((counts - self.low) * self.scale).clamp(0.0, 255.0) as u8
+    }
+}
+
+fn picture(
+    view: &FrameView<'_>,
+    stretch: &Stretch,
+    from: (usize, usize),
+    size: (usize, usize),
+    step: usize,
+) -> GrayImage {
+    let (rows, columns) = (size.0.div_ceil(step), size.1.div_ceil(step));
+    GrayImage::from_fn(columns as u32, rows as u32, |c, r| {
+        let (row, column) = (from.0 + r as usize * step, from.1 + c as usize * step);
+        image::Luma([view.get(row, column).map_or(0, |v| stretch.grey(v))])
+    })
+}
+
+fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(|e| e.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize) -> String {
+    let (width, height) = image.dimensions();
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
+         <image href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
+        base64(png)
+    );
+    for edge in [&sample.top_px, &sample.bottom_px] {
+        svg += &polyline(edge, step, 0.0, 0.0, 1.0 / step as f64, "#d55e00", 1.2);
+    }
+    svg + "</svg>"
+}
+
+/// An edge as SVG lines, broken at gaps.
+fn polyline(
+    edge: &[Option<f64>],
+    every: usize,
+    row0: f64,
+    column0: f64,
+    scale: f64,
+    colour: &str,
+    width: f64,
+) -> String {
+    let mut path = String::new();
+    let mut pen_down = false;
+    for (column, row) in edge.iter().enumerate().step_by(every) {
+        let Some(row) = row else {
+            pen_down = false;
+            continue;
+        };
+        let command = if pen_down { 'L' } else { 'M' };
+        let (x, y) = ((column as f64 - column0 + 0.5) * scale, (row - row0 + 0.5) * scale);
+        let _ = write!(path, "{command}{x:.2} {y:.2}");
+        pen_down = true;
+    }
+    format!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>")
+}
+
+/// A corner of the frame around the upper edge, each pixel seen, with the measured edge in it.
+fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, String)>, String> {
+    const ZOOM: f64 = 17.0;
+    let column0 = (sample.view.columns() / 2).saturating_sub(CROP.0 / 2);
+    let window = sample.top_px.get(column0..(column0 + CROP.0).min(sample.top_px.len())).unwrap_or_default();
+    let Some(row) = window.iter().flatten().next() else { return Ok(None) };
+    let row0 = (row.round() as usize).saturating_sub(CROP.1 / 2);
+    let image = picture(&sample.view, stretch, (row0, column0), (CROP.1, CROP.0), 1);
+    let png = encode(&image)?;
+    let (width, height) = (CROP.0 as f64 * ZOOM, CROP.1 as f64 * ZOOM);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
+         <image style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
+        base64(&png)
+    );
+    svg += &polyline(window, 1, row0 as f64, 0.0, ZOOM, "#d55e00", 2.0);
+    let caption = format!(
+        "The upper edge from column {column0}, row {row0}, {} × {} pixels magnified, with the measured edge.",
+        CROP.0, CROP.1
+    );
+    Ok(Some((svg + "</svg>", caption)))
+}
+
+fn profile(sample: &Picture<'_>) -> Option<Chart> {
+    let first = (sample.view.columns() / 2).saturating_sub(PROFILE_COLUMNS / 2);
+    let mut points = Vec::new();
+    for column in first..(first + PROFILE_COLUMNS).min(sample.top_px.len()) {
+        let Some(edge) = sample.top_px[column] else { continue };
+        let low = (edge - PROFILE_REACH_PX).ceil().max(0.0) as usize;
+        let high = (edge + PROFILE_REACH_PX).floor().max(0.0) as usize;
+        points.extend(
+            (low..=high).filter_map(|r| Some((r as f64 - edge, f64::from(sample.view.get(r, column)?)))),
+        );
+    }
+    (!points.is_empty()).then(|| Chart {
+        x_label: "row − measured edge / px".into(),
+        y_label: "grey value / counts".into(),
+        series: vec![Series::new("", Mark::Dots, 0, points)],
+        ..Chart::default()
+    })
+}

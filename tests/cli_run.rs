@@ -1,0 +1,229 @@
+//! `run` and `demo` from outside the binary: exit codes, messages, folders, resume.
+#![expect(clippy::unwrap_used, reason = "a test that cannot set up its files must fail")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn shadowgauge(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
+}
+
+/// A job small enough to run in a second: a short part, two passes, a small camera.
+const SMALL: &str = r#"
+name = "small"
+seed = 5
+[part]
+length_mm = 60.0
+stock_diameter_mm = 12.0
+nominal_diameter_mm = [11.5, 11.0]
+aim_mm = 0.0
+[part.tolerance]
+nominal_mm = 11.0
+upper_mm = 0.01
+lower_mm = -0.01
+[scan]
+fields = 4
+angles = 4
+[masters]
+frames_each = 2
+[[masters.pins]]
+diameter_mm = 10.0
+expanded_u_mm = 0.0001
+[[masters.pins]]
+diameter_mm = 12.5
+expanded_u_mm = 0.0001
+[camera]
+columns = 512
+rows = 512
+[optics]
+magnification = 0.115
+"#;
+
+fn write(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_string_lossy().into_owned()
+}
+
+fn run_small(folder: &Path, out: &str, more: &[&str]) -> Output {
+    let config = write(folder, "small.toml", SMALL);
+    let out = folder.join(out).to_string_lossy().into_owned();
+    shadowgauge(&[&["run", &config, "--out", &out, "--backend", "cpu"], more].concat())
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// (what is changed, the change, exit code, words the error must have)
+#[test]
+fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
+    let cases: [(&str, String, i32, &[&str]); 9] = [
+        ("unknown key", SMALL.replace("length_mm", "lenght_mm"), 2, &["lenght_mm", "length_mm"]),
+        ("wrong unit", SMALL.replace("length_mm = 60.0", "length_cm = 6.0"), 2, &["length_cm", "length_mm"]),
+        ("wrong type", SMALL.replace("length_mm = 60.0", "length_mm = \"60 mm\""), 2, &["60 mm", "float"]),
+        (
+            "shaft larger than the field",
+            SMALL.replace("= 12.0", "= 120.0"),
+            2,
+            &["part.stock_diameter_mm", "field"],
+        ),
+        ("magnification zero", SMALL.replace("= 0.115", "= 0.0"), 2, &["optics.magnification"]),
+        (
+            "diameters that rise",
+            SMALL.replace("[11.5, 11.0]", "[11.0, 11.5]"),
+            2,
+            &["part.nominal_diameter_mm[1]"],
+        ),
+        ("too few fields", SMALL.replace("fields = 4", "fields = 3"), 2, &["scan.fields", "at least 4"]),
+        (
+            "one master",
+            SMALL.replace("[[masters.pins]]\ndiameter_mm = 12.5\nexpanded_u_mm = 0.0001", ""),
+            2,
+            &["masters.pins"],
+        ),
+        ("no TOML", "part = [".to_owned(), 2, &["wrong.toml"]),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (what, text, exit, words) in cases {
+        let config = write(folder.path(), "wrong.toml", &text);
+        let out = folder.path().join("out");
+        let output = shadowgauge(&["run", &config, "--out", &out.to_string_lossy(), "--backend", "cpu"]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(exit), "{what}: {message}");
+        assert!(words.iter().all(|w| message.contains(w)), "{what}: {words:?} not in: {message}");
+        assert!(!message.contains("panicked"), "{what}: {message}");
+        assert!(!out.exists(), "{what}: something was written");
+    }
+}
+
+#[test]
+fn a_missing_config_and_an_unknown_controller_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").to_string_lossy().into_owned();
+    let output = shadowgauge(&["run", "no/such.toml", "--out", &out]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("no/such.toml"), "{}", stderr(&output));
+    let output = run_small(folder.path(), "out", &["--controller", "magic"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("magic") && stderr(&output).contains("pid"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_run_leaves_the_files_of_the_contract_and_the_json_of_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_small(folder.path(), "out", &["--json"]);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", stderr(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["controller"], "pid");
+    assert_eq!(json["backend"], "cpu");
+    let passes = json["passes"].as_array().unwrap();
+    assert_eq!(passes.len(), 2);
+    for key in [
+        "pass",
+        "nominal_mm",
+        "max_abs_error_mm",
+        "rms_error_mm",
+        "true_max_abs_error_mm",
+        "worst_measured_minus_true_mm",
+        "frames",
+        "render_s",
+        "gauge_s",
+    ] {
+        assert!(passes[0][key].is_number(), "{key}: {}", passes[0]);
+    }
+    assert!(json["in_tolerance"].is_boolean());
+    for name in [
+        "run.toml",
+        "diameters.parquet",
+        "passes.csv",
+        "offsets.csv",
+        "stations.csv",
+        "calibration.json",
+        "truth.parquet",
+        "timings.json",
+        "report.html",
+        "without_control/report.html",
+    ] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
+    }
+    let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(
+        !report.contains("http://")
+            || report.matches("http://").all(|_| report.contains("http://www.w3.org/"))
+    );
+    assert!(report.matches("<svg").count() >= 6, "the report has too few pictures");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
+    let folder = tempfile::tempdir().unwrap();
+    for (out, seed) in [("a", "5"), ("b", "5"), ("c", "6")] {
+        let output = run_small(folder.path(), out, &["--no-reference", "--seed", seed]);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", stderr(&output));
+    }
+    let read = |out: &str, name: &str| std::fs::read(folder.path().join(out).join(name)).unwrap();
+    for name in [
+        "diameters.parquet",
+        "truth.parquet",
+        "passes.csv",
+        "stations.csv",
+        "offsets.csv",
+        "calibration.json",
+    ] {
+        assert_eq!(read("a", name), read("b", name), "{name} differs between equal runs");
+    }
+    assert_ne!(read("a", "stations.csv"), read("c", "stations.csv"), "the seed has no effect");
+}
+
+#[test]
+fn a_taken_folder_is_refused_and_an_unwritable_one_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("taken")).unwrap();
+    write(&folder.path().join("taken"), "mine.txt", "keep me");
+    let output = run_small(folder.path(), "taken", &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("mine.txt"), "{}", stderr(&output));
+    assert_eq!(std::fs::read_dir(folder.path().join("taken")).unwrap().count(), 1);
+
+    let output = run_small(folder.path(), "done", &["--no-reference"]);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", stderr(&output));
+    let again = run_small(folder.path(), "done", &["--no-reference"]);
+    assert_eq!(again.status.code(), Some(2), "a finished run was touched: {}", stderr(&again));
+
+    write(folder.path(), "file", "not a folder");
+    let output = run_small(folder.path(), "file/below", &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let output = run_small(folder.path(), "file", &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
+
+#[test]
+fn a_killed_run_is_resumed_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = run_small(folder.path(), "whole", &["--no-reference"]);
+    assert!(matches!(whole.status.code(), Some(0 | 1)), "{}", stderr(&whole));
+    // What a kill after the first pass leaves: all files of that pass, half of the second, no report.
+    let source = folder.path().join("whole");
+    let killed = folder.path().join("killed");
+    std::fs::create_dir(&killed).unwrap();
+    for name in
+        ["run.toml", "calibration.json", "stations.csv", "diameters.parquet", "truth.parquet", "offsets.csv"]
+    {
+        std::fs::copy(source.join(name), killed.join(name)).unwrap();
+    }
+    let passes = std::fs::read_to_string(source.join("passes.csv")).unwrap();
+    let first: String = passes.lines().take(2).map(|l| format!("{l}\n")).collect();
+    write(&killed, "passes.csv", &first);
+    write(&killed, ".tmp-report.html", "half");
+    let resumed = run_small(folder.path(), "killed", &["--no-reference"]);
+    assert!(matches!(resumed.status.code(), Some(0 | 1)), "{}", stderr(&resumed));
+    for name in ["passes.csv", "stations.csv", "offsets.csv", "diameters.parquet", "truth.parquet"] {
+        let read = |f: &Path| std::fs::read(f.join(name)).unwrap();
+        assert_eq!(read(&source), read(&killed), "{name} differs after a resume");
+    }
+    // Another config must not take the folder up.
+    std::fs::remove_file(killed.join("report.html")).unwrap();
+    let other = run_small(folder.path(), "killed", &["--no-reference", "--seed", "9"]);
+    assert_eq!(other.status.code(), Some(2), "{}", stderr(&other));
+}

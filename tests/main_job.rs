@@ -1,0 +1,39 @@
+//! The main job at full size, from outside the binary: the figures that the README states.
+#![expect(clippy::unwrap_used, reason = "a test that cannot set up its files must fail")]
+
+use std::process::Command;
+
+#[test]
+fn four_passes_of_the_slender_shaft() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/slender_shaft.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+        .args(["run", config, "--json", "--out"])
+        .arg(&out)
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    if std::env::var_os("REQUIRE_VULKAN").is_some_and(|v| v == "1") {
+        assert_eq!(json["backend"], "vulkan", "{json}");
+    }
+    let um = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap() * 1e3;
+    let passes = json["passes"].as_array().unwrap();
+    let without = json["without_control"]["passes"].as_array().unwrap();
+    assert_eq!((passes.len(), without.len()), (4, 4));
+    for pass in passes {
+        assert!(um(pass, "worst_measured_minus_true_mm") <= 1.0, "{pass}");
+        let ratio = pass["rms_error_over_u"].as_f64().unwrap();
+        assert!((0.8..=1.25).contains(&ratio), "stated against actual uncertainty: {ratio} in {pass}");
+    }
+    for pass in &passes[1..] {
+        assert!(um(pass, "true_max_abs_error_mm") <= 3.0, "{pass}");
+    }
+    let (with, none) = (um(&passes[3], "true_max_abs_error_mm"), um(&without[3], "true_max_abs_error_mm"));
+    assert!(15.0 * with <= none, "after pass 4: {with} µm with control, {none} µm without");
+    // Pass 1 knows no controller: both runs must have cut and measured the same part.
+    assert_eq!(passes[0]["true_max_abs_error_mm"], without[0]["true_max_abs_error_mm"]);
+    assert_eq!(json["in_tolerance"], true);
+}
