@@ -13,6 +13,7 @@ mod run;
 mod schema;
 mod study;
 mod study_deflection;
+mod study_factor;
 mod study_files;
 
 use std::io::IsTerminal as _;
