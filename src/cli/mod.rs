@@ -9,6 +9,8 @@ mod frame_files;
 mod optimize;
 mod record;
 mod render;
+mod reproduce;
+mod reproduce_003;
 mod run;
 mod schema;
 mod study;
@@ -88,6 +90,9 @@ enum Command {
     Schema,
     /// Choose cutting data: the shortest time under limits of size error and roughness.
     Optimize(optimize::OptimizeArgs),
+    /// A paper's figures beside ours.
+    #[command(subcommand)]
+    Reproduce(reproduce::Paper),
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study),
@@ -101,6 +106,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Doctor(args) => doctor::run(args),
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),
+        Command::Reproduce(paper) => reproduce::run(paper),
         Command::Study(study) => study::run(study),
     }
 }

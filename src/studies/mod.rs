@@ -3,4 +3,5 @@
 pub mod deflection;
 pub mod factor;
 pub mod optimize;
+pub mod reproduce_003;
 pub mod reproduction;
