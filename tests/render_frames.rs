@@ -1,5 +1,7 @@
 //! The renderer against closed forms, brute force and the f64 reference.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+
 #[path = "support/render.rs"]
 mod support;
 

@@ -2,6 +2,8 @@
 //!
 //! `BLESS=<case>|all` writes them anew, prints old and new metrics and ends red; it is refused where `CI` is set.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+
 #[path = "support/render_golden.rs"]
 mod golden;
 #[path = "support/render.rs"]

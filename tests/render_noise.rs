@@ -1,5 +1,7 @@
 //! Temporal noise on flat fields: four moments and neighbours, against Poisson + Gaussian.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+
 #[path = "support/render.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the renderer")]
 mod support;

@@ -6,6 +6,7 @@
 mod demo;
 mod doctor;
 mod frame_files;
+mod measure;
 mod optimize;
 mod record;
 mod render;
@@ -86,6 +87,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs),
+    /// Measure edges and diameters of frames in files.
+    Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
     Schema,
     /// Choose cutting data: the shortest time under limits of size error and roughness.
@@ -104,6 +107,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Run(args) => run::run(args),
         Command::Render(args) => render::run(args),
         Command::Doctor(args) => doctor::run(args),
+        Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),
         Command::Reproduce(paper) => reproduce::run(paper),

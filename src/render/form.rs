@@ -26,7 +26,7 @@ const MOST_NODES: f64 = 1.6e7;
 const ARC_KNOTS: usize = 65;
 
 /// Stream of the generator that textures are drawn from.
-const TEXTURE_STREAM: u64 = 0x7465_7874_7572_65;
+const TEXTURE_STREAM: u64 = 0x0074_6578_7475_7265;
 
 /// A shaft with the mean radii of `profile` and the form errors of `form` over `0..length_mm`.
 ///
@@ -83,7 +83,7 @@ fn draw_texture(form: &TextureForm, length_mm: f64, seed: u64) -> Result<Surface
     if rows * columns > MOST_NODES {
         return Err(RenderError::setting(
             "shaft.texture.correlation_z_mm",
-            form.correlation_z_mm,
+            &form.correlation_z_mm,
             format!(
                 "a grid of {rows} x {columns} nodes is too large ({MOST_NODES:.0} at most): take longer correlation lengths"
             ),

@@ -93,7 +93,7 @@ impl Scene {
         }
         Err(RenderError::setting(
             "roi",
-            format!("{roi:?}"),
+            &format!("{roi:?}"),
             format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
         ))
     }

@@ -45,7 +45,7 @@ pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
     let kurtosis = ratio / variance;
     let skew2 = ratio * kurtosis;
     let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
-    let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_89);
+    let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_9);
     let k3 = sd * (kurtosis * 0.041_666_668 - skew2 * 0.055_555_556);
     [mean - k2, k1, k2, k3]
 }

@@ -193,7 +193,8 @@ impl GoldenScene {
             ProfileKnot { z_mm: case.z_mm - half, radius_mm: radius + rise },
             ProfileKnot { z_mm: case.z_mm + half, radius_mm: (radius - rise).max(1e-3) },
         ];
-        let knots = if case.taper_deg == 0.0 { knots[..1].to_vec() } else { taper(knots, case.z_mm, radius) };
+        let knots =
+            if case.taper_deg == 0.0 { knots[..1].to_vec() } else { taper(&knots, case.z_mm, radius) };
         let scene =
             Scene::new(&bench, form_shaft(knots, &case.shaft, case.length_mm, case.seed).unwrap()).unwrap();
         let request = FrameRequest {
@@ -274,7 +275,7 @@ impl GoldenScene {
 }
 
 /// A cone through `radius` at `z_mm`, cut off where the radius would vanish.
-fn taper(knots: Vec<ProfileKnot>, z_mm: f64, radius: f64) -> Vec<ProfileKnot> {
+fn taper(knots: &[ProfileKnot], z_mm: f64, radius: f64) -> Vec<ProfileKnot> {
     let slope = (knots[0].radius_mm - radius) / (z_mm - knots[0].z_mm);
     let reach = 0.95 * radius / slope;
     vec![

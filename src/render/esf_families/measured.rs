@@ -125,7 +125,7 @@ impl MeasuredEdge {
 }
 
 fn refuse(found: String, right: &str) -> RenderError {
-    RenderError::setting(KEY, found, right)
+    RenderError::setting(KEY, &found, right)
 }
 
 fn sample(record: &csv::StringRecord) -> Option<(f64, f64)> {

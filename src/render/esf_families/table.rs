@@ -60,7 +60,11 @@ impl EdgeSpread {
     ) -> Result<Self, RenderError> {
         if !(low_um < 0.0 && high_um > 0.0 && low_um.is_finite() && high_um.is_finite()) {
             let found = format!("{low_um} to {high_um} µm");
-            return Err(RenderError::setting("optics.esf", found, "a table's range must hold the edge at 0"));
+            return Err(RenderError::setting(
+                "optics.esf",
+                &found,
+                "a table's range must hold the edge at 0",
+            ));
         }
         let faded = |d: f64| fade(d, low_um, high_um, f(d));
         let mut intervals = FIRST_INTERVALS;
@@ -80,7 +84,7 @@ impl EdgeSpread {
                 let found = format!("{low_um} to {high_um} µm");
                 return Err(RenderError::setting(
                     "optics.esf",
-                    found,
+                    &found,
                     format!("a table of {MOST_KNOTS} knots still errs by {error:.1e}: shorten its reach"),
                 ));
             }

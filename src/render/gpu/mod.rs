@@ -159,11 +159,10 @@ impl Gpu {
             constant: self.pipeline("constant", packing),
         };
         self.pipelines.insert(packing, pipelines);
-        for error in [pollster::block_on(memory.pop()), pollster::block_on(scope.pop())] {
-            if let Some(e) = error {
-                self.buffers = None;
-                return Err(RenderError::Device { what: e.to_string() });
-            }
+        let errors = [pollster::block_on(memory.pop()), pollster::block_on(scope.pop())];
+        if let Some(e) = errors.into_iter().flatten().next() {
+            self.buffers = None;
+            return Err(RenderError::Device { what: e.to_string() });
         }
         Ok(())
     }
