@@ -93,6 +93,7 @@ fn fig_11(rows: &[Row]) -> Chart {
         Series::new("transfer plant, no control", Mark::Dashed, 1, passes("fig11.uncompensated", ours)),
         Series::new("transfer plant, PID", Mark::Dashed, 0, passes("fig11.compensated", ours)),
         Series::new("physical plant, no control", Mark::LineDots, 4, passes("fig11.physical.none", ours)),
+        Series::new("physical plant, PID", Mark::LineDots, 5, passes("fig11.physical.accumulated", ours)),
         Series::new("through frames, no control", Mark::LineDots, 2, passes("fig11.frames.none", ours)),
         Series::new("through frames, PID", Mark::LineDots, 3, passes("fig11.frames.pid", ours)),
     ];

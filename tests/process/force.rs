@@ -1,7 +1,5 @@
 //! Force laws against closed forms and quadrature.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use shadowgauge::plan::CuttingData;
 use shadowgauge::process::kienzle::KienzleLaw;
 use shadowgauge::process::{ForceLaw, MaterialSettings, PowerLaw, ToolSettings};
