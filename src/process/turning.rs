@@ -225,7 +225,7 @@ impl TurningProcess {
         summary.feed_mark_um =
             1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
         let depths = [summary.min_depth_mm, summary.max_depth_mm];
-        summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths));
+        summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths, &self.settings.tool));
         if self.cuts == 0 {
             summary.notes.iter().for_each(|note| tracing::warn!(pass = plan.pass, "{note}"));
         }
