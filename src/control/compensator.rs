@@ -20,7 +20,7 @@ pub(crate) struct Compensator<L> {
     settings: ControlSettings,
     law: L,
     parts: PartLoop,
-    last: Option<Memory>,
+    history: Vec<Memory>,
     used_scan: Option<u64>,
     notes: Vec<String>,
     alarm: Option<String>,
@@ -32,7 +32,7 @@ impl<L: Law> Compensator<L> {
             settings: settings.clone(),
             law,
             parts: PartLoop::new(&settings.parts),
-            last: None,
+            history: Vec::new(),
             used_scan: None,
             notes: Vec::new(),
             alarm: None,
@@ -55,7 +55,7 @@ impl<L: Law> Compensator<L> {
         }
         let (outcome, alarm) = self.consider(plan, &errors, context);
         self.alarm = alarm;
-        self.last = Some(Memory { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
+        self.history.push(Memory { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
         let (o_mm, law) = outcome?;
         self.law = law;
         Ok(DiameterOffset { o_mm })
@@ -68,13 +68,13 @@ impl<L: Law> Compensator<L> {
         errors: &Errors,
         context: &PassContext<'_>,
     ) -> (Considered<L>, Option<String>) {
-        let Self { settings, parts, notes, last, .. } = self;
+        let Self { settings, parts, notes, history, .. } = self;
         let guarded = Guarded {
             limits: &settings.guards,
             plan,
             context,
             errors,
-            last: last.as_ref(),
+            history,
             plant_gain: settings.plant_gain,
         };
         let mut law = self.law.clone();
@@ -128,7 +128,7 @@ impl<L: Law> Controller for Compensator<L> {
     }
 
     fn begin_part(&mut self, start: &PartStart<'_>, stations: usize) -> DiameterOffset {
-        self.last = None;
+        self.history.clear();
         self.alarm = None;
         self.notes.clear();
         self.parts.begin(start.event);

@@ -45,7 +45,8 @@ pub(crate) struct Guarded<'a> {
     pub plan: &'a PassPlan,
     pub context: &'a PassContext<'a>,
     pub errors: &'a Errors,
-    pub last: Option<&'a Memory>,
+    /// Passes of this part that were measured and belonged here, oldest first.
+    pub history: &'a [Memory],
     pub plant_gain: f64,
 }
 
@@ -132,7 +133,8 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
         )));
     }
     let limit = limits.outlier_limit_mm.max(OUTLIER_SCATTERS * scatter);
-    match (0..e.len()).map(|i| (i, off_neighbours(e, i))).find(|(_, off)| !within(*off, limit)) {
+    let off = (0..e.len()).map(|i| (i, off_neighbours(e, i)));
+    match off.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, off)| !within(*off, limit)) {
         Some((i, off)) => Err(guard(format!(
             "outlier: the reading at z = {} mm is {:.2} µm off what its neighbours say, limit {:.2} µm",
             z[i],
@@ -146,8 +148,8 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
 /// Observed over commanded change: −ΣΔo·Δe/ΣΔo², about g. Radius for diameter gives 2 or ½ of it, a wrong sign the
 /// negative, an offset that went elsewhere 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
-    let Some(last) = g.last.filter(|m| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len())
-    else {
+    let alike = |m: &&Memory| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
+    let Some(last) = g.history.last().filter(alike) else {
         return Ok(());
     };
     let commanded: Vec<f64> = g.plan.offset.o_mm.iter().zip(&last.o_mm).map(|(o, p)| o - p).collect();
@@ -274,16 +276,25 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
     }
 }
 
-/// Diameter the next pass is predicted to leave: this pass's error, less the whole change of the offset, plus what the
-/// error would have grown by in the last pass had the offset stayed.
+/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w, w(k) = e(k) − (1 − g) e(k−1)
+/// + g o(k) what came besides offset and copying, carried on by as much as it grew since the pass before.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
-    let last = g.last.filter(|m| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len());
-    let in_force = &g.plan.offset.o_mm;
+    let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
+    let before = |passes: u32| {
+        let pass = g.plan.pass.checked_sub(passes)?;
+        g.history.iter().find(|m| m.pass == pass && m.e_mm.len() == e.len())
+    };
+    let besides = |e: f64, copied: f64, o: f64| e - (1.0 - gain) * copied + gain * o;
     (0..offsets_mm.len())
         .map(|i| {
-            let e = g.errors.e_mm[i];
-            let grew = last.map_or(0.0, |m| e - m.e_mm[i] + g.plant_gain * (in_force[i] - m.o_mm[i]));
-            next.nominal_mm + e + grew - (offsets_mm[i] - in_force[i])
+            let e1 = before(1).map_or(0.0, |m| m.e_mm[i]);
+            let w = if before(1).is_some() { besides(e[i], e1, o[i]) } else { gain * (e[i] + o[i]) };
+            let grew = match (before(1), before(2)) {
+                (Some(m1), Some(m2)) => w - besides(m1.e_mm[i], m2.e_mm[i], m1.o_mm[i]),
+                (Some(m1), None) if m1.pass == 1 => w - besides(m1.e_mm[i], 0.0, m1.o_mm[i]),
+                _ => 0.0,
+            };
+            next.nominal_mm + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
         })
         .collect()
 }
@@ -306,19 +317,33 @@ fn robust_scatter(second_differences: &[f64]) -> f64 {
     MAD_TO_SIGMA * median / SECOND_DIFFERENCE.sqrt()
 }
 
-/// Difference of a station from the median of its neighbours' predictions: two before, two after, both sides.
+/// Difference of a station from what its neighbours say: inside, the median of the four lines through two of them; next
+/// to an end, the parabola through three; at an end, the line fitted to four.
 fn off_neighbours(e: &[f64], i: usize) -> f64 {
-    let at = |offset: isize| i.checked_add_signed(offset).and_then(|j| e.get(j)).copied();
-    let line = |near: isize, far: isize| Some(2.0 * at(near)? - at(far)?);
-    let between = |a: isize, b: isize| Some(0.5 * (at(a)? + at(b)?));
-    let mut predictions: Vec<f64> =
-        [line(-1, -2), line(1, 2), between(-1, 1), between(-2, 2)].into_iter().flatten().collect();
-    predictions.sort_by(f64::total_cmp);
-    let n = predictions.len();
-    if n == 0 {
+    let n = e.len();
+    if n < 5 {
         return 0.0;
     }
-    e[i] - 0.5 * (predictions[(n - 1) / 2] + predictions[n / 2])
+    // least squares over x = 1, 2, 3, 4, taken at x = 0
+    let line = |a: f64, b: f64, c: f64, d: f64| a + 0.5 * (b - d);
+    let parabola = |a: f64, b: f64, c: f64| a / 3.0 + b - c / 3.0;
+    let predicted = match i {
+        0 => line(e[1], e[2], e[3], e[4]),
+        1 => parabola(e[0], e[2], e[3]),
+        _ if i + 1 == n => line(e[n - 2], e[n - 3], e[n - 4], e[n - 5]),
+        _ if i + 2 == n => parabola(e[n - 1], e[n - 3], e[n - 4]),
+        _ => {
+            let mut lines = [
+                2.0 * e[i - 1] - e[i - 2],
+                2.0 * e[i + 1] - e[i + 2],
+                0.5 * (e[i - 1] + e[i + 1]),
+                0.5 * (e[i - 2] + e[i + 2]),
+            ];
+            lines.sort_by(f64::total_cmp);
+            0.5 * (lines[1] + lines[2])
+        }
+    };
+    e[i] - predicted
 }
 
 /// Index and value of the first element whose magnitude is not within the limit.

@@ -44,8 +44,20 @@ struct Pass {
     before_mm: Vec<f64>,
     after_mm: Vec<f64>,
     cutting: CuttingData,
-    /// `before_mm` was not measured.
-    stock_assumed: bool,
+    /// Whether `before_mm` was measured.
+    before: Before,
+    /// Number of the pass, from 0.
+    index: usize,
+}
+
+/// Where the diameters before a pass come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Before {
+    Measured,
+    /// The stock's nominal diameter.
+    Stock,
+    /// The pass before was not measured or not believed: its nominal diameter.
+    Nominal,
 }
 
 /// Model-based law.
@@ -64,14 +76,22 @@ impl ModelLaw {
 
     fn remember(&mut self, seen: &Seen<'_>) {
         let after_mm: Vec<f64> = seen.errors.e_mm.iter().map(|e| e + seen.plan.nominal_mm).collect();
-        let previous = self.passes.last().map(|p| p.after_mm.clone()).or_else(|| self.stock_mm.clone());
+        let index = (seen.plan.pass as usize).saturating_sub(1);
+        let last = self.passes.last().filter(|p| p.index + 1 == index).map(|p| p.after_mm.clone());
+        let (before, before_mm) = match (index, last, &self.stock_mm) {
+            (_, Some(last), _) => (Before::Measured, last),
+            (0, None, Some(stock)) => (Before::Measured, stock.clone()),
+            (0, None, None) => (Before::Stock, vec![self.settings.stock_diameter_mm; after_mm.len()]),
+            (_, None, _) => (Before::Nominal, vec![self.one_more(seen); after_mm.len()]),
+        };
         let pushed = after_mm.iter().zip(seen.plan.commanded_mm()).map(|(d, b)| 0.5 * (d - b));
         let repeatability = self.settings.repeatability_mm;
         let pass = Pass {
             pushed_mm: pushed.collect(),
             u_mm: seen.errors.u_random_mm.iter().map(|u| repeatability.hypot(0.5 * u)).collect(),
-            stock_assumed: previous.is_none(),
-            before_mm: previous.unwrap_or_else(|| vec![self.settings.stock_diameter_mm; after_mm.len()]),
+            before,
+            index,
+            before_mm,
             after_mm,
             cutting: seen.plan.cutting,
         };
@@ -88,13 +108,15 @@ impl Law for ModelLaw {
     fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
         self.remember(seen);
         let model = Model { settings: &self.settings, z_mm: &self.z_mm };
-        let theta = model.estimate(&self.passes);
-        let carried = model.carried(&theta, &self.passes);
+        let rough = model.estimate(&self.passes, 0.0);
+        let misfit = model.misfit(&rough, &self.passes);
+        let theta = model.estimate(&self.passes, misfit);
+        let carried = model.carried(&theta, &self.passes, misfit);
         let (nominal, cutting) = match seen.next {
             Some(next) => (next.nominal_mm, next.cutting),
             None => (self.same_again(seen), seen.plan.cutting),
         };
-        let j = self.passes.len();
+        let j = seen.plan.pass as usize;
         let mut gains = (f64::INFINITY, 0.0_f64);
         let after = seen.errors.e_mm.iter().map(|e| e + seen.plan.nominal_mm);
         let o_mm = after
@@ -116,12 +138,22 @@ impl Law for ModelLaw {
 }
 
 impl ModelLaw {
+    /// Where the pass before was not believed: this one took off as much as the next is to.
+    fn one_more(&self, seen: &Seen<'_>) -> f64 {
+        match seen.next {
+            Some(next) => 2.0 * seen.plan.nominal_mm - next.nominal_mm,
+            None => self.same_before(seen),
+        }
+    }
+
+    fn same_before(&self, seen: &Seen<'_>) -> f64 {
+        let passes = f64::from(seen.plan.pass.max(1));
+        seen.plan.nominal_mm + (self.settings.stock_diameter_mm - seen.plan.nominal_mm) / passes
+    }
+
     /// Where nothing is known of the next pass: it takes off as much as this one was to.
     fn same_again(&self, seen: &Seen<'_>) -> f64 {
-        let before = self.passes.last().map_or(self.settings.stock_diameter_mm, |p| {
-            p.before_mm.iter().sum::<f64>() / p.before_mm.len().max(1) as f64
-        });
-        2.0 * seen.plan.nominal_mm - before
+        2.0 * seen.plan.nominal_mm - self.same_before(seen)
     }
 }
 
@@ -213,28 +245,42 @@ impl Model<'_> {
     }
 
     fn cut<'p>(theta: &Theta, pass: &'p Pass, i: usize) -> Cut<'p> {
-        let shift = if pass.stock_assumed { theta[3] } else { 0.0 };
+        let shift = if pass.before == Before::Stock { theta[3] } else { 0.0 };
         Cut { before_mm: pass.before_mm[i] + shift, after_mm: pass.after_mm[i], cutting: &pass.cutting }
     }
 
     fn residual(&self, theta: &Theta, passes: &[Pass], i: usize, j: usize) -> f64 {
-        passes[j].pushed_mm[i] - self.pushed(theta, i, j, &Self::cut(theta, &passes[j], i))
+        passes[j].pushed_mm[i] - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
     }
 
     /// Variance of a residual: repeatability, reading and, where the stock was not measured, its form as it is copied.
     fn variance(&self, theta: &Theta, pass: &Pass, i: usize) -> f64 {
-        let copied = if pass.stock_assumed {
+        let copied = if pass.before == Before::Measured {
+            0.0
+        } else {
             let gain = self.gain(theta, i, &Self::cut(theta, pass, i));
             0.5 * self.settings.stock_form_mm * (1.0 / gain - 1.0)
-        } else {
-            0.0
         };
         pass.u_mm[i].powi(2) + copied.powi(2)
     }
 
+    /// What the model leaves unexplained beyond noise in the passes whose stock was measured, root mean square: where it
+    /// is large the shared numbers count for less and the stations' own levels for more.
+    fn misfit(&self, theta: &Theta, passes: &[Pass]) -> f64 {
+        let known = passes.iter().enumerate().filter(|(_, p)| p.before == Before::Measured);
+        let (mut sum, mut count) = (0.0, 0);
+        for (j, pass) in known {
+            for i in 0..self.z_mm.len() {
+                sum += self.residual(theta, passes, i, j).powi(2) - self.variance(theta, pass, i);
+                count += 1;
+            }
+        }
+        if count > 0 { (sum / f64::from(count)).max(0.0).sqrt() } else { 0.0 }
+    }
+
     /// Penalised least squares over all passes.
-    fn estimate(&self, passes: &[Pass]) -> Theta {
-        let prior = self.prior(passes.len());
+    fn estimate(&self, passes: &[Pass], misfit: f64) -> Theta {
+        let prior = self.prior(passes.last().map_or(0, |p| p.index + 1));
         let mut theta = Theta::zeros(prior.len());
         for _ in 0..ITERATIONS {
             let mut normal = DMatrix::from_diagonal(&prior.map(|p| p.powi(-2)));
@@ -242,7 +288,7 @@ impl Model<'_> {
             for (j, pass) in passes.iter().enumerate() {
                 for i in 0..self.z_mm.len() {
                     let slope = self.slope(&theta, &prior, passes, i, j);
-                    let weight = self.variance(&theta, pass, i).recip();
+                    let weight = (self.variance(&theta, pass, i) + misfit.powi(2)).recip();
                     normal.ger(weight, &slope, &slope, 1.0);
                     right += slope * (self.residual(&theta, passes, i, j) * weight);
                 }
@@ -272,11 +318,11 @@ impl Model<'_> {
     }
 
     /// c(z, j) of the coming pass: level and trend of every station's residuals, by a Kalman filter.
-    fn carried(&self, theta: &Theta, passes: &[Pass]) -> Vec<f64> {
+    fn carried(&self, theta: &Theta, passes: &[Pass], misfit: f64) -> Vec<f64> {
         let s = self.settings;
         (0..self.z_mm.len())
             .map(|i| {
-                let mut station = LevelAndTrend::new(s.u_station_mm, s.u_station_trend_mm);
+                let mut station = LevelAndTrend::new(s.u_station_mm.max(misfit), s.u_station_trend_mm);
                 for (j, pass) in passes.iter().enumerate() {
                     station.update(self.residual(theta, passes, i, j), self.variance(theta, pass, i));
                 }

@@ -55,7 +55,7 @@ impl Default for GuardSettings {
             plausible_error_mm: 0.25,
             uncertainty_limit_mm: 0.005,
             scatter_limit_mm: 0.006,
-            outlier_limit_mm: 0.005,
+            outlier_limit_mm: 0.004,
             age_limit_s: 900.0,
             master_limit_mm: 0.002,
             deadband_mm: 0.0002,
