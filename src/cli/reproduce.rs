@@ -71,9 +71,9 @@ fn short(value: f64) -> String {
 /// The rows on a page, a table for each part of the paper: the words in the first column, so that a page is wide enough.
 pub(super) fn tables(page: &mut Page, rows: &[Row], parts: &[(&str, &[&str])]) {
     let cells = |row: &Row| {
-        let unit = if row.unit.is_empty() { String::new() } else { format!(" / {}", row.unit) };
+        let unit = if row.unit.is_empty() { String::new() } else { format!(" [{}]", row.unit) };
         vec![
-            format!("{}: {}{unit}. {}", row.id, row.quantity, row.reason),
+            format!("{}: {}{unit}: {}", row.id, row.quantity, row.reason),
             row.paper.map_or("-".to_owned(), short),
             short(row.ours),
             row.difference.map_or("-".to_owned(), short),

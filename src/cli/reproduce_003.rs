@@ -116,7 +116,7 @@ fn fig_11(rows: &[Row]) -> Chart {
         y_label: "error at 250 mm / µm of diameter".to_owned(),
         series,
         // Room for the legend above the last points.
-        y_range: Some((-20.0, 480.0)),
+        y_range: Some((-20.0, 620.0)),
         ..Chart::default()
     }
 }
