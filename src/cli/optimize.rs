@@ -6,7 +6,7 @@ use super::study_files::{ConfigText, StudyFolder, csv_text, json_text};
 use super::{CommandResult, Failure, Outcome};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
-use crate::studies::optimize::{self, OptimizeConfig, Problem, Solution, Study};
+use crate::studies::optimize::{self, Constraint, OptimizeConfig, Problem, Solution, Study};
 
 /// Arguments of `optimize`.
 #[derive(Debug, clap::Args)]
@@ -61,15 +61,15 @@ fn line(name: &str, s: &Solution) -> String {
 fn in_words(study: &Study) -> String {
     let mut text = String::new();
     if let Some(conflict) = &study.conflict {
-        text += &format!("infeasible ({:?}): {}\n", conflict.constraints, conflict.explanation);
+        text += &format!("infeasible ({}): {}\n", names(&conflict.constraints), conflict.explanation);
         text += &line("nearest", &conflict.nearest);
     }
     if let Some(optimum) = &study.optimum {
         text += &line("optimum", optimum);
         let gap = study.proven_gap.unwrap_or(f64::NAN);
         text += &format!(
-            "             held by {:?}; no point is shorter by more than {gap:.1e}\n",
-            optimum.active
+            "             held by {}; no point is shorter by more than {gap:.1e}\n",
+            names(&optimum.active)
         );
     }
     if let Some(genetic) = &study.genetic {
@@ -82,11 +82,44 @@ fn in_words(study: &Study) -> String {
     }
     for reference in &study.references {
         text += &line(&reference.name, &reference.solution);
-        let gap = reference.gap.map_or(String::new(), |gap| format!("{:.2} % longer", 100.0 * gap));
-        text += &format!("             {gap} violates {:?}\n", reference.violated);
+        let gap = reference.gap.map_or(String::new(), |gap| format!("{:.2} % longer, ", 100.0 * gap));
+        text += &format!("             {gap}breaks {}\n", names(&reference.violated));
     }
     study.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
     text
+}
+
+fn names(constraints: &[Constraint]) -> String {
+    let name = |c: &Constraint| match c {
+        Constraint::SizeError => "size error",
+        Constraint::Roughness => "roughness",
+        Constraint::Speed => "speed",
+        Constraint::Feed => "feed",
+        Constraint::Depth => "depth",
+    };
+    let names: Vec<&str> = constraints.iter().map(name).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+}
+
+/// The points of a study, as cells.
+fn points(study: &Study) -> Vec<Vec<String>> {
+    let cells = |name: &str, s: &Solution, gap: Option<f64>, broken: &[Constraint]| {
+        vec![
+            name.to_owned(),
+            format!("{:.3}", s.point.speed_m_per_min),
+            format!("{:.5}", s.point.feed_mm_per_rev),
+            format!("{:.5}", s.point.depth_mm),
+            format!("{:.4}", s.time_min),
+            gap.map_or("-".to_owned(), |gap| format!("{:.3} %", 100.0 * gap)),
+            format!("{:.2}", 1e3 * s.size_error_mm),
+            names(broken),
+        ]
+    };
+    let optimum = study.optimum.iter().map(|s| cells("optimum", s, None, &[]));
+    let nearest = study.conflict.iter().map(|c| cells("nearest", &c.nearest, None, &c.constraints));
+    let genetic = study.genetic.iter().map(|g| cells("genetic algorithm", &g.solution, Some(g.gap), &[]));
+    let references = study.references.iter().map(|r| cells(&r.name, &r.solution, r.gap, &r.violated));
+    optimum.chain(nearest).chain(genetic).chain(references).collect()
 }
 
 /// A row of front.csv.
@@ -118,9 +151,35 @@ fn write(
         .collect();
     let svg = front_chart(problem, study).to_svg().map_err(Failure::fail)?;
     let mut page = Page::new(format!("Cutting data: {}", config.name));
-    in_words(study).lines().for_each(|line| {
-        page.text(line);
+    match (&study.conflict, &study.optimum) {
+        (Some(conflict), _) => {
+            page.text(&format!("Infeasible: {}.", conflict.explanation));
+        }
+        (None, Some(optimum)) => {
+            page.text(&format!(
+                "The optimum is held by {}; no feasible point is shorter by more than {:.0e} (branch and bound).",
+                names(&optimum.active),
+                study.proven_gap.unwrap_or(f64::NAN)
+            ));
+        }
+        (None, None) => {}
+    }
+    study.notes.iter().for_each(|note| {
+        page.text(note);
     });
+    page.table(
+        &[
+            "point",
+            "v / (m/min)",
+            "f / (mm/r)",
+            "a_p / mm",
+            "time / min",
+            "longer",
+            "size error / µm",
+            "breaks",
+        ],
+        &points(study),
+    );
     page.figure(
         &svg,
         "Shortest time at every limit of the size error; the vertical line is the limit asked for.",

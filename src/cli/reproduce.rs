@@ -68,20 +68,26 @@ fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&size) { format!("{value:.5}") } else { format!("{value:.3e}") }
 }
 
-/// The rows as a table on a page.
-pub(super) fn table(page: &mut Page, rows: &[Row]) {
+/// The rows on a page, a table for each part of the paper: the words in the first column, so that a page is wide enough.
+pub(super) fn tables(page: &mut Page, rows: &[Row], parts: &[(&str, &[&str])]) {
     let cells = |row: &Row| {
+        let unit = if row.unit.is_empty() { String::new() } else { format!(" [{}]", row.unit) };
         vec![
-            row.id.clone(),
-            row.quantity.clone(),
-            row.unit.clone(),
+            format!("{}: {}{unit}: {}", row.id, row.quantity, row.reason),
             row.paper.map_or("-".to_owned(), short),
             short(row.ours),
             row.difference.map_or("-".to_owned(), short),
             word(row.verdict).to_owned(),
-            row.reason.clone(),
         ]
     };
-    let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
-    page.table(&["id", "quantity", "unit", "paper", "ours", "difference", "verdict", "reason"], &cells);
+    for (heading, prefixes) in parts {
+        // A prefix that ends in a blank means that very id.
+        let named = |row: &&Row| prefixes.iter().any(|prefix| format!("{} ", row.id).starts_with(prefix));
+        let mine = rows.iter().filter(named);
+        let cells: Vec<Vec<String>> = mine.map(cells).collect();
+        if !cells.is_empty() {
+            page.heading(heading);
+            page.table(&["quantity and reason", "paper", "ours", "difference", "verdict"], &cells);
+        }
+    }
 }

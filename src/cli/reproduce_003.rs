@@ -15,6 +15,19 @@ use crate::studies::reproduction::Row;
 const INPUTS: &str = include_str!("../../configs/reproduce_003.toml");
 const PROBLEM: &str = include_str!("../../configs/optimize_003.toml");
 
+/// Parts of the paper and what their rows' ids start with.
+const PARTS: [(&str, &[&str]); 6] = [
+    ("Deflection and size error (eqs 1-3, section 3.3)", &["eq1 ", "eq2 ", "eq3 ", "beam."]),
+    ("Forces (Tables 1 and 2)", &["table"]),
+    ("Single factors (Figs 7-9)", &["fig7", "fig8", "fig9"]),
+    ("Choice of cutting data (eqs 4-10)", &["eq4", "eq5", "eq6", "eq7", "eq8", "eq9", "eq10", "ga."]),
+    (
+        "PID (eqs 11-18) and stability",
+        &["eq11", "eq12", "eq13", "eq14", "eq15", "eq16-17", "eq18", "stability."],
+    ),
+    ("Compensation (Fig. 11)", &["fig11."]),
+];
+
 /// Arguments of `reproduce 003`.
 #[derive(Debug, clap::Args)]
 pub struct Reproduce003Args {
@@ -69,7 +82,7 @@ fn write(folder: &StudyFolder, rows: &[Row]) -> Result<(), Failure> {
         &chart,
         "Fig. 11: error after each pass, the paper's, the error-transfer plant's and the physical plant's.",
     );
-    reproduce::table(&mut page, rows);
+    reproduce::tables(&mut page, rows, &PARTS);
     folder.write("fig11.svg", chart.as_bytes())?;
     folder.write("rows.csv", &super::study_files::csv_text(rows)?)?;
     folder.write("report.html", page.finish().as_bytes())
@@ -93,6 +106,7 @@ fn fig_11(rows: &[Row]) -> Chart {
         Series::new("transfer plant, no control", Mark::Dashed, 1, passes("fig11.uncompensated", ours)),
         Series::new("transfer plant, PID", Mark::Dashed, 0, passes("fig11.compensated", ours)),
         Series::new("physical plant, no control", Mark::LineDots, 4, passes("fig11.physical.none", ours)),
+        Series::new("physical plant, PID", Mark::LineDots, 5, passes("fig11.physical.accumulated", ours)),
         Series::new("through frames, no control", Mark::LineDots, 2, passes("fig11.frames.none", ours)),
         Series::new("through frames, PID", Mark::LineDots, 3, passes("fig11.frames.pid", ours)),
     ];
@@ -101,6 +115,8 @@ fn fig_11(rows: &[Row]) -> Chart {
         x_label: "pass".to_owned(),
         y_label: "error at 250 mm / µm of diameter".to_owned(),
         series,
+        // Room for the legend above the last points.
+        y_range: Some((-20.0, 620.0)),
         ..Chart::default()
     }
 }

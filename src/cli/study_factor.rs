@@ -126,9 +126,17 @@ fn write(folder: &StudyFolder, study: &FactorStudy) -> Result<(), Failure> {
     let mut rows = Vec::new();
     for (index, series) in study.series.iter().enumerate() {
         page.heading(&series.name);
-        for (kind, chart) in [("z", over_z(series)), ("factor", over_factor(series))] {
+        let of_value = format!(
+            "Largest size error against the {}; error ~ value^{:.3}.",
+            series.factor.label(),
+            series.elasticity
+        );
+        let of_z =
+            format!("Size error over the position of the tool, a line for each {}.", series.factor.label());
+        for (kind, chart, caption) in [("z", over_z(series), of_z), ("factor", over_factor(series), of_value)]
+        {
             let svg = chart.to_svg().map_err(Failure::fail)?;
-            page.figure(&svg, &format!("{}: error ~ value^{:.3}", series.name, series.elasticity));
+            page.figure(&svg, &caption);
             folder.write(&format!("series_{}_{kind}.svg", index + 1), svg.as_bytes())?;
         }
         let cells = |r: &crate::studies::factor::FactorRow| {
@@ -158,8 +166,18 @@ fn write(folder: &StudyFolder, study: &FactorStudy) -> Result<(), Failure> {
     folder.write("report.html", page.finish().as_bytes())
 }
 
+/// From zero to well above the largest error, so that the legend hides nothing.
+fn headroom(series: &FactorSeries) -> Option<(f64, f64)> {
+    let largest = series
+        .rows
+        .iter()
+        .map(|r| r.max_error_um.max(r.reference_error_um.unwrap_or(0.0)))
+        .fold(0.0, f64::max);
+    Some((0.0, 1.35 * largest))
+}
+
 /// Error over the position of the tool, a line a value (Figs 7 to 9).
-pub(super) fn over_z(series: &FactorSeries) -> Chart {
+fn over_z(series: &FactorSeries) -> Chart {
     let line = |(i, curve): (usize, &Vec<(f64, f64)>)| {
         Series::new(format!("{}", series.rows[i].value), Mark::Line, i, curve.clone())
     };
@@ -167,6 +185,7 @@ pub(super) fn over_z(series: &FactorSeries) -> Chart {
         x_label: "position of the tool / mm from the chuck".to_owned(),
         y_label: "size error / µm of diameter".to_owned(),
         series: series.curves.iter().enumerate().map(line).collect(),
+        y_range: headroom(series),
         ..Chart::default()
     }
 }
@@ -182,6 +201,7 @@ fn over_factor(series: &FactorSeries) -> Chart {
             Series::new("ours", Mark::LineDots, 0, ours),
             Series::new("reference", Mark::Dots, 1, reference),
         ],
+        y_range: headroom(series),
         ..Chart::default()
     }
 }

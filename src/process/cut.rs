@@ -2,6 +2,7 @@
 
 use super::beam::{Part, SteadyRest, Supports, compliance_at_joint, left_parts};
 use super::force::DepthLaw;
+use super::geometry::tangential_error_mm;
 use super::material::Material;
 use super::section::Section;
 
@@ -18,6 +19,8 @@ pub struct CutSummary {
     pub max_force_n: f64,
     /// Largest radial deflection at the tool, mm.
     pub max_deflection_mm: f64,
+    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected in the pass.
+    pub tangential_error_um: f64,
     /// Height of the feed marks f²/8r, µm.
     pub feed_mark_um: f64,
     /// Where the models were used outside their range; empty if nowhere.
@@ -40,6 +43,7 @@ impl Cut<'_> {
         let lefts = self.uncut_left_parts();
         let mut right = self.supports.tailstock;
         let mut after = self.before.to_vec();
+        let mut softest = 0.0;
         let mut summary = CutSummary { min_depth_mm: f64::INFINITY, ..CutSummary::default() };
         for node in (0..after.len()).rev() {
             let behind = after.get(node + 1).copied();
@@ -49,11 +53,16 @@ impl Cut<'_> {
             let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
             after[node] = self.before[node] - 2.0 * depth;
             summary.include(depth, self.law.force_n(depth), compliance);
+            softest = f64::max(softest, compliance);
             if let Some(behind) = behind {
                 right = self.extended(right, 0.5 * (behind + after[node]));
             }
             self.supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
         }
+        // The largest of both factors bounds the largest product from above.
+        let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
+        let thinnest = after.iter().copied().fold(f64::INFINITY, f64::min);
+        summary.tangential_error_um = 1e3 * tangential_error_mm(thinnest, tangential);
         (after, summary)
     }
 

@@ -71,7 +71,8 @@ impl DisturbanceSettings {
         Range::between(-1e3, 1e3).check(&key("drift_um_per_pass"), self.drift_um_per_pass)?;
         Range::NOT_NEGATIVE.check(&key("repeatability_um"), self.repeatability_um)?;
         Range::NOT_NEGATIVE.check(&key("stock_form_um"), self.stock_form_um)?;
-        Range::POSITIVE.check(&key("stock_form_correlation_mm"), self.stock_form_correlation_mm)?;
+        Range::between(1.0, 2000.0)
+            .check(&key("stock_form_correlation_mm"), self.stock_form_correlation_mm)?;
         Range::between(0.0, 0.9).check(&key("force_spread"), self.force_spread)?;
         Range::between(-100.0, 500.0).check(&key("heat_start_k"), self.heat_start_k)?;
         Range::between(-100.0, 500.0).check(&key("heat_end_k"), self.heat_end_k)?;

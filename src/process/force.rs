@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Range, SettingsError};
-use super::kienzle::{EdgeLaw, KienzleLaw};
+use super::kienzle::{EdgeLaw, KienzleLaw, THINNEST_CHIP_MM};
 use super::material::Material;
 use super::settings::ToolSettings;
 use crate::plan::CuttingData;
@@ -237,9 +237,20 @@ impl ForceLaw {
     }
 
     /// What lies outside the range of the data behind the law, in words; empty inside it. `depth_mm` from and to.
-    pub fn extrapolation(&self, cutting: &CuttingData, depth_mm: [f64; 2]) -> Vec<String> {
+    pub fn extrapolation(
+        &self,
+        cutting: &CuttingData,
+        depth_mm: [f64; 2],
+        tool: &ToolSettings,
+    ) -> Vec<String> {
         let Self::Power(PowerLaw { fitted, .. }) = self else {
-            return Vec::new();
+            let chip = KienzleLaw::mean_chip_mm(cutting.feed_mm_per_rev, depth_mm[0], tool);
+            let thin = chip < THINNEST_CHIP_MM;
+            let note = format!(
+                "the force law is extrapolated: chips {chip:.4} mm thick, tabulated from {THINNEST_CHIP_MM} mm; the force \
+                 is underestimated"
+            );
+            return if thin { vec![note] } else { Vec::new() };
         };
         let feed = [cutting.feed_mm_per_rev; 2];
         let speed = [cutting.speed_m_per_min; 2];

@@ -22,6 +22,9 @@ use super::force::Components;
 use super::material::Material;
 use super::settings::ToolSettings;
 
+/// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises faster, mm.
+pub const THINNEST_CHIP_MM: f64 = 0.05;
+
 /// `[process.force.kienzle]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -60,6 +63,15 @@ impl KienzleLaw {
         }
         Range::POSITIVE.check("force.kienzle.normal_ratio", self.normal_ratio)?;
         Range::POSITIVE.check("force.kienzle.correction", self.correction)
+    }
+
+    /// Mean chip thickness a_p·f over the engaged length of the edge, mm.
+    pub fn mean_chip_mm(feed_mm: f64, depth_mm: f64, tool: &ToolSettings) -> f64 {
+        let lead = tool.lead_angle_deg.to_radians();
+        let nose_depth = tool.nose_radius_mm * (1.0 - lead.cos());
+        let engaged = (1.0 - depth_mm.min(nose_depth) / tool.nose_radius_mm).acos();
+        let straight = (depth_mm - nose_depth).max(0.0) / lead.sin();
+        depth_mm * feed_mm / (tool.nose_radius_mm * engaged + straight)
     }
 
     /// The law on a tool at a feed; `None` where neither config nor material give a value.

@@ -186,12 +186,17 @@ impl TurningProcess {
         Ok(Self { cuts: self.cuts, wear_mm: self.wear_mm, ..fresh })
     }
 
-    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before.
+    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What the first pass used
+    /// outside its range is logged as a warning.
     ///
     /// # Errors
     /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
     pub fn cut(&mut self, plan: &PassPlan) -> Result<Shaft, ProcessError> {
-        self.cut_profile(plan)?;
+        let first = self.cuts == 0;
+        let summary = self.cut_profile(plan)?;
+        if first {
+            summary.notes.iter().for_each(|note| tracing::warn!(pass = plan.pass, "{note}"));
+        }
         Ok(self.shaft(plan))
     }
 
@@ -225,7 +230,7 @@ impl TurningProcess {
         summary.feed_mark_um =
             1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
         let depths = [summary.min_depth_mm, summary.max_depth_mm];
-        summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths));
+        summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths, &self.settings.tool));
         self.diameter_mm = after;
         self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
         self.cuts += 1;

@@ -250,7 +250,7 @@ impl FactorConfig {
                 notes: if given {
                     Vec::new()
                 } else {
-                    self.process.force.extrapolation(&p.cutting(), [p.depth_mm; 2])
+                    self.process.force.extrapolation(&p.cutting(), [p.depth_mm; 2], &self.process.tool)
                 },
             }
         };

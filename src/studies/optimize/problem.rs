@@ -291,7 +291,7 @@ impl Problem {
 
     /// Where the force law is used outside its data at a point.
     pub fn notes(&self, p: &Point) -> Vec<String> {
-        self.force.extrapolation(&p.cutting(), [p.depth_mm; 2])
+        self.force.extrapolation(&p.cutting(), [p.depth_mm; 2], &self.tool)
     }
 }
 

@@ -1,12 +1,10 @@
 //! Constants of the force law from tables.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use shadowgauge::process::PowerLaw;
 use shadowgauge::process::fit::{FitError, ForcePoint, fit_power_law, read_forces};
 
-const TABLE_1: &str = include_str!("../configs/paper_003/table_1.csv");
-const TABLE_2: &str = include_str!("../configs/paper_003/table_2.csv");
+const TABLE_1: &str = include_str!("../../configs/paper_003/table_1.csv");
+const TABLE_2: &str = include_str!("../../configs/paper_003/table_2.csv");
 
 #[test]
 fn the_papers_tables_give_their_two_calibrations() {

@@ -1,7 +1,5 @@
 //! The process' studies from outside the binary.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -97,7 +95,7 @@ fn deflection_refuses_what_cannot_be() {
 }
 
 fn optimize_config(from: &str, to: &str) -> String {
-    let text = include_str!("../configs/optimize_003.toml");
+    let text = include_str!("../../configs/optimize_003.toml");
     assert!(text.contains(from), "{from}");
     text.replace(from, to)
 }
@@ -184,7 +182,7 @@ fn factor_runs_the_papers_series_and_a_table_of_ones_own() {
 #[test]
 fn factor_refuses_what_cannot_be() {
     let command = ["study", "factor"];
-    let text = include_str!("../configs/factor_003.toml");
+    let text = include_str!("../../configs/factor_003.toml");
     assert_refused(
         &command,
         &text.replacen("force_n = [49.84, ", "force_n = [", 1),

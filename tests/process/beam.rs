@@ -1,7 +1,5 @@
 //! The condensed beam against closed forms and published values.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use shadowgauge::process::beam::{Part, SteadyRest, Supports, travelling_load};
 use shadowgauge::process::fem::deflection_line_mm;
 use shadowgauge::process::geometry::{diameter_after_mm, radial_error_mm, tangential_error_mm};

@@ -1,7 +1,5 @@
 //! The turning pass: error copying, repeatability, the surface it leaves.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 use shadowgauge::process::{
     BaseForm, BelowMinimumChip, FeedDirection, GuidewayPoint, ProcessError, ProcessSettings,
@@ -261,6 +259,18 @@ fn feed_marks_are_as_high_as_theory() {
     // f²/8r = 0.01/3.2 mm
     assert!((f64::from(highest) * 1e3 - 3.125).abs() < 0.01, "{highest}");
     assert!((process.last_cut().unwrap().feed_mark_um - 3.125).abs() < 1e-9);
+}
+
+#[test]
+fn the_tangential_plane_hardly_matters() {
+    let mut process = process(&without_texture(), 1);
+    let summary = process.cut_profile(&plan(1, 26.5, vec![0.0; 100])).unwrap();
+    assert!(summary.tangential_error_um > 0.0 && summary.tangential_error_um < 0.3, "{summary:?}");
+    assert!(summary.notes.is_empty(), "{:?}", summary.notes);
+    let mut fast = plan(2, 26.0, vec![0.0; 100]);
+    fast.cutting.speed_m_per_min = 250.0;
+    let summary = process.cut_profile(&fast).unwrap();
+    assert!(summary.notes.iter().any(|note| note.contains("extrapolated: speed")), "{:?}", summary.notes);
 }
 
 #[test]

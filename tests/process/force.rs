@@ -1,7 +1,5 @@
 //! Force laws against closed forms and quadrature.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use shadowgauge::plan::CuttingData;
 use shadowgauge::process::kienzle::KienzleLaw;
 use shadowgauge::process::{ForceLaw, MaterialSettings, PowerLaw, ToolSettings};
@@ -100,11 +98,16 @@ fn the_depth_solves_its_equation() {
 
 #[test]
 fn extrapolation_is_said() {
-    let law = ForceLaw::default();
+    let (law, tool) = (ForceLaw::default(), ToolSettings::default());
     let inside = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
-    assert!(law.extrapolation(&inside, [0.1, 0.3]).is_empty());
-    assert_eq!(law.extrapolation(&inside, [0.05, 0.3]).len(), 1);
+    assert!(law.extrapolation(&inside, [0.1, 0.3], &tool).is_empty());
+    assert_eq!(law.extrapolation(&inside, [0.05, 0.3], &tool).len(), 1);
     let fast = CuttingData { speed_m_per_min: 180.0, feed_mm_per_rev: 0.5 };
-    let said = law.extrapolation(&fast, [0.1, 0.5]).join("\n");
+    let said = law.extrapolation(&fast, [0.1, 0.5], &tool).join("\n");
     assert!(said.contains("speed") && said.contains("feed") && said.contains("depth"), "{said}");
+    // a_p·f over the edge: 0.25·0.1/(0.4·acos(1 - 0.25/0.4)) = 0.05268 mm; shallower cuts have thinner chips.
+    let kienzle = ForceLaw::Kienzle(KienzleLaw::default());
+    assert!((KienzleLaw::mean_chip_mm(0.1, 0.25, &tool) - 0.05268).abs() < 1e-5);
+    assert!(kienzle.extrapolation(&inside, [0.25, 0.3], &tool).is_empty());
+    assert!(kienzle.extrapolation(&inside, [0.1, 0.3], &tool)[0].contains("chips"));
 }
