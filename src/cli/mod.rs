@@ -15,6 +15,7 @@ mod schema;
 mod study;
 mod study_deflection;
 mod study_files;
+mod study_stability;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;

@@ -325,7 +325,7 @@ fn off_neighbours(e: &[f64], i: usize) -> f64 {
         return 0.0;
     }
     // least squares over x = 1, 2, 3, 4, taken at x = 0
-    let line = |a: f64, b: f64, c: f64, d: f64| a + 0.5 * (b - d);
+    let line = |a: f64, b: f64, _: f64, d: f64| a + 0.5 * (b - d);
     let parabola = |a: f64, b: f64, c: f64| a / 3.0 + b - c / 3.0;
     let predicted = match i {
         0 => line(e[1], e[2], e[3], e[4]),

@@ -2,3 +2,4 @@
 
 pub mod deflection;
 pub mod optimize;
+pub mod stability;
