@@ -26,9 +26,9 @@ struct Params {
     flat_bright: vec4<f32>,
     flat_shadow: vec4<f32>,
     full_scale: f32,
+    overlap: u32,
     padding0: f32,
     padding1: f32,
-    padding2: f32,
 }
 
 struct Edge {
@@ -135,10 +135,19 @@ fn flat_pixel(row: i32, column: u32, key: vec2<u32>) -> u32 {
     return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
 }
 
-// A pixel near an edge.
-fn edge_pixel(row: i32, column: u32, key: vec2<u32>) -> u32 {
+// A pixel near an edge; the other edge adds light only where the two bands overlap.
+fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
     let c = columns[min(column, params.columns - 1u)];
-    let light = transmitted(c.top, row) + transmitted(c.bottom, row);
+    var near = c.top;
+    var other = c.bottom;
+    if (lower) {
+        near = c.bottom;
+        other = c.top;
+    }
+    var light = transmitted(near, row);
+    if (params.overlap != 0u) {
+        light = light + transmitted(other, row);
+    }
     let k = shaped(params.shadow + params.contrast * light);
     return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
 }
@@ -172,7 +181,7 @@ fn band(@builtin(global_invocation_id) id: vec3<u32>) {
     let column = id.x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {
-        word = word | (edge_pixel(row, column + i, key) << (i * (32u / pixels_per_word)));
+        word = word | (edge_pixel(row, column + i, key, lower) << (i * (32u / pixels_per_word)));
     }
     image[u32(row) * params.words + id.x] = word;
 }

@@ -64,7 +64,7 @@ pub struct SimulatedCell<'a> {
 
 /// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
 const MASTER_STREAM: u64 = 0x6d61_7374_6572;
-const PROCESS_STREAM: u64 = 0x7072_6f63_6573_73;
+const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
 

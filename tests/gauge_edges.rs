@@ -6,6 +6,7 @@ mod gauge_synth;
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::PixelFormat;
 use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
+use shadowgauge::profile::Reason;
 
 fn gauge() -> Gauge {
     Gauge::new(GaugeSettings::default()).unwrap()
@@ -83,12 +84,12 @@ fn error_reaches_the_bound_and_uncertainty_is_true() {
                     "shot {shot:5} sigma {sigma} snr {snr:5}: RMSE/bound {ratio:.4} kept {kept:.4} u/sd 1: {:.3} 9: {:.3} 100: {:.3} bias {bias:.5}",
                     honesty[0], honesty[1], honesty[2]
                 );
-                // Means of 100: 123 groups a cell, so their ratio itself scatters by 6 %.
+                // Means of 100: 120 groups a cell, so their ratio itself scatters by 6 %; the next test looks closer.
                 let fine = ratio <= 1.05
                     && kept >= 0.99
                     && (honesty[0] - 1.0).abs() < 0.10
                     && (honesty[1] - 1.0).abs() < 0.10
-                    && (honesty[2] - 1.0).abs() < 0.25;
+                    && (honesty[2] - 1.0).abs() < 0.20;
                 if !fine {
                     worst += &format!("shot {shot} sigma {sigma} snr {snr}; ");
                 }
@@ -96,6 +97,56 @@ fn error_reaches_the_bound_and_uncertainty_is_true() {
         }
     }
     assert!(worst.is_empty(), "outside the limits: {worst}");
+}
+
+#[test]
+fn uncertainty_of_means_is_true() {
+    for (sigma, snr, shot) in [(0.8, 60.0, true), (1.2, 30.0, false)] {
+        let synth = Synth { rows: 112, ..Synth::with_snr(sigma, snr, shot) };
+        let mut cell = Cell::default();
+        for seed in 0..16 {
+            let frame = synth.frame(drifting, Some(seed + 77_000));
+            cell.add(&synth, &gauge().edges(&frame.view()).unwrap());
+        }
+        let (_, _, honesty) = cell.figures();
+        println!(
+            "sigma {sigma} snr {snr}: u/sd 1: {:.3} 9: {:.3} 100: {:.3}",
+            honesty[0], honesty[1], honesty[2]
+        );
+        // 640 means of 100: their ratio scatters by 2.8 %.
+        assert!(honesty.iter().all(|h| (h - 1.0).abs() < 0.10), "{honesty:?}");
+    }
+}
+
+/// The clipped bright field of an 8-bit camera: flagged, measured, and its larger uncertainty covers the error.
+#[test]
+fn clipped_edges_are_flagged_and_covered() {
+    for light in [252.0, 262.0, 300.0, 360.0] {
+        let synth = Synth {
+            format: PixelFormat::Mono8,
+            dark: 15.0,
+            light,
+            sigma: 1.1,
+            read: 1.0,
+            gain: 0.02,
+            black: 0.0,
+            ..Synth::with_snr(1.0, 100.0, true)
+        };
+        let edges = gauge().edges(&synth.frame(drifting, Some(5)).view()).unwrap();
+        let used: Vec<(f64, f64)> = (0..edges.columns())
+            .filter(|c| edges.top[*c].is_usable())
+            .map(|c| (edges.top[c].row_px - drifting(c).0, edges.top[c].u_px()))
+            .collect();
+        let n = used.len() as f64;
+        let mean = used.iter().map(|e| e.0).sum::<f64>() / n;
+        let rms = (used.iter().map(|e| e.0 * e.0).sum::<f64>() / n).sqrt();
+        let u = (used.iter().map(|e| e.1 * e.1).sum::<f64>() / n).sqrt();
+        let clipped = edges.top.iter().filter(|e| e.reason() == Some(Reason::Clipped)).count();
+        println!("light {light}: kept {n}, flagged {clipped}, mean error {mean:.4}, rms {rms:.4}, u {u:.4}");
+        assert!(n >= 0.99 * edges.columns() as f64);
+        assert!(light < 260.0 || clipped as f64 == n);
+        assert!(rms <= 2.0 * u, "light {light}: rms {rms} against u {u}");
+    }
 }
 
 #[test]

@@ -145,3 +145,69 @@ fn optimize_refuses_what_cannot_be() {
     let deep = optimize_config("depth_mm = [0.2, 1.0]", "depth_mm = [0.2, 30.0]");
     assert_refused(&command, &deep, 2, &["limits.depth_mm[1]", "leave a shaft"]);
 }
+
+#[test]
+fn factor_runs_the_papers_series_and_a_table_of_ones_own() {
+    let found = json(&["study", "factor", "--json"]);
+    let deviation =
+        |series: usize, row: usize| found["series"][series]["rows"][row]["deviation"].as_f64().unwrap();
+    for row in [0, 2, 4, 6] {
+        assert!(deviation(0, row).abs() <= 0.02, "{}", deviation(0, row));
+    }
+    for row in [0, 2, 4] {
+        assert!(deviation(1, row).abs() <= 0.08, "{}", deviation(1, row));
+    }
+    for row in 0..4 {
+        assert!(deviation(2, row).abs() <= 0.05, "{}", deviation(2, row));
+    }
+    assert!((found["error_per_force_um_per_n"].as_f64().unwrap() - 0.30848).abs() < 1e-5);
+    let elasticity = found["series"][2]["elasticity"].as_f64().unwrap();
+    assert!((elasticity - 0.6).abs() < 1e-9, "{elasticity}");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("factor");
+    let fitted = json(&[
+        "study",
+        "factor",
+        "--forces",
+        "configs/paper_003/table_1.csv",
+        "--json",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let x = &fitted["fitted"]["estimates"][1];
+    assert_eq!(x["name"], "depth_exponent");
+    assert!(x["interval"][0].as_f64().unwrap() < 0.9014 && x["interval"][1].as_f64().unwrap() > 0.9014);
+    assert!(std::fs::read_to_string(out.join("series_3_z.svg")).unwrap().contains("<svg"));
+    assert!(out.join("report.html").exists() && out.join("factor.csv").exists());
+}
+
+#[test]
+fn factor_refuses_what_cannot_be() {
+    let command = ["study", "factor"];
+    let text = include_str!("../configs/factor_003.toml");
+    assert_refused(
+        &command,
+        &text.replacen("force_n = [49.84, ", "force_n = [", 1),
+        2,
+        &["series[0].force_n", "7 entries for 8"],
+    );
+    assert_refused(
+        &command,
+        &text.replacen("confidence = 0.95", "confidence = 95", 1),
+        2,
+        &["confidence", "below 1"],
+    );
+    assert_refused(
+        &command,
+        &text.replacen("feed_mm_per_rev\"", "feed_in\"", 1),
+        2,
+        &["feed_in", "feed_mm_per_rev"],
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("forces.csv");
+    std::fs::write(&table, "depth_mm,speed_m_per_min,feed_mm_per_rev,force_n\n0.1,40,0.1,oops\n").unwrap();
+    let output = run(&["study", "factor", "--forces", table.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(3));
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(words.contains("forces.csv") && words.contains("oops") || words.contains("float"), "{words}");
+}

@@ -70,7 +70,7 @@ fn host_and_shader_agree_on_every_struct() {
     same_layout!(
         &module, "Params", Params, rows, columns, words, nodes, row0, column0, band_rows, esf_segments,
         esf_reach, esf_per_unit, shadow, contrast, black, electrons_per_count, read_variance, noise,
-        flat_bright, flat_shadow, full_scale; padding = "padding0"
+        flat_bright, flat_shadow, full_scale, overlap; padding = "padding0"
     );
     same_layout!(&module, "Edge", Edge, whole, part, across, along);
     same_layout!(&module, "Column", Column, top, bottom);

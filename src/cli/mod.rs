@@ -10,10 +10,13 @@ mod measure;
 mod optimize;
 mod record;
 mod render;
+mod reproduce;
+mod reproduce_003;
 mod run;
 mod schema;
 mod study;
 mod study_deflection;
+mod study_factor;
 mod study_files;
 mod study_stability;
 
@@ -91,6 +94,9 @@ enum Command {
     Schema,
     /// Choose cutting data: the shortest time under limits of size error and roughness.
     Optimize(optimize::OptimizeArgs),
+    /// A paper's figures beside ours.
+    #[command(subcommand)]
+    Reproduce(reproduce::Paper),
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study),
@@ -105,6 +111,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),
+        Command::Reproduce(paper) => reproduce::run(paper),
         Command::Study(study) => study::run(study),
     }
 }

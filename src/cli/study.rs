@@ -4,6 +4,7 @@ use clap::Subcommand;
 
 use super::CommandResult;
 use super::study_deflection::{self, StudyDeflectionArgs};
+use super::study_factor::{self, StudyFactorArgs};
 use super::study_stability::{self, StudyStabilityArgs};
 
 /// The studies.
@@ -13,6 +14,8 @@ pub enum Study {
     Deflection(StudyDeflectionArgs),
     /// Stability of every controller with every plant.
     Stability(StudyStabilityArgs),
+    /// One cutting variable at a time against the size error.
+    Factor(StudyFactorArgs),
 }
 
 /// Runs a study.
@@ -23,5 +26,6 @@ pub fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => study_deflection::run(args),
         Study::Stability(args) => study_stability::run(args),
+        Study::Factor(args) => study_factor::run(args),
     }
 }

@@ -4,6 +4,10 @@
 //! α = (clip − μ)/s the scores by the mean μ are (m − μ)/s² below and h(α)/s at the clip, h = φ/(1 − Φ) (hazard), and
 //! the expected information per pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s². The true light level lies above the clip;
 //! it, the blur and the dark level are estimated once a frame from many columns, the position of each column with them.
+//!
+//! Where most of the light is clipped, the flank alone cannot tell a higher light from a wider blur (real edges
+//! are not Gaussian in their feet, and the fit would wander by half a pixel between frames). Then the light is taken at
+//! 1.05 times the clip, and what the edge would move by at 1.5 times goes into the shared uncertainty.
 
 use nalgebra::{Matrix4, SMatrix, Vector4};
 
@@ -16,7 +20,12 @@ use crate::profile::Reason;
 /// Columns that teach the frame's levels and blur.
 const TEACHERS: usize = 64;
 /// The light is looked for up to this multiple of the clip.
-const BRIGHTEST: f64 = 4.0;
+const BRIGHTEST: f64 = 1.5;
+/// Light taken where the frame does not tell, as a multiple of the clip.
+const ASSUMED: f64 = 1.05;
+/// Fraction of clipped flat light pixels above which the frame does not tell the light: what is not clipped then is a
+/// darker corner, not the light beside the edge.
+const BLIND: f64 = 0.5;
 
 /// The frame's side as the censored fit sees it.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +33,12 @@ struct Model {
     dark: f64,
     light: f64,
     sigma: f64,
+    /// Variance of the residuals, counts², the same for all pixels: real feet and flanks miss the Gaussian model by more
+    /// than their noise, and photon weights would let the dark foot place the edge.
     variance: f64,
     clip: f64,
+    /// Whether the light is fitted.
+    free_light: bool,
 }
 
 /// Scores and information of one column for (x, dark, light, σ).
@@ -51,7 +64,8 @@ impl Model {
             let mean = self.dark + contrast * sample.value;
             let alpha = (self.clip - 0.5 - mean) / s;
             let (cdf, pdf) = (phi_cdf(alpha), phi_pdf(alpha));
-            let hazard = if cdf < 1.0 - 1e-12 { pdf / (1.0 - cdf) } else { 0.0 };
+            // Far below the clip the hazard is α (Mills' ratio).
+            let hazard = if alpha < 6.0 { pdf / (1.0 - cdf) } else { alpha };
             let residual = if f64::from(*m) >= self.clip { hazard } else { (f64::from(*m) - mean) / s };
             let information = (cdf - alpha * pdf + pdf * hazard).clamp(0.0, 1.0);
             let by = Vector4::new(
@@ -90,6 +104,18 @@ impl Model {
         None
     }
 
+    /// Levels, blur and noise from the teachers; their places, px from the central pixel.
+    fn learn(&mut self, windows: &Windows, teachers: &[usize]) -> Vec<f64> {
+        let mut starts: Vec<f64> = teachers.iter().map(|c| f64::from(windows.start[*c])).collect();
+        for _ in 0..30 {
+            match self.teach(windows, teachers, &mut starts) {
+                Some(change) if change > 1e-4 => {}
+                _ => break,
+            }
+        }
+        starts
+    }
+
     /// One Gauss-Newton step of (dark, light, σ) over the teachers, their positions profiled out. The relative change of σ.
     fn teach(&mut self, windows: &Windows, teachers: &[usize], starts: &mut [f64]) -> Option<f64> {
         let mut normal = SMatrix::<f64, 3, 3>::zeros();
@@ -111,40 +137,65 @@ impl Model {
         for k in 0..3 {
             normal[(k, k)] *= 1.001;
         }
+        if !self.free_light {
+            normal.fill_column(1, 0.0);
+            normal.fill_row(1, 0.0);
+            (normal[(1, 1)], right[1]) = (1.0, 0.0);
+        }
         let step = normal.try_inverse()? * right;
         let last = self.sigma;
         self.dark += step[0].clamp(-20.0, 20.0);
         self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
             .clamp(self.clip, BRIGHTEST * self.clip);
         self.sigma = (self.sigma + step[2].clamp(-0.2 * last, 0.3 * last)).clamp(0.25, 6.0);
-        self.variance *= (chi2 / telling).clamp(0.25, 4.0);
+        self.variance = (self.variance * (chi2 / telling).clamp(0.25, 4.0)).max(0.1);
         Some((self.sigma / last - 1.0).abs())
     }
 }
 
-/// Fits all columns of a side. `dark` and `variance` are first values in counts; the light is found above the clip.
-pub(crate) fn fit_side(
-    windows: &Windows,
-    slope: &[f32],
-    dark: f64,
-    variance: f64,
-    clip: f32,
-    line: &mut Vec<Edge>,
-) {
+/// What a side's frame tells before the fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClippedStart {
+    /// Dark level, counts.
+    pub(crate) dark: f64,
+    /// Noise variance in the dark, counts².
+    pub(crate) variance: f64,
+    /// End of the grey scale, counts.
+    pub(crate) clip: f64,
+    /// Fraction of flat light pixels at the clip.
+    pub(crate) fraction: f64,
+}
+
+/// Fits all columns of a side; gives the degrees of freedom to test their residuals with.
+pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, line: &mut Vec<Edge>) -> f64 {
     let columns = windows.centre.len();
     let able: Vec<usize> =
         (0..columns).filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < 0.2).collect();
     let teachers: Vec<usize> = able.iter().copied().step_by(able.len().div_ceil(TEACHERS).max(1)).collect();
-    let mut starts: Vec<f64> = teachers.iter().map(|c| f64::from(windows.start[*c])).collect();
-    let clip = f64::from(clip);
-    let mut model = Model { dark, light: 1.2 * clip, sigma: 1.2, variance: variance.max(0.25), clip };
-    for _ in 0..30 {
-        match model.teach(windows, &teachers, &mut starts) {
-            Some(change) if change > 1e-4 => {}
-            _ => break,
-        }
+    let mut model = Model {
+        dark: start.dark,
+        light: ASSUMED * start.clip,
+        sigma: 1.2,
+        variance: start.variance.max(0.25),
+        clip: start.clip,
+        free_light: start.fraction < BLIND,
+    };
+    let places = model.learn(windows, &teachers);
+    let mut shared = 0.0;
+    if !model.free_light {
+        let mut brighter = Model { light: BRIGHTEST * start.clip, ..model };
+        let moved = brighter.learn(windows, &teachers);
+        let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
+        // The light is anywhere between, and the value taken stands at one end of the range.
+        shared = (mean(&moved) - mean(&places)).abs() / 3.0_f64.sqrt();
     }
-    line.extend((0..columns).map(|column| fit_column(windows, &model, column, slope[column])));
+    line.extend((0..columns).map(|column| {
+        let mut edge = fit_column(windows, &model, column, slope[column]);
+        edge.u_shared_px = if edge.is_usable() { shared as f32 } else { f32::NAN };
+        edge
+    }));
+    // The flank's noise is larger than the mean over flank and dark foot: as if only the flank had freedom.
+    4.0
 }
 
 fn fit_column(windows: &Windows, model: &Model, column: usize, slope: f32) -> Edge {

@@ -4,7 +4,7 @@
 //! tabulated scoring → residual and neighbourhood tests. Nothing is carried from frame to frame but where the edges were and the tables.
 
 use super::blur::{self, BlurContext, BlurEstimate};
-use super::clipped;
+use super::clipped::{self, ClippedStart};
 use super::coarse::{CoarseEdge, find_part};
 use super::edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused};
 use super::gate::{self, OutlierScratch};
@@ -23,6 +23,8 @@ const LEAST_ROWS: usize = 24;
 const LEAST_COLUMNS: usize = 8;
 /// Fewest columns with both edges that make a frame believable.
 const LEAST_VALID: usize = 8;
+/// Least fraction of the measured columns that must lie on unbroken contours.
+const LEAST_COHERENT: f64 = 0.5;
 /// Differences looked at per level for the noise: its variance is then known to 2 %.
 const NOISE_SAMPLES: usize = 8192;
 /// Fraction of flat light pixels at full scale above which the light counts as clipped.
@@ -124,8 +126,8 @@ impl EdgeStream {
         } else {
             self.blur = [Some(BlurEstimate::uniform(sigma)); 2];
         }
-        self.fit(&scene, clip, out);
-        self.gate(&scene, out)
+        let freedom = self.fit(&scene, clip, out);
+        self.gate(&scene, freedom, out)
     }
 
     /// A first blur from wide windows on a few columns.
@@ -137,7 +139,8 @@ impl EdgeStream {
         let mut rough = Vec::new();
         for width_sigma in [4.0, 2.0, 0.8] {
             for (windows, centres) in self.sides.iter_mut().zip(coarse) {
-                windows.centre = sparse(centres);
+                windows.centre.clear();
+                windows.centre.extend_from_slice(centres);
                 windows.prepare(width_sigma, window_width(width_sigma), plane.columns);
                 windows.read(plane);
                 rough.extend(blur::rough(windows, plane.columns, &mut self.floats));
@@ -278,20 +281,23 @@ impl EdgeStream {
         self.tables.len() - 1
     }
 
-    fn fit(&mut self, scene: &Scene, clip: Option<f32>, out: &mut FrameEdges) {
+    /// Fits both sides; gives the degrees of freedom of their residuals.
+    fn fit(&mut self, scene: &Scene, clip: Option<f32>, out: &mut FrameEdges) -> [f64; 2] {
+        let mut freedom = [0.0; 2];
         for side in 0..2 {
             let mut line = std::mem::take(if side == 0 { &mut out.top } else { &mut out.bottom });
             line.clear();
-            match clip.filter(|_| scene.clipped[side]) {
+            freedom[side] = match clip.filter(|_| scene.clipped[side]) {
                 Some(clip) => self.fit_clipped(scene, side, clip, &mut line),
                 None => self.fit_side(scene, side, &mut line),
-            }
+            };
             out.shared_length[side] = scene.dark[side].length.min(scene.light[side].length);
             *(if side == 0 { &mut out.top } else { &mut out.bottom }) = line;
         }
+        freedom
     }
 
-    fn fit_side(&mut self, scene: &Scene, side: usize, line: &mut Vec<Edge>) {
+    fn fit_side(&mut self, scene: &Scene, side: usize, line: &mut Vec<Edge>) -> f64 {
         let columns = self.sides[side].centre.len();
         let width = self.sides[side].width;
         let (dark, light) = typical_levels(scene, side);
@@ -309,6 +315,7 @@ impl EdgeStream {
             line.push(self.fit_column(scene, side, column, &self.tables[last.1], &mut normalised));
         }
         self.normalised = normalised;
+        self.tables.get(last.1).map_or(1.0, |t| f64::from(t.freedom))
     }
 
     fn fit_column(
@@ -351,26 +358,32 @@ impl EdgeStream {
         }
     }
 
-    fn fit_clipped(&mut self, scene: &Scene, side: usize, clip: f32, line: &mut Vec<Edge>) {
+    fn fit_clipped(&mut self, scene: &Scene, side: usize, clip: f32, line: &mut Vec<Edge>) -> f64 {
         let (dark, _) = typical_levels(scene, side);
-        let variance = scene.noise.variance(dark);
-        clipped::fit_side(&self.sides[side], &self.slope[side], dark, variance, clip, line);
+        let windows = &self.sides[side];
+        let start = ClippedStart {
+            dark,
+            variance: scene.noise.variance(dark),
+            clip: f64::from(clip),
+            fraction: clipped_fraction(windows, clip),
+        };
+        clipped::fit_side(windows, &self.slope[side], start, line)
     }
 
-    fn gate(&mut self, scene: &Scene, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        let freedom = self.tables.first().map_or(10.0, |t| f64::from(t.freedom));
-        let ratio = gate::misfit([&out.top, &out.bottom], freedom, &mut self.floats);
-        let scale = if ratio > 1.2 { ratio } else { 1.0 };
+    fn gate(&mut self, scene: &Scene, freedom: [f64; 2], out: &mut FrameEdges) -> Result<(), FrameRefused> {
         let z = gate::upper_normal_quantile(self.settings.residual_false_alarm);
-        let limit = (gate::chi2_ratio_limit(freedom, z) * scale) as f32;
-        for line in [&mut out.top, &mut out.bottom] {
+        let mut misfit = 0.0_f64;
+        for (line, freedom) in [&mut out.top, &mut out.bottom].into_iter().zip(freedom) {
+            let ratio = gate::misfit(line, freedom, &mut self.floats);
+            let scale = if ratio > 1.2 { ratio } else { 1.0 };
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
             }
-            gate::refuse_residuals(line, limit);
+            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
             gate::refuse_outliers(line, self.settings.outlier_px, &mut self.outliers);
+            misfit = misfit.max(ratio);
         }
-        out.figures = self.figures(scene, ratio);
+        out.figures = self.figures(scene, misfit);
         let valid = out.valid();
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
@@ -381,6 +394,11 @@ impl EdgeStream {
                     out.columns()
                 ),
             ));
+        }
+        let jump_px = self.settings.outlier_px + self.settings.max_slope;
+        if gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
+            let detail = "the edges of neighbouring columns do not join to contours".to_owned();
+            return Err(refused(Reason::Outlier, detail));
         }
         Ok(())
     }
@@ -398,11 +416,6 @@ impl EdgeStream {
             misfit,
         }
     }
-}
-
-/// Blocks of columns keep every few centres for the first look at the blur.
-fn sparse(centres: &[CoarseEdge]) -> Vec<CoarseEdge> {
-    centres.to_vec()
 }
 
 fn refused(reason: Reason, detail: String) -> FrameRefused {

@@ -19,13 +19,11 @@ pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
         / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
 }
 
-/// Median χ² ratio of the usable edges over what noise alone would give; 1 without any.
-pub(crate) fn misfit(lines: [&[Edge]; 2], freedom: f64, pool: &mut Vec<f32>) -> f64 {
+/// Median χ² ratio of a line's usable edges over what noise alone would give; 1 without any.
+pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
-    for line in lines {
-        let step = line.len().div_ceil(512).max(1);
-        pool.extend(line.iter().step_by(step).filter(|e| e.is_usable()).map(|e| e.chi2));
-    }
+    let step = line.len().div_ceil(512).max(1);
+    pool.extend(line.iter().step_by(step).filter(|e| e.is_usable()).map(|e| e.chi2));
     if pool.is_empty() {
         return 1.0;
     }
@@ -102,6 +100,38 @@ fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     let before = if left >= 1 { second(left) } else { 0.0 };
     let after = if left + 2 < knots.len() { second(left + 1) } else { 0.0 };
     0.5 * before.max(after)
+}
+
+/// Shortest run of columns that counts as a contour, and the gap that does not end one.
+const CONTOUR: usize = 32;
+const BRIDGE: usize = 8;
+
+/// Fraction of the usable columns that lie in runs of at least 32 columns (half the frame, in narrower ones) along which
+/// neither edge jumps: near 1 for a part, small for blobs of noise that happen to have edges.
+pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
+    let contour = CONTOUR.min(top.len() / 2).max(1);
+    let (mut all, mut coherent, mut run) = (0_usize, 0_usize, 0_usize);
+    let mut last: Option<(usize, f64, f64)> = None;
+    let mut close = |run: usize| coherent += if run >= contour { run } else { 0 };
+    for (column, (t, b)) in top.iter().zip(bottom).enumerate() {
+        if !(t.is_usable() && b.is_usable()) {
+            continue;
+        }
+        all += 1;
+        let goes_on = last.is_some_and(|(c, top, bottom)| {
+            let gap = column - c;
+            let limit = jump_px * gap as f64;
+            gap <= BRIDGE && (t.row_px - top).abs() <= limit && (b.row_px - bottom).abs() <= limit
+        });
+        if !goes_on {
+            close(run);
+            run = 0;
+        }
+        run += 1;
+        last = Some((column, t.row_px, b.row_px));
+    }
+    close(run);
+    coherent as f64 / all.max(1) as f64
 }
 
 #[cfg(test)]

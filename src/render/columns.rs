@@ -127,6 +127,8 @@ pub struct Bands {
     pub start: Vec<[i32; 2]>,
     /// Rows of every band.
     pub rows: u32,
+    /// Whether an upper and a lower band share rows: a pixel there sees both edges.
+    pub overlap: bool,
 }
 
 /// Bands that hold every pixel where an edge is neither full light nor full shadow.
@@ -147,5 +149,6 @@ pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
         rows = rows.max((0..2).map(|s| last[s] - first[s] + 1).max().unwrap_or(1));
         start.push(first);
     }
-    Bands { start, rows: rows as u32 }
+    let overlap = start.iter().any(|[upper, lower]| lower.saturating_sub(*upper) < rows);
+    Bands { start, rows: rows as u32, overlap }
 }

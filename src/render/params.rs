@@ -47,8 +47,10 @@ pub struct Params {
     pub flat_shadow: [f32; 4],
     /// Largest count.
     pub full_scale: f32,
+    /// 1 where a pixel may see both edges.
+    pub overlap: u32,
     /// Fills up 16 bytes.
-    pub padding: [f32; 3],
+    pub padding: [f32; 2],
 }
 
 /// Levels and noise of a sensor, in counts of one format.
@@ -148,7 +150,8 @@ impl Params {
             flat_bright: [0.0; 4],
             flat_shadow: [0.0; 4],
             full_scale: format.full_scale().map_or(f32::MAX, f32::from),
-            padding: [0.0; 3],
+            overlap: 0,
+            padding: [0.0; 2],
         };
         params.flat_bright = shaped(&params, params.shadow + params.contrast);
         params.flat_shadow = shaped(&params, params.shadow);

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::error::RenderError;
-use super::gpu::{Gpu, Work};
+use super::gpu::{Api, Gpu, Work};
 use super::params::Job;
 use super::scene::{FrameRequest, Scene};
 use super::shadowgraph;
@@ -43,13 +43,13 @@ impl Renderer {
     /// # Errors
     /// When Vulkan or GL is asked for and offers no adapter. `auto` then takes the CPU twin and says so.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
-        let (backends, wanted) = match choice {
-            BackendChoice::Auto => (wgpu::Backends::VULKAN | wgpu::Backends::GL, "Vulkan or GL"),
-            BackendChoice::Vulkan => (wgpu::Backends::VULKAN, "Vulkan"),
-            BackendChoice::Gl => (wgpu::Backends::GL, "GL"),
+        let api = match choice {
+            BackendChoice::Auto => Api::Any,
+            BackendChoice::Vulkan => Api::Vulkan,
+            BackendChoice::Gl => Api::Gl,
             BackendChoice::Cpu => return Ok(Self::twin()),
         };
-        let renderer = match Gpu::open(backends, wanted) {
+        let renderer = match Gpu::open(api) {
             Ok(gpu) => Self::device(gpu),
             Err(e) if choice == BackendChoice::Auto => {
                 tracing::warn!("rendering on the CPU: {e}");

@@ -198,6 +198,7 @@ impl Scene {
         let mut params = Params::new(window, format, &self.levels(format), request.noise);
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
+        params.overlap = u32::from(bands.overlap);
         params.esf_segments = self.esf.segments.len() as u32;
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;

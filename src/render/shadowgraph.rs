@@ -26,13 +26,24 @@ fn hash(key: [u32; 2], column: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A standard normal deviate from 32 bits: a sign and the tail's probability, whose leading bits choose the segment.
+/// The tail's probability in units of 2^-32, and the segment its leading bits choose.
+#[inline(always)]
+fn tail(bits: u32) -> (f32, u32) {
+    let probability = (bits & 0x7fff_ffff) as i32 as f32 + 0.5;
+    (probability, (probability.to_bits() >> 17).wrapping_sub(FIRST_SEGMENT).min(SEGMENTS as u32 - 1))
+}
+
+/// The deviate of a tail, its sign the highest bit.
+#[inline(always)]
+fn signed(q: Quantile, probability: f32, bits: u32) -> f32 {
+    f32::from_bits((q.base + q.slope * probability).to_bits() ^ (bits & 0x8000_0000))
+}
+
+/// A standard normal deviate from 32 bits.
 #[inline(always)]
 fn standard_normal(normal: &[Quantile; SEGMENTS], bits: u32) -> f32 {
-    let probability = (bits & 0x7fff_ffff) as i32 as f32 + 0.5;
-    let segment = (probability.to_bits() >> 17).wrapping_sub(FIRST_SEGMENT).min(SEGMENTS as u32 - 1);
-    let q = normal[segment as usize];
-    f32::from_bits((q.base + q.slope * probability).to_bits() ^ (bits & 0x8000_0000))
+    let (probability, segment) = tail(bits);
+    signed(normal[segment as usize], probability, bits)
 }
 
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
@@ -110,34 +121,67 @@ impl Pixel for f32 {
     }
 }
 
+/// Segments in a table of a power of two: an index needs no check once it is masked.
+const PACKED: usize = SEGMENTS.next_power_of_two();
+
+/// The quantile table with base and slope in one word, base in the lower half.
+fn packed(normal: &[Quantile]) -> Box<[u64; PACKED]> {
+    let mut table = Box::new([0; PACKED]);
+    for (word, q) in table.iter_mut().zip(normal) {
+        *word = u64::from(q.base.to_bits()) | u64::from(q.slope.to_bits()) << 32;
+    }
+    table
+}
+
+/// Standard normal deviates of a block of a row, in steps that each vectorise; only the look-up does not.
+#[inline(always)]
+fn deviates(normal: &[u64; PACKED], key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
+    let mut bits = [0u32; BLOCK];
+    let mut segment = [0u32; BLOCK];
+    let mut words = [0u64; BLOCK];
+    for i in 0..BLOCK {
+        bits[i] = hash(key, first.wrapping_add(i as u32));
+        segment[i] = tail(bits[i]).1;
+    }
+    for i in 0..BLOCK {
+        words[i] = normal[segment[i] as usize % PACKED];
+    }
+    for i in 0..BLOCK {
+        let q = Quantile {
+            base: f32::from_bits(words[i] as u32),
+            slope: f32::from_bits((words[i] >> 32) as u32),
+        };
+        z[i] = signed(q, tail(bits[i]).0, bits[i]);
+    }
+}
+
 /// Counts of pixels far from the edges: one block of a row.
 #[inline(always)]
-fn flat_pixels(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At, counts: &mut [f32]) {
-    let params = &job.params;
-    let (bright, shadow) = (params.flat_bright, params.flat_shadow);
-    let columns = &job.columns[at.column..at.column + counts.len()];
-    for (i, (out, c)) in counts.iter_mut().zip(columns).enumerate() {
+fn flat_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let (bright, shadow) = (job.params.flat_bright, job.params.flat_shadow);
+    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
+    for ((out, z), c) in counts.iter_mut().zip(z).zip(columns) {
         let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        let k = std::array::from_fn(|j| if inside { shadow[j] } else { bright[j] });
-        let bits = hash(at.key, params.column0 + (at.column + i) as u32);
-        *out = sample(k, standard_normal(normal, bits));
+        *out = sample(if inside { shadow } else { bright }, *z);
     }
 }
 
 /// Counts where every column of the block is on the same side of its edges.
 #[inline(always)]
-fn even_pixels(k: [f32; 4], job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At, counts: &mut [f32]) {
-    let first = job.params.column0 + at.column as u32;
-    for (i, out) in counts.iter_mut().enumerate() {
-        *out = sample(k, standard_normal(normal, hash(at.key, first + i as u32)));
+fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    for i in 0..BLOCK {
+        counts[i] = sample(k, z[i]);
     }
 }
 
 /// Counts of a pixel near an edge.
 #[inline(always)]
-fn edge_pixel(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At) -> f32 {
+fn edge_pixel(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At, lower: bool) -> f32 {
     let c = &job.columns[at.column];
-    let light = transmitted(job, &c.top, at.row) + transmitted(job, &c.bottom, at.row);
+    let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
+    if job.params.overlap != 0 {
+        light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
+    }
     let k = shaped(&job.params, job.params.shadow + job.params.contrast * light);
     sample(k, standard_normal(normal, hash(at.key, job.params.column0 + at.column as u32)))
 }
@@ -181,47 +225,54 @@ pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let columns = job.params.columns as usize;
     let extents: Vec<BlockExtent> =
         (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
+    let normal = packed(job.normal);
     out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
-        fill_rows(job, &extents, task * TASK_ROWS, rows);
+        fill_rows(job, &normal, &extents, task * TASK_ROWS, rows);
     });
 }
 
 /// Rows `first..` of a frame, in the widest instruction set the machine has.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
-fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out: &mut [P]) {
-    let Ok(normal) = <&[Quantile; SEGMENTS]>::try_from(job.normal) else { return };
+fn fill_rows<P: Pixel>(
+    job: &Job<'_>,
+    normal: &[u64; PACKED],
+    extents: &[BlockExtent],
+    first: usize,
+    out: &mut [P],
+) {
     let columns = job.params.columns as usize;
-    let mut counts = [0.0f32; BLOCK];
+    let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
         let row = (first + r) as i32;
         let key = job.row_keys[first + r];
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
-            let at = At { row, column: block * BLOCK, key };
-            let counts = &mut counts[..pixels.len()];
+            let column = block * BLOCK;
+            deviates(normal, key, job.params.column0 + column as u32, &mut z);
             match extents[block].even(&job.params, row) {
-                Some(k) => even_pixels(k, job, normal, at, counts),
-                None => flat_pixels(job, normal, at, counts),
+                Some(k) => even_pixels(k, &z, &mut counts),
+                None => flat_pixels(job, At { row, column, key }, &z, &mut counts),
             }
-            for (pixel, c) in pixels.iter_mut().zip(counts.iter()) {
+            for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);
             }
         }
     }
-    bands(job, normal, first, out);
+    bands(job, first, out);
 }
 
 /// Overwrites the pixels that an edge touches.
 #[inline(always)]
-fn bands<P: Pixel>(job: &Job<'_>, normal: &[Quantile; SEGMENTS], first: usize, out: &mut [P]) {
+fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
+    let Ok(normal) = <&[Quantile; SEGMENTS]>::try_from(job.normal) else { return };
     let columns = job.params.columns as usize;
     let group = columns.div_ceil(job.bands.start.len().max(1)).max(1);
     let last = (first + out.len() / columns) as i32;
     for column in 0..columns {
-        for start in job.bands.start[column / group] {
+        for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
             let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
             for row in rows {
-                let key = job.row_keys[row as usize];
-                let counts = edge_pixel(job, normal, At { row, column, key });
+                let at = At { row, column, key: job.row_keys[row as usize] };
+                let counts = edge_pixel(job, normal, at, side == 1);
                 out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
             }
         }

@@ -218,6 +218,7 @@ fn convergence(
         y_label: "true max |error| / µm".into(),
         series,
         log_y: true,
+        x_labels: Some(rows.passes.len()),
         ..Chart::default()
     };
     page.heading("Convergence");

@@ -15,7 +15,7 @@ use crate::gauge::Edge;
 const OVERVIEW_PX: usize = 816;
 /// Columns and rows of the magnified corner around the upper edge.
 const CROP: (usize, usize) = (48, 24);
-/// Columns whose pixels make the edge profile.
+/// About as many columns, spread over the frame, make the edge profile.
 const PROFILE_COLUMNS: usize = 200;
 /// Half width of the edge profile, px.
 const PROFILE_REACH_PX: f64 = 7.0;
@@ -52,7 +52,7 @@ pub fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, Vec<u8>)
     if let Some(chart) = profile(&sample) {
         page.figure(
             &chart.to_svg()?,
-            "Grey values against their distance from the measured edge, 200 columns of the frame laid over one another: \
+            "Grey values against their distance from the measured edge, about 200 columns of the frame laid over one another: \
              the edge spread sampled far below a pixel. Its width is blur, pixel area and noise.",
         );
     }
@@ -170,9 +170,9 @@ fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, 
 }
 
 fn profile(sample: &Picture<'_>) -> Option<Chart> {
-    let first = (sample.view.columns() / 2).saturating_sub(PROFILE_COLUMNS / 2);
+    let every = (sample.view.columns() / PROFILE_COLUMNS).max(1);
     let mut points = Vec::new();
-    for column in first..(first + PROFILE_COLUMNS).min(sample.top_px.len()) {
+    for column in (0..sample.top_px.len()).step_by(every) {
         let Some(edge) = sample.top_px[column] else { continue };
         let low = (edge - PROFILE_REACH_PX).ceil().max(0.0) as usize;
         let high = (edge + PROFILE_REACH_PX).floor().max(0.0) as usize;

@@ -33,7 +33,7 @@ impl Synth {
             (variance.sqrt(), 0.0)
         };
         Self {
-            rows: 160,
+            rows: 112,
             columns: 2048,
             dark,
             light,
@@ -121,5 +121,5 @@ fn step(row: f64, x: f64, sigma: f64) -> f64 {
 /// A straight shaft whose edges drift through all sub-pixel phases.
 pub fn drifting(column: usize) -> (f64, f64) {
     let c = column as f64;
-    (45.3 + 0.0041 * c + 0.2 * (c / 300.0).sin(), 114.7 - 0.0037 * c + 0.2 * (c / 250.0).cos())
+    (22.3 + 0.0041 * c + 0.2 * (c / 300.0).sin(), 89.7 - 0.0037 * c + 0.2 * (c / 250.0).cos())
 }

@@ -53,12 +53,34 @@ impl std::fmt::Debug for Gpu {
     }
 }
 
+/// The graphics interfaces a device is looked for under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Api {
+    /// Vulkan before OpenGL.
+    Any,
+    /// Vulkan alone.
+    Vulkan,
+    /// OpenGL (ES) alone.
+    Gl,
+}
+
+impl Api {
+    fn backends(self) -> (wgpu::Backends, &'static str) {
+        match self {
+            Self::Any => (wgpu::Backends::VULKAN | wgpu::Backends::GL, "Vulkan or GL"),
+            Self::Vulkan => (wgpu::Backends::VULKAN, "Vulkan"),
+            Self::Gl => (wgpu::Backends::GL, "GL"),
+        }
+    }
+}
+
 impl Gpu {
-    /// Opens the best adapter of the backends given, hardware before software.
+    /// Opens the best adapter of the interface given, hardware before software.
     ///
     /// # Errors
     /// When there is none, or the device cannot be had or refuses the kernels.
-    pub fn open(backends: wgpu::Backends, wanted: &'static str) -> Result<Self, RenderError> {
+    pub fn open(api: Api) -> Result<Self, RenderError> {
+        let (backends, wanted) = api.backends();
         let adapter = adapters::best(backends, wanted)?;
         let info = adapter.get_info();
         // A processor's memory is the device's memory: reading the image in place saves a copy of it.
