@@ -42,7 +42,10 @@ pub fn figures(page: &mut Page, sample: &SampleView<'_>) -> Result<Vec<(String, 
     let png = encode(&overview)?;
     let overlay = overview_svg(sample, &png, &overview, step);
     page.heading("A frame and its edges");
-    page.figure(&overlay, &format!("Frame {} of the last pass with both edges of every column.", sample.frame_id));
+    page.figure(
+        &overlay,
+        &format!("Frame {} of the last pass with both edges of every column.", sample.frame_id),
+    );
     if let Some((svg, caption)) = magnified(sample, &stretch)? {
         page.figure(&svg, &caption);
     }
@@ -73,7 +76,9 @@ impl Stretch {
             .flat_map(|r| (0..view.columns()).step_by(7).filter_map(move |c| view.get(r, c)))
             .collect();
         values.sort_by(f32::total_cmp);
-        let at = |share: f64| values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1))).copied();
+        let at = |share: f64| {
+            values.get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1))).copied()
+        };
         let (low, high) = (at(0.001).unwrap_or(0.0), at(0.999).unwrap_or(255.0));
         Self { low, scale: 245.0 / (high - low).max(1.0) }
     }
@@ -83,7 +88,13 @@ impl Stretch {
     }
 }
 
-fn picture(view: &FrameView<'_>, stretch: &Stretch, from: (usize, usize), size: (usize, usize), step: usize) -> GrayImage {
+fn picture(
+    view: &FrameView<'_>,
+    stretch: &Stretch,
+    from: (usize, usize),
+    size: (usize, usize),
+    step: usize,
+) -> GrayImage {
     let (rows, columns) = (size.0.div_ceil(step), size.1.div_ceil(step));
     GrayImage::from_fn(columns as u32, rows as u32, |c, r| {
         let (row, column) = (from.0 + r as usize * step, from.1 + c as usize * step);
@@ -111,7 +122,15 @@ fn overview_svg(sample: &SampleView<'_>, png: &[u8], image: &GrayImage, step: us
 }
 
 /// An edge as SVG lines, broken at gaps.
-fn polyline(edge: &[Option<f64>], every: usize, row0: f64, column0: f64, scale: f64, colour: &str, width: f64) -> String {
+fn polyline(
+    edge: &[Option<f64>],
+    every: usize,
+    row0: f64,
+    column0: f64,
+    scale: f64,
+    colour: &str,
+    width: f64,
+) -> String {
     let mut path = String::new();
     let mut pen_down = false;
     for (column, row) in edge.iter().enumerate().step_by(every) {
@@ -143,7 +162,10 @@ fn magnified(sample: &SampleView<'_>, stretch: &Stretch) -> Result<Option<(Strin
         base64(&png)
     );
     svg += &polyline(window, 1, row0 as f64, 0.0, ZOOM, "#d55e00", 2.0);
-    let caption = format!("The upper edge from column {column0}, row {row0}, {} × {} pixels magnified, with the measured edge.", CROP.0, CROP.1);
+    let caption = format!(
+        "The upper edge from column {column0}, row {row0}, {} × {} pixels magnified, with the measured edge.",
+        CROP.0, CROP.1
+    );
     Ok(Some((svg + "</svg>", caption)))
 }
 
@@ -154,7 +176,9 @@ fn profile(sample: &SampleView<'_>) -> Option<Chart> {
         let Some(edge) = sample.top_px[column] else { continue };
         let low = (edge - PROFILE_REACH_PX).ceil().max(0.0) as usize;
         let high = (edge + PROFILE_REACH_PX).floor().max(0.0) as usize;
-        points.extend((low..=high).filter_map(|r| Some((r as f64 - edge, f64::from(sample.view.get(r, column)?)))));
+        points.extend(
+            (low..=high).filter_map(|r| Some((r as f64 - edge, f64::from(sample.view.get(r, column)?)))),
+        );
     }
     (!points.is_empty()).then(|| Chart {
         x_label: "row − measured edge / px".into(),
