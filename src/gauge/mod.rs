@@ -2,6 +2,7 @@
 
 pub mod form;
 pub mod judgement;
+pub mod photon_transfer;
 pub mod size;
 pub mod statistics;
 

@@ -13,6 +13,7 @@ use std::f64::consts::TAU;
 
 use super::form::{
     Circle, Cutoff, FormError, LeastSquaresCircle, LinearProgram, Row, Turn, least_squares_circle,
+    polar_profile,
 };
 
 /// Two-point (caliper) sizes and global sizes of the silhouette over one turn, mm.
