@@ -3,6 +3,7 @@
 pub mod form;
 pub mod judgement;
 pub mod photon_transfer;
+pub mod ring;
 pub mod size;
 pub mod statistics;
 
