@@ -14,12 +14,19 @@
 
 pub mod fresnel_integrals;
 mod gaussian;
+mod grazing;
+mod laser;
 mod measured;
+mod partial;
 pub mod quadrature;
 mod shifts;
 mod table;
+mod transmission;
 
 pub use gaussian::GaussianBlur;
+pub use grazing::GrazingReflection;
+pub use laser::LaserShadow;
 pub use measured::MeasuredEdge;
+pub use partial::PartiallyCoherentEdge;
 pub use shifts::Shifts;
 pub use table::EdgeSpread;
