@@ -2,6 +2,8 @@
 
 mod error;
 pub mod esf_families;
+pub mod lens;
+pub mod motion;
 pub mod settings;
 
 pub use error::RenderError;
