@@ -1,5 +1,6 @@
 //! Scene, optics and sensor to frames: silhouettes in f64, pixels on the GPU or its CPU twin.
 
+pub mod contamination;
 mod error;
 pub mod esf_families;
 pub mod lens;
