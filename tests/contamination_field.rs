@@ -1,7 +1,5 @@
 //! Contamination against closed forms, conserved light and the statistics asked for.
 
-#![expect(clippy::unwrap_used, reason = "fields that must exist; a test without them has failed")]
-
 use shadowgauge::render::contamination::shapes::{
     clear_radius_of_ball, clear_radius_of_cap, disc, half_plane, into_polygon, line, polygon_area,
 };

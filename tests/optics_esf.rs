@@ -529,7 +529,7 @@ fn traced_rays_give_the_same_light() {
             refractive_index: 0.05,
             extinction: 20.0,
         };
-        let strip = 10.0 * (theta as f64).to_radians().powi(2);
+        let strip = 10.0 * f64::to_radians(theta).powi(2);
         for share in [-0.2, -0.164, -0.13, -0.11, -0.06, -0.02, -0.003, 0.003, 0.1, 0.3] {
             let x = 10.0 + share * strip;
             let tolerance = if na == 0.0 { 2e-3 } else { 0.012 };

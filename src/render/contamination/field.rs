@@ -323,7 +323,7 @@ fn lay(shade: &Shade, kind: u8, first: [f64; 2], map: &mut TransmissionMap) {
             });
         }
         Shade::Line { from, to, width, opacity, blur } => {
-            lay_line((from, to), (*width, *opacity, *blur), kind, first, map)
+            lay_line((from, to), (*width, *opacity, *blur), kind, first, map);
         }
     }
 }

@@ -109,11 +109,12 @@ impl Spectrum {
         let inside = |p: f64| p.clamp(-half, half);
         let ends = [-half, inside(0.5 * nu - s), inside(0.5 * nu + s), half];
         let k = 2.0 * PI * self.z * nu;
+        let ln = |t: f64| t.abs().max(f64::MIN_POSITIVE).ln();
         let piece = |from: f64, to: f64| {
             let term = |(t, w): &(f64, f64)| {
                 let p = from + (to - from) * t;
                 let q = p - 0.5 * nu;
-                w * (k * p).cos() * ((q + s) / (q - s)).abs().max(f64::MIN_POSITIVE).min(f64::MAX).ln()
+                w * (k * p).cos() * (ln(q + s) - ln(q - s))
             };
             (to - from) * self.along.iter().map(term).sum::<f64>()
         };
