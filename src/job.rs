@@ -336,7 +336,10 @@ impl Job {
     pub fn check(&self) -> Result<(), JobError> {
         self.part.check()?;
         if self.passes.is_some_and(|n| n == 0 || n > self.part.passes()) {
-            return Err(JobError::at("passes", format!("must be 1 to {}, the nominal diameters given", self.part.passes())));
+            return Err(JobError::at(
+                "passes",
+                format!("must be 1 to {}, the nominal diameters given", self.part.passes()),
+            ));
         }
         positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;

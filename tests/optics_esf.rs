@@ -5,7 +5,8 @@
 use shadowgauge::render::esf_families::fresnel_integrals::fresnel;
 use shadowgauge::render::esf_families::quadrature::gauss_legendre;
 use shadowgauge::render::esf_families::{
-    EdgeSpread, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEdge, PartiallyCoherentEdge, Shifts,
+    EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEdge,
+    PartiallyCoherentEdge, Shifts,
 };
 
 fn close(found: f64, wanted: f64, tolerance: f64, what: &str) {
@@ -561,4 +562,44 @@ fn reflection_makes_a_polished_pin_read_small() {
     // Normal incidence: ((n-1)² + k²)/((n+1)² + k²).
     let normal = (1.9f64.powi(2) + 3.1f64.powi(2)) / (3.9f64.powi(2) + 3.1f64.powi(2));
     close(r.reflectance(std::f64::consts::FRAC_PI_2), normal, 1e-9, "normal incidence");
+}
+
+// -- what the renderer takes
+
+#[test]
+fn a_kernel_table_carries_the_family() {
+    let asymmetric = LaserShadow::default().edge_spread().unwrap();
+    for (table, pixel) in [(gaussian(18.0), 15.0), (lens(0.5, 0.0), 0.6), (asymmetric, 5.0)] {
+        let kernel = table.kernel_table(pixel);
+        let (low, high) = table.range_um();
+        close(kernel.reach_px * pixel, high.max(-low), 1e-9, "reach");
+        let (mut worst, steps) = (0.0f64, 20_011);
+        for i in 0..steps {
+            let d = kernel.reach_px * (2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0);
+            let place = (d + kernel.reach_px) * kernel.per_px;
+            let c = kernel.segments[(place as usize).min(kernel.segments.len() - 1)].map(f64::from);
+            let t = place.fract();
+            worst = worst.max((c[0] + t * (c[1] + t * (c[2] + t * c[3])) - table.value(d * pixel)).abs());
+        }
+        assert!(worst <= 1.5 * kernel.error && kernel.error < 1e-5, "{worst} {}", kernel.error);
+    }
+    close(gaussian(18.0).kernel_table(15.0).sharpness_px, 1.2, 0.01, "σ");
+    assert!(lens(0.0, 0.0).sharpness_um() < lens(1.0, 0.0).sharpness_um() + 0.2);
+}
+
+#[test]
+fn a_stack_follows_the_focus() {
+    let edge = PartiallyCoherentEdge::default();
+    let stack = FocusStack::new(&edge, 1.0, 1e-3).unwrap();
+    println!("{} tables to 1 mm, blend error {:.1e}", stack.tables().len(), stack.blend_error());
+    for defocus_mm in [0.0, -0.11, 0.37, -0.8, 1.0] {
+        let exact = PartiallyCoherentEdge { defocus_mm, ..edge.clone() }.edge_spread().unwrap();
+        for d in [-40.0, -5.0, 0.0, 3.0, 17.0, 60.0] {
+            let blended = stack.value(d, defocus_mm);
+            close(blended, exact.value(d), 1.1e-3, &format!("{d} µm, {defocus_mm} mm"));
+        }
+    }
+    assert_eq!(stack.place(7.0), (stack.tables().len() - 2, 1.0));
+    let text = FocusStack::new(&edge, -1.0, 1e-3).unwrap_err().to_string();
+    assert!(text.contains("depth_mm"), "{text}");
 }

@@ -101,7 +101,7 @@ impl Motion {
             let right = "the light lasts longer than a turn: expose for less, strobe, or set motion.allow_more_than_a_turn = true";
             return Err(RenderError::setting(
                 "motion.spindle_rpm",
-                format!("{turns:.2} turns an exposure"),
+                &format!("{turns:.2} turns an exposure"),
                 right,
             ));
         }

@@ -2,7 +2,8 @@
 
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::sample::{self, SampleView};
+use super::sample;
+use crate::closed_loop::Sample;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
 
@@ -20,7 +21,7 @@ pub struct RunView<'a> {
     /// Adapter frames were rendered with.
     pub adapter: &'a str,
     /// The frame kept from the last pass.
-    pub sample: Option<SampleView<'a>>,
+    pub sample: Option<&'a Sample>,
 }
 
 /// A report and the files that go beside it.
@@ -66,7 +67,8 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     let rows = Rows::read(view.folder)?;
     let reference = view.reference.map(Rows::read).transpose()?;
     let controller = view.job.control.controller.as_str();
-    let mut page = Page::new(format!("{}: {} passes, controller {controller}", view.job.name, rows.passes.len()));
+    let mut page =
+        Page::new(format!("{}: {} passes, controller {controller}", view.job.name, rows.passes.len()));
     page.text(&format!(
         "Seed {}, backend {} ({}). Errors are diameter minus the pass's nominal; \"true\" figures come from the simulation's \
          geometry and are for comparison only: the controller saw measured diameters alone.",
@@ -78,7 +80,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     offsets(&mut page, view)?;
     let mut files = Vec::new();
     if let Some(sample) = view.sample {
-        files = sample::figures(&mut page, &sample).map_err(ReportError::Draw)?;
+        files = sample::figures(&mut page, sample).map_err(ReportError::Draw)?;
     }
     uncertainty(&mut page, &rows)?;
     calibration(&mut page, view)?;
@@ -120,7 +122,10 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
         "decision",
     ];
     page.heading("Passes").table(&header, &table);
-    let Some(tolerance) = view.job.part.tolerance.filter(|_| rows.passes.len() == view.job.part.passes()) else { return };
+    let Some(tolerance) = view.job.part.tolerance.filter(|_| rows.passes.len() == view.job.part.passes())
+    else {
+        return;
+    };
     let last: Vec<f64> = rows.of_pass(rows.passes.len() as u32).filter_map(|s| s.d_mm).collect();
     let inside = last.iter().filter(|&&d| tolerance.contains(d)).count();
     page.text(&format!(
@@ -132,7 +137,12 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     ));
 }
 
-fn error_along_z(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&Rows>) -> Result<(), ReportError> {
+fn error_along_z(
+    page: &mut Page,
+    view: &RunView<'_>,
+    rows: &Rows,
+    reference: Option<&Rows>,
+) -> Result<(), ReportError> {
     page.heading("Error along z");
     let line = |rows: &Rows, pass: &PassRow, mark: Mark, name: String, colour: usize| {
         let points = rows
@@ -175,9 +185,8 @@ fn error_along_z(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Op
     }
     let tolerance = view.job.part.tolerance;
     let target = view.job.part.target_mm(view.job.part.passes() as u32);
-    let band = tolerance.map(|t| {
-        ((t.nominal_mm + t.lower_mm - target) * 1e3, (t.nominal_mm + t.upper_mm - target) * 1e3)
-    });
+    let band = tolerance
+        .map(|t| ((t.nominal_mm + t.lower_mm - target) * 1e3, (t.nominal_mm + t.upper_mm - target) * 1e3));
     let chart = Chart {
         x_label: "z from the chuck / mm".into(),
         y_label: "error / µm".into(),
@@ -185,10 +194,19 @@ fn error_along_z(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Op
         band: band.filter(|_| reference.is_some()),
         ..Chart::default()
     };
-    draw(page, &chart, "The corrected passes alone: measured (dots) and true (pale lines). Shaded: the finished part's tolerance about the last pass's aim.")
+    draw(
+        page,
+        &chart,
+        "The corrected passes alone: measured (dots) and true (pale lines). Shaded: the finished part's tolerance about the last pass's aim.",
+    )
 }
 
-fn convergence(page: &mut Page, controller: &str, rows: &Rows, reference: Option<&Rows>) -> Result<(), ReportError> {
+fn convergence(
+    page: &mut Page,
+    controller: &str,
+    rows: &Rows,
+    reference: Option<&Rows>,
+) -> Result<(), ReportError> {
     let line = |rows: &Rows, name: &str, colour: usize| {
         let points = rows.passes.iter().map(|p| (f64::from(p.pass), p.true_max_abs_error_mm * 1e3)).collect();
         Series::new(name, Mark::LineDots, colour, points)
@@ -200,6 +218,7 @@ fn convergence(page: &mut Page, controller: &str, rows: &Rows, reference: Option
         y_label: "true max |error| / µm".into(),
         series,
         log_y: true,
+        x_labels: Some(rows.passes.len()),
         ..Chart::default()
     };
     page.heading("Convergence");
@@ -211,7 +230,8 @@ fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     let last = rows.iter().map(|r| r.pass).max().unwrap_or(0);
     let series: Vec<Series> = (2..=last)
         .map(|pass| {
-            let points = rows.iter().filter(|r| r.pass == pass).map(|r| (r.z_mm, r.offset_mm * 1e3)).collect();
+            let points =
+                rows.iter().filter(|r| r.pass == pass).map(|r| (r.z_mm, r.offset_mm * 1e3)).collect();
             Series::new(format!("pass {pass}"), Mark::Line, pass as usize - 1, points)
         })
         .collect();
@@ -237,7 +257,8 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
     ratios.sort_by(f64::total_cmp);
     let count = ratios.len() as f64;
     let steps = ratios.iter().enumerate().map(|(i, &r)| (r, (i as f64 + 0.5) / count)).collect();
-    let normal = (-40..=40).map(|i| f64::from(i) / 10.0).map(|x| (x, 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)));
+    let normal =
+        (-40..=40).map(|i| f64::from(i) / 10.0).map(|x| (x, 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)));
     let chart = Chart {
         x_label: "(measured − true) / stated standard uncertainty".into(),
         y_label: "share of stations".into(),
@@ -253,7 +274,9 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
     draw(
         page,
         &chart,
-        &format!("Cumulative distribution of error over stated u; rms {rms:.2}. An honest uncertainty lies on the dashed line."),
+        &format!(
+            "Cumulative distribution of error over stated u; rms {rms:.2}. An honest uncertainty lies on the dashed line."
+        ),
     )?;
     let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
     let residual = |f: &dyn Fn(f64, f64) -> f64| -> Vec<(f64, f64)> {
@@ -274,7 +297,8 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
 
 fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     let text = view.folder.read_text("calibration.json")?;
-    let json: serde_json::Value = serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+    let json: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
     let rows: Vec<Vec<String>> = json
         .as_object()
         .into_iter()
@@ -282,7 +306,9 @@ fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
         .filter(|(_, v)| v.is_number() || v.is_string())
         .map(|(k, v)| vec![k.clone(), v.as_str().map_or_else(|| v.to_string(), str::to_owned)])
         .collect();
-    page.heading("Calibration").text("Fitted on the master pins at the start of the run; the whole of it stands in calibration.json.");
+    page.heading("Calibration").text(
+        "Fitted on the master pins at the start of the run; the whole of it stands in calibration.json.",
+    );
     page.table(&["quantity", "value"], &rows);
     Ok(())
 }

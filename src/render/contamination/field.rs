@@ -97,9 +97,9 @@ pub(super) fn poisson(key: &'static str, mean: f64, random: &mut Pcg64) -> Resul
     }
     if mean.is_nan() || mean > MOST {
         let right = format!("draws {mean:.0} of them; lower it until there are fewer than {MOST:.0}");
-        return Err(RenderError::setting(key, format!("{mean:.0} in the field"), right));
+        return Err(RenderError::setting(key, &format!("{mean:.0} in the field"), right));
     }
-    let draw = Poisson::new(mean).map_err(|e| RenderError::setting(key, mean, e.to_string()))?;
+    let draw = Poisson::new(mean).map_err(|e| RenderError::setting(key, &mean, e.to_string()))?;
     Ok(draw.sample(random) as usize)
 }
 

@@ -76,7 +76,7 @@ impl AdheringFilms {
         let area_cm2 = TAU * radius_mm * length / 100.0;
         let count = poisson("contamination.films.per_cm2", films.per_cm2 * area_cm2, &mut random)?;
         let unit = Uniform::new(0.0, 1.0)
-            .map_err(|e| RenderError::setting("contamination.films", 0.0, e.to_string()))?;
+            .map_err(|e| RenderError::setting("contamination.films", &0.0, e.to_string()))?;
         let films = (0..count)
             .map(|_| {
                 let z = z_mm.start + length * unit.sample(&mut random);

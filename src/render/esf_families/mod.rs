@@ -12,6 +12,7 @@
 //! All are knife-edge results; for a thick, shiny cylinder each is an approximation (see [`GrazingReflection`]). The
 //! table holds the light at a point; [`EdgeSpread::over_pixel`] integrates it over a pixel's area.
 
+mod focus_stack;
 pub mod fresnel_integrals;
 mod gaussian;
 mod grazing;
@@ -23,10 +24,11 @@ mod shifts;
 mod table;
 mod transmission;
 
+pub use focus_stack::FocusStack;
 pub use gaussian::GaussianBlur;
 pub use grazing::GrazingReflection;
 pub use laser::LaserShadow;
 pub use measured::MeasuredEdge;
 pub use partial::PartiallyCoherentEdge;
 pub use shifts::Shifts;
-pub use table::EdgeSpread;
+pub use table::{EdgeSpread, KernelTable};

@@ -61,7 +61,7 @@ impl Distortion {
             let found = format!("{:?}", [self.k1, self.k2, self.k3, self.p1, self.p2]);
             return Err(RenderError::setting(
                 "optics.distortion",
-                found,
+                &found,
                 "folds the image over: take smaller coefficients",
             ));
         }

@@ -30,7 +30,7 @@ pub fn edges_mm(radius_mm: f64, x_mm: f64, y_mm: f64, distance_mm: f64) -> Resul
     if !(depth > 0.0 && centre > radius_mm) {
         return Err(RenderError::setting(
             "optics.entocentric.distance_mm",
-            distance_mm,
+            &distance_mm,
             format!("must leave the shaft of radius {radius_mm} mm at y = {y_mm} mm in front of the lens"),
         ));
     }
