@@ -92,10 +92,12 @@ fn partially_coherent_edge_has_the_published_values() {
         let found = crossing(|x| sampled(&image, reach, x));
         assert!((found - half).abs() < 1e-3, "S = {s}: 50 % at {found}");
     }
-    for (zeta, half) in [(1.0, 0.159), (2.0, 0.240)] {
+    // Out of focus the published .159 and .240 are met to .0012 and .0035 only; the second integration below agrees
+    // with .1579 and .2366.
+    for (zeta, half, limit) in [(1.0, 0.159, 2e-3), (2.0, 0.240, 4e-3)] {
         let image = edge_image(0.5, zeta, reach, count);
         let found = crossing(|x| sampled(&image, reach, x));
-        assert!((found - half).abs() < 2e-3, "defocus {zeta}: 50 % at {found}");
+        assert!((found - half).abs() < limit, "defocus {zeta}: 50 % at {found}");
     }
 }
 
@@ -144,7 +146,8 @@ fn by_harmonics(s: f64, zeta: f64, x: f64) -> f64 {
 fn partially_coherent_edge_meets_a_second_integration() {
     let (reach, count) = (4.0, 400);
     let mut worst: f64 = 0.0;
-    for (s, zeta) in [(0.3, 0.0), (0.7, 0.0), (1.0, 0.0), (0.5, 1.0)] {
+    // Up to S = .85: at the pupil's rim harmonics converge too slowly to judge; there the exact 1/3 at S = 1 does.
+    for (s, zeta) in [(0.3, 0.0), (0.7, 0.0), (0.85, 0.0), (0.5, 1.0), (0.5, 2.0)] {
         let image = edge_image(s, zeta, reach, count);
         for x in [-1.0, -0.3, 0.0, 0.1, 0.5, 1.3] {
             let difference = (sampled(&image, reach, x) - by_harmonics(s, zeta, x)).abs();
@@ -203,7 +206,7 @@ fn kernel_integrates_every_family_over_the_pixel() {
     ] {
         let error = kernel_error(&esf);
         println!("{error:.1e} px: {}", format!("{esf:?}").chars().take(40).collect::<String>());
-        assert!(error < 1e-4, "{esf:?}: {error} px");
+        assert!(error < 1e-4, "{error} px");
     }
 }
 

@@ -115,17 +115,37 @@ pub struct TableEsf {
 const NORMALISED: f64 = 2e-3;
 
 impl TableEsf {
-    /// Linear between the points, held beyond them.
+    /// Monotone cubic between the points (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300), held
+    /// beyond them: measured points have no kinks between them, and none is put there.
     pub(super) fn at(&self, distance_px: f64) -> f64 {
         let after = self.distance_px.partition_point(|d| *d <= distance_px);
         match (after.checked_sub(1), self.distance_px.get(after)) {
             (Some(i), Some(next)) => {
-                let t = (distance_px - self.distance_px[i]) / (next - self.distance_px[i]);
-                self.light[i] + t * (self.light[after] - self.light[i])
+                let h = next - self.distance_px[i];
+                let t = (distance_px - self.distance_px[i]) / h;
+                let (a, b) = (self.light[i], self.light[after]);
+                let (da, db) = (h * self.slope(i), h * self.slope(after));
+                a + t * (da + t * (3.0 * (b - a) - 2.0 * da - db + t * (2.0 * (a - b) + da + db)))
             }
             (None, _) => 0.0,
             (Some(_), None) => 1.0,
         }
+    }
+
+    /// Weighted harmonic mean of the slopes on both sides; 0 at the ends and at turning points.
+    fn slope(&self, i: usize) -> f64 {
+        let side = |i: usize| {
+            let h = self.distance_px[i + 1] - self.distance_px[i];
+            (h, (self.light[i + 1] - self.light[i]) / h)
+        };
+        if i == 0 || i + 1 >= self.light.len() {
+            return 0.0;
+        }
+        let ((h0, d0), (h1, d1)) = (side(i - 1), side(i));
+        if d0 * d1 <= 0.0 {
+            return 0.0;
+        }
+        3.0 * (h0 + h1) / ((2.0 * h1 + h0) / d0 + (h1 + 2.0 * h0) / d1)
     }
 
     fn check(&self) -> Result<(), RenderError> {
