@@ -15,6 +15,7 @@ mod noise;
 mod pixels;
 mod score;
 mod settings;
+mod side;
 mod station;
 mod table;
 mod window;
