@@ -2,7 +2,8 @@
 
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::sample::{self, SampleView};
+use super::sample;
+use crate::closed_loop::Sample;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
 
@@ -20,7 +21,7 @@ pub struct RunView<'a> {
     /// Adapter frames were rendered with.
     pub adapter: &'a str,
     /// The frame kept from the last pass.
-    pub sample: Option<SampleView<'a>>,
+    pub sample: Option<&'a Sample>,
 }
 
 /// A report and the files that go beside it.
@@ -79,7 +80,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     offsets(&mut page, view)?;
     let mut files = Vec::new();
     if let Some(sample) = view.sample {
-        files = sample::figures(&mut page, &sample).map_err(ReportError::Draw)?;
+        files = sample::figures(&mut page, sample).map_err(ReportError::Draw)?;
     }
     uncertainty(&mut page, &rows)?;
     calibration(&mut page, view)?;
@@ -217,6 +218,7 @@ fn convergence(
         y_label: "true max |error| / µm".into(),
         series,
         log_y: true,
+        x_labels: Some(rows.passes.len()),
         ..Chart::default()
     };
     page.heading("Convergence");
