@@ -6,7 +6,7 @@
 use super::levels::LevelCurve;
 use super::model::column_sigma;
 use super::score::{dot, locate, normalise};
-use super::table::Table;
+use super::table::{COARSE, Table};
 use super::window::Windows;
 
 /// Blocks along the shaft.
@@ -47,7 +47,7 @@ impl BlurEstimate {
 }
 
 /// Columns of a block that are looked at.
-fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
     let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
     let step = (to - from).div_ceil(PER_BLOCK).max(1);
     (from..to).step_by(step)
@@ -98,7 +98,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64) -> BlurEstimate {
     let mut sums = [BlurSums::default(); BLOCKS];
     let mut normalised = vec![0.0; context.windows.width];
     for _ in 0..8 {
-        let table = Table::new(sigma, context.kappa, context.windows.width, false);
+        let table = Table::new(sigma, context.kappa, context.windows.width, false, COARSE);
         for (block, sum) in sums.iter_mut().enumerate() {
             *sum = block_sums(context, &table, sample(block, columns), &mut normalised);
         }
@@ -129,8 +129,8 @@ fn block_sums(
             continue;
         }
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
-        normalise(context.windows.of(column), dark, light - dark, normalised);
-        let Some(found) = locate(normalised, table, context.windows.start[column]) else { continue };
+        let start = normalise(context.windows.of(column), dark, light - dark, normalised);
+        let Some(found) = locate(normalised, table, start) else { continue };
         let scalars = found.phase.scalars;
         let score = dot(found.phase.blur_scores, normalised)
             - dot(found.phase.blur_scores, found.phase.values)

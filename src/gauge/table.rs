@@ -13,8 +13,10 @@
 
 use super::model::{EdgeSample, edge_samples};
 
-/// Phases per pixel.
-const PHASES_PER_PX: f32 = 64.0;
+/// Phases per pixel of the tables that place edges.
+pub(crate) const FINE: u32 = 64;
+/// Phases per pixel of the tables that only serve to find the blur.
+pub(crate) const COARSE: u32 = 16;
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
@@ -65,6 +67,8 @@ pub(crate) struct Table {
     pub(crate) width: usize,
     /// Degrees of freedom of the residual.
     pub(crate) freedom: f32,
+    /// Phases per pixel.
+    pub(crate) per_px: f32,
     arrays: Vec<f32>,
     scalars: Vec<PhaseScalars>,
 }
@@ -87,21 +91,22 @@ pub(crate) fn window_width(sigma: f64) -> usize {
 
 impl Table {
     /// Tabulates the weights. `free_levels`: each column has levels of its own.
-    pub(crate) fn new(sigma: f64, kappa: f64, width: usize, free_levels: bool) -> Self {
-        let steps = (PHASE_REACH * PHASES_PER_PX) as i32;
+    pub(crate) fn new(sigma: f64, kappa: f64, width: usize, free_levels: bool, per_px: u32) -> Self {
+        let steps = (PHASE_REACH * per_px as f32) as i32;
         let count = (2 * steps + 1) as usize;
         let mut table = Self {
             sigma,
             kappa,
             width,
             freedom: 0.0,
+            per_px: per_px as f32,
             arrays: vec![0.0; count * ARRAYS * width],
             scalars: Vec::with_capacity(count),
         };
         let mut samples = vec![EdgeSample::default(); width - 1];
         let reach = if free_levels { width as f64 } else { reach(sigma) + 1.0 };
         for (index, step) in (-steps..=steps).enumerate() {
-            let phase = f64::from(step) / f64::from(PHASES_PER_PX);
+            let phase = f64::from(step) / f64::from(per_px);
             edge_samples(-(half(width) as f64), phase, sigma, &mut samples);
             let rows = &mut table.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             let scalars = fill_phase(&samples, phase, kappa, reach, free_levels, rows, width);
@@ -113,10 +118,12 @@ impl Table {
     }
 
     /// The phase nearest to `x` px from the central pixel.
+    #[inline(always)]
     pub(crate) fn phase(&self, x: f32) -> Phase<'_> {
-        let steps = (PHASE_REACH * PHASES_PER_PX) as i32;
-        let index = ((x * PHASES_PER_PX).round() as i32).clamp(-steps, steps) + steps;
-        let index = index as usize;
+        let last = self.scalars.len() - 1;
+        // Rounding by truncation: the argument is never negative.
+        let index = ((x + PHASE_REACH) * self.per_px + 0.5).max(0.0) as usize;
+        let index = index.min(last);
         let width = self.width;
         let rows = &self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
         let (weights, rows) = rows.split_at(width);
@@ -188,7 +195,7 @@ mod tests {
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
-            let table = Table::new(0.8, 1.2, window_width(0.8), free);
+            let table = Table::new(0.8, 1.2, window_width(0.8), free, FINE);
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
                 edge_samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
@@ -208,7 +215,7 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let table = Table::new(sigma, 0.0, 32, false);
+        let table = Table::new(sigma, 0.0, 32, false, FINE);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");
