@@ -50,19 +50,13 @@ struct Node {
     padding: f32,
 }
 
-struct Quantile {
-    base: f32,
-    slope: f32,
-}
-
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> columns: array<Column>;
 @group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
 @group(0) @binding(3) var<storage, read> row_keys: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> normal: array<Quantile, 2049>;
-@group(0) @binding(5) var<storage, read> esf: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> quadrature: array<Node>;
-@group(0) @binding(7) var<storage, read_write> image: array<u32>;
+@group(0) @binding(4) var<storage, read> esf: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> quadrature: array<Node>;
+@group(0) @binding(6) var<storage, read_write> image: array<u32>;
 
 // 32 random bits of a pixel.
 fn hash(key: vec2<u32>, column: u32) -> u32 {
@@ -73,12 +67,14 @@ fn hash(key: vec2<u32>, column: u32) -> u32 {
     return x ^ (x >> 16u);
 }
 
-// A standard normal deviate from 32 bits: a sign and the tail's probability, whose leading bits choose the segment.
+// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is bent.
 fn standard_normal(bits: u32) -> f32 {
-    let probability = f32(i32(bits & 0x7fffffffu)) + 0.5;
-    let segment = min((bitcast<u32>(probability) >> 17u) - 8064u, 2048u);
-    let q = normal[segment];
-    return bitcast<f32>(bitcast<u32>(q.base + q.slope * probability) ^ (bits & 0x80000000u));
+    let v = i32(bits >> 16u) + i32(bits & 0xffffu) - 65535;
+    let x = f32(v) * 1.52587890625e-5;
+    let u = 1.0 - abs(x);
+    let p = 5.0540056 + u * (917.0068 + u * (9288.955 + u * (-1999.6582 + u * 4506.544)));
+    let q = 1.0 + u * (246.3685 + u * (3911.3911 + u * 986.76636));
+    return x * (p / q);
 }
 
 // Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
@@ -127,11 +123,8 @@ fn transmitted(edge: Edge, row: i32) -> f32 {
     return sum;
 }
 
-// A pixel far from the edges.
-fn flat_pixel(row: i32, column: u32, key: vec2<u32>) -> u32 {
-    let c = min(column, params.columns - 1u);
-    let inside = row > columns[c].top.whole && row < columns[c].bottom.whole;
-    let k = select(params.flat_bright, params.flat_shadow, inside);
+// A pixel far from the edges; the band overwrites what is near.
+fn flat_pixel(k: vec4<f32>, column: u32, key: vec2<u32>) -> u32 {
     return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
 }
 
@@ -153,17 +146,22 @@ fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
 }
 
 @compute @workgroup_size(64, 1, 1)
-fn fill(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (id.x >= params.words || id.y >= params.rows) {
+fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let x = group.x * 64u + local;
+    if (x >= params.words) {
         return;
     }
-    let key = row_keys[id.y];
-    let column = id.x * pixels_per_word;
+    let key = row_keys[group.y];
+    let start = band_start[x];
+    let row = i32(group.y);
+    let inside = row >= start.x && row < start.y + i32(params.band_rows);
+    let k = select(params.flat_bright, params.flat_shadow, inside);
+    let column = x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {
-        word = word | (flat_pixel(i32(id.y), column + i, key) << (i * (32u / pixels_per_word)));
+        word = word | (flat_pixel(k, column + i, key) << (i * (32u / pixels_per_word)));
     }
-    image[id.y * params.words + id.x] = word;
+    image[group.y * params.words + x] = word;
 }
 
 @compute @workgroup_size(64, 1, 1)

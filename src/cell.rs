@@ -67,6 +67,9 @@ const MASTER_STREAM: u64 = 0x6d61_7374_6572;
 const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
+/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a pass takes, and
+/// independent of whether an earlier pass was scanned by this process.
+const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
 impl<'a> SimulatedCell<'a> {
     /// A cell with the stock clamped and the true bench drawn from the job's seed.
@@ -103,6 +106,7 @@ impl TurningCell for SimulatedCell<'_> {
         let cut = self.process.cut(plan)?;
         self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
         self.frame_id = u64::from(plan.pass) * FRAMES_OF_A_PASS;
+        self.clock_ns = u64::from(plan.pass) * PASS_PERIOD_NS;
         Ok(())
     }
 

@@ -7,8 +7,8 @@
 mod support;
 
 use shadowgauge::frame::PixelFormat;
-use shadowgauge::render::noise::normal_table;
 use shadowgauge::render::settings::{BenchSettings, Departures};
+use shadowgauge::render::shadowgraph::standard_normal;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 use support::counts;
@@ -16,25 +16,38 @@ use support::counts;
 /// Pixels of a sample.
 const SAMPLE: usize = 10_000_000;
 
+/// Every value of the triangular sum with its probability and its deviate.
+fn all_deviates() -> impl Iterator<Item = (f64, f64)> {
+    (0..=131_070u32).map(|sum| {
+        let high = sum.min(65_535);
+        let probability = (65_536.0 - (f64::from(sum) - 65_535.0).abs()) / 2f64.powi(32);
+        (probability, f64::from(standard_normal(high << 16 | (sum - high))))
+    })
+}
+
 #[test]
-fn quantile_table_is_the_normal_distribution() {
-    let table = normal_table();
-    let z = |units: f64| {
-        let leading = ((units as f32).to_bits() >> 17) as usize - (126 << 6);
-        f64::from(table[leading].base) + f64::from(table[leading].slope) * units
-    };
-    // Tail probabilities of tabulated deviates: Φ(-1), Φ(-2), Φ(-3), Φ(-4), Φ(-5), Φ(-6).
-    for (deviate, tail) in [
-        (1.0, 0.158_655_253_931_457),
-        (2.0, 0.022_750_131_948_179),
-        (3.0, 1.349_898_031_630e-3),
-        (4.0, 3.167_124_183_312e-5),
-        (5.0, 2.866_515_719_235e-7),
-        (6.0, 9.865_876_450_377e-10),
-    ] {
-        let found = z(tail * 2f64.powi(32));
-        assert!((found - deviate).abs() < 1e-4 * deviate, "{found} for {deviate}");
+fn deviates_of_all_hashes_have_the_normal_moments() {
+    let moment = |k: i32| all_deviates().map(|(p, z)| p * z.powi(k)).sum::<f64>();
+    assert!((moment(0) - 1.0).abs() < 1e-12);
+    assert!(moment(1).abs() < 1e-9 && moment(3).abs() < 1e-9);
+    assert!((moment(2) - 1.0).abs() < 1e-6, "{}", moment(2));
+    assert!((moment(4) - 3.0).abs() < 1e-5, "{}", moment(4));
+    assert!((moment(6) - 15.0).abs() < 0.02, "{}", moment(6));
+}
+
+#[test]
+fn deviates_follow_the_normal_distribution() {
+    let mut below = 0.0;
+    let mut worst: f64 = 0.0;
+    for (p, z) in all_deviates() {
+        let phi = 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+        worst = worst.max((below + 0.5 * p - phi).abs());
+        below += p;
     }
+    println!("distribution function off by {worst:.2e}");
+    assert!(worst < 4e-4);
+    let largest = all_deviates().map(|(_, z)| z).fold(0.0, f64::max);
+    assert!(largest > 5.0, "{largest}");
 }
 
 /// Central moments and neighbour correlations of a sample laid out in rows.

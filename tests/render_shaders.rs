@@ -7,7 +7,7 @@ use std::path::Path;
 
 use shadowgauge::render::columns::{Column, Edge};
 use shadowgauge::render::esf::Node;
-use shadowgauge::render::noise::Quantile;
+use shadowgauge::render::noise::{DENOMINATOR, NUMERATOR};
 use shadowgauge::render::params::Params;
 
 fn parse(path: &Path) -> naga::Module {
@@ -75,7 +75,14 @@ fn host_and_shader_agree_on_every_struct() {
     same_layout!(&module, "Edge", Edge, whole, part, across, along);
     same_layout!(&module, "Column", Column, top, bottom);
     same_layout!(&module, "Node", Node, along, down, weight, padding);
-    same_layout!(&module, "Quantile", Quantile, base, slope);
+}
+
+#[test]
+fn shader_carries_the_constants_of_the_noise() {
+    let source = include_str!("../shaders/shadowgraph.wgsl");
+    for constant in NUMERATOR.iter().chain(&DENOMINATOR) {
+        assert!(source.contains(&format!("{constant}")), "{constant} is not in the shader");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod demo;
 mod doctor;
 mod frame_files;
 mod measure;
+mod nc;
 mod optimize;
 mod record;
 mod render;
@@ -18,6 +19,7 @@ mod study;
 mod study_deflection;
 mod study_factor;
 mod study_files;
+mod study_stability;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -96,6 +98,8 @@ enum Command {
     /// A paper's figures beside ours.
     #[command(subcommand)]
     Reproduce(reproduce::Paper),
+    /// Write the offsets of a run as an NC program.
+    Nc(nc::NcArgs),
     /// Measurements over the stages.
     #[command(subcommand)]
     Study(study::Study),
@@ -111,6 +115,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),
         Command::Reproduce(paper) => reproduce::run(paper),
+        Command::Nc(args) => nc::run(args),
         Command::Study(study) => study::run(study),
     }
 }

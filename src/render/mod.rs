@@ -5,11 +5,14 @@
 
 mod bench;
 pub mod columns;
+pub mod contamination;
 mod error;
 pub mod esf;
 pub mod esf_families;
 pub mod form;
 pub mod gpu;
+pub mod lens;
+pub mod motion;
 pub mod noise;
 pub mod params;
 pub mod reference;

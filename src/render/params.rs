@@ -2,7 +2,7 @@
 
 use super::noise::row_key;
 use super::shadowgraph::shaped;
-use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node, noise::Quantile};
+use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node};
 use crate::frame::PixelFormat;
 
 /// Uniforms of `shaders/shadowgraph.wgsl`.
@@ -97,8 +97,6 @@ pub struct Job<'a> {
     pub bands: Bands,
     /// Noise keys of every row.
     pub row_keys: Vec<[u32; 2]>,
-    /// Quantiles of the standard normal.
-    pub normal: &'a [Quantile],
     /// The edge-spread table.
     pub esf: &'a EsfTable,
     /// Nodes over a pixel.

@@ -6,7 +6,6 @@ use super::bench::OpticalBench;
 use super::columns::{ColumnEdges, RowBlur, bands, extremes, kernel_columns};
 use super::error::RenderError;
 use super::esf::{EsfTable, pixel_quadrature};
-use super::noise::normal_table;
 use super::params::{Job, Levels, Params, Window, pixels_per_word, row_keys};
 use super::silhouette::{Outline, Turned};
 use crate::frame::{FrameMeta, PixelFormat, Roi};
@@ -208,7 +207,6 @@ impl Scene {
             columns,
             bands,
             row_keys: row_keys(window, request.seed, request.frame_id),
-            normal: normal_table(),
             esf: &self.esf,
             quadrature,
         })

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::columns::Edge;
-use super::noise::{FIRST_SEGMENT, Quantile, SEGMENTS};
+use super::noise::{DENOMINATOR, NUMERATOR};
 use super::params::{Job, Params};
 
 /// Columns treated together: their counts stay in the first-level cache.
@@ -26,24 +26,17 @@ fn hash(key: [u32; 2], column: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// The tail's probability in units of 2^-32, and the segment its leading bits choose.
+/// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is bent.
 #[inline(always)]
-fn tail(bits: u32) -> (f32, u32) {
-    let probability = (bits & 0x7fff_ffff) as i32 as f32 + 0.5;
-    (probability, (probability.to_bits() >> 17).wrapping_sub(FIRST_SEGMENT).min(SEGMENTS as u32 - 1))
-}
-
-/// The deviate of a tail, its sign the highest bit.
-#[inline(always)]
-fn signed(q: Quantile, probability: f32, bits: u32) -> f32 {
-    f32::from_bits((q.base + q.slope * probability).to_bits() ^ (bits & 0x8000_0000))
-}
-
-/// A standard normal deviate from 32 bits.
-#[inline(always)]
-fn standard_normal(normal: &[Quantile; SEGMENTS], bits: u32) -> f32 {
-    let (probability, segment) = tail(bits);
-    signed(normal[segment as usize], probability, bits)
+pub fn standard_normal(bits: u32) -> f32 {
+    let [p0, p1, p2, p3, p4] = NUMERATOR;
+    let [q1, q2, q3] = DENOMINATOR;
+    let v = (bits >> 16) as i32 + (bits & 0xffff) as i32 - 65535;
+    let x = v as f32 * 1.525_878_9e-5;
+    let u = 1.0 - x.abs();
+    let p = p0 + u * (p1 + u * (p2 + u * (p3 + u * p4)));
+    let q = 1.0 + u * (q1 + u * (q2 + u * q3));
+    x * (p / q)
 }
 
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
@@ -121,37 +114,11 @@ impl Pixel for f32 {
     }
 }
 
-/// Segments in a table of a power of two: an index needs no check once it is masked.
-const PACKED: usize = SEGMENTS.next_power_of_two();
-
-/// The quantile table with base and slope in one word, base in the lower half.
-fn packed(normal: &[Quantile]) -> Box<[u64; PACKED]> {
-    let mut table = Box::new([0; PACKED]);
-    for (word, q) in table.iter_mut().zip(normal) {
-        *word = u64::from(q.base.to_bits()) | u64::from(q.slope.to_bits()) << 32;
-    }
-    table
-}
-
-/// Standard normal deviates of a block of a row, in steps that each vectorise; only the look-up does not.
+/// Standard normal deviates of a block of a row.
 #[inline(always)]
-fn deviates(normal: &[u64; PACKED], key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
-    let mut bits = [0u32; BLOCK];
-    let mut segment = [0u32; BLOCK];
-    let mut words = [0u64; BLOCK];
-    for i in 0..BLOCK {
-        bits[i] = hash(key, first.wrapping_add(i as u32));
-        segment[i] = tail(bits[i]).1;
-    }
-    for i in 0..BLOCK {
-        words[i] = normal[segment[i] as usize % PACKED];
-    }
-    for i in 0..BLOCK {
-        let q = Quantile {
-            base: f32::from_bits(words[i] as u32),
-            slope: f32::from_bits((words[i] >> 32) as u32),
-        };
-        z[i] = signed(q, tail(bits[i]).0, bits[i]);
+fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
+    for (i, z) in z.iter_mut().enumerate() {
+        *z = standard_normal(hash(key, first.wrapping_add(i as u32)));
     }
 }
 
@@ -176,14 +143,14 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
 
 /// Counts of a pixel near an edge.
 #[inline(always)]
-fn edge_pixel(job: &Job<'_>, normal: &[Quantile; SEGMENTS], at: At, lower: bool) -> f32 {
+fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
     let c = &job.columns[at.column];
     let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
     if job.params.overlap != 0 {
         light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
     }
     let k = shaped(&job.params, job.params.shadow + job.params.contrast * light);
-    sample(k, standard_normal(normal, hash(at.key, job.params.column0 + at.column as u32)))
+    sample(k, standard_normal(hash(at.key, job.params.column0 + at.column as u32)))
 }
 
 /// A place in the frame with its row's noise key.
@@ -225,21 +192,14 @@ pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let columns = job.params.columns as usize;
     let extents: Vec<BlockExtent> =
         (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
-    let normal = packed(job.normal);
     out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
-        fill_rows(job, &normal, &extents, task * TASK_ROWS, rows);
+        fill_rows(job, &extents, task * TASK_ROWS, rows);
     });
 }
 
 /// Rows `first..` of a frame, in the widest instruction set the machine has.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
-fn fill_rows<P: Pixel>(
-    job: &Job<'_>,
-    normal: &[u64; PACKED],
-    extents: &[BlockExtent],
-    first: usize,
-    out: &mut [P],
-) {
+fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out: &mut [P]) {
     let columns = job.params.columns as usize;
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
@@ -247,7 +207,7 @@ fn fill_rows<P: Pixel>(
         let key = job.row_keys[first + r];
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
             let column = block * BLOCK;
-            deviates(normal, key, job.params.column0 + column as u32, &mut z);
+            deviates(key, job.params.column0 + column as u32, &mut z);
             match extents[block].even(&job.params, row) {
                 Some(k) => even_pixels(k, &z, &mut counts),
                 None => flat_pixels(job, At { row, column, key }, &z, &mut counts),
@@ -263,7 +223,6 @@ fn fill_rows<P: Pixel>(
 /// Overwrites the pixels that an edge touches.
 #[inline(always)]
 fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
-    let Ok(normal) = <&[Quantile; SEGMENTS]>::try_from(job.normal) else { return };
     let columns = job.params.columns as usize;
     let group = columns.div_ceil(job.bands.start.len().max(1)).max(1);
     let last = (first + out.len() / columns) as i32;
@@ -272,7 +231,7 @@ fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
             let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
             for row in rows {
                 let at = At { row, column, key: job.row_keys[row as usize] };
-                let counts = edge_pixel(job, normal, at, side == 1);
+                let counts = edge_pixel(job, at, side == 1);
                 out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
             }
         }

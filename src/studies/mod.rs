@@ -5,3 +5,4 @@ pub mod factor;
 pub mod optimize;
 pub mod reproduce_003;
 pub mod reproduction;
+pub mod stability;

@@ -46,15 +46,15 @@ impl MeasuredEdge {
             .from_reader(from);
         let mut samples = Vec::new();
         for (i, record) in reader.records().enumerate() {
-            let record =
-                record.map_err(|e| refuse(e.to_string(), "must be text with two columns, d_um,intensity"))?;
+            let record = record
+                .map_err(|e| refuse(&e.to_string(), "must be text with two columns, d_um,intensity"))?;
             let line = record.position().map_or(i as u64 + 1, csv::Position::line);
             match sample(&record) {
                 Some(pair) => push(&mut samples, pair, line, monotone)?,
                 None if samples.is_empty() && is_header(&record) => {}
                 None => {
                     let found = format!("line {line}: '{}'", record.iter().collect::<Vec<_>>().join(","));
-                    return Err(refuse(found, "must be two finite numbers, d_um,intensity"));
+                    return Err(refuse(&found, "must be two finite numbers, d_um,intensity"));
                 }
             }
         }
@@ -64,7 +64,7 @@ impl MeasuredEdge {
     fn from_samples(samples: Vec<(f64, f64)>) -> Result<Self, RenderError> {
         if samples.len() < FEWEST {
             return Err(refuse(
-                format!("{} samples", samples.len()),
+                &format!("{} samples", samples.len()),
                 "must hold at least 8 samples of the edge",
             ));
         }
@@ -72,13 +72,13 @@ impl MeasuredEdge {
         if first.1.abs() > LEVEL_TOLERANCE || (last.1 - 1.0).abs() > LEVEL_TOLERANCE {
             let found = format!("intensity {} at the first sample and {} at the last", first.1, last.1);
             return Err(refuse(
-                found,
+                &found,
                 "must be normalised: 0 in the shadow (first) to 1 in the light (last), within 0.02",
             ));
         }
         if first.0 >= 0.0 || last.0 <= 0.0 {
             let found = format!("distances {} to {} µm", first.0, last.0);
-            return Err(refuse(found, "must lie on both sides of the geometric edge at d_um = 0"));
+            return Err(refuse(&found, "must lie on both sides of the geometric edge at d_um = 0"));
         }
         Ok(Self { samples })
     }
@@ -100,7 +100,7 @@ impl MeasuredEdge {
         if wanted > MOST_KNOTS {
             let found = format!("samples {closest} µm apart over {} µm", high - low);
             return Err(refuse(
-                found,
+                &found,
                 "needs too fine a table: leave out samples that lie too close together",
             ));
         }
@@ -124,8 +124,8 @@ impl MeasuredEdge {
     }
 }
 
-fn refuse(found: String, right: &str) -> RenderError {
-    RenderError::setting(KEY, &found, right)
+fn refuse(found: &str, right: &str) -> RenderError {
+    RenderError::setting(KEY, found, right)
 }
 
 fn sample(record: &csv::StringRecord) -> Option<(f64, f64)> {
@@ -149,12 +149,12 @@ fn push(
     if let Some(before) = samples.last() {
         if pair.0 <= before.0 {
             let found = format!("line {line}: d_um {} after {}", pair.0, before.0);
-            return Err(refuse(found, "distances must rise from line to line"));
+            return Err(refuse(&found, "distances must rise from line to line"));
         }
         if monotone && pair.1 < before.1 {
             let found = format!("line {line}: intensity {} after {}", pair.1, before.1);
             return Err(refuse(
-                found,
+                &found,
                 "must not fall on the way into the light; if the rings are real, set optics.esf.measured.monotone = false",
             ));
         }

@@ -12,14 +12,23 @@
 //! All are knife-edge results; for a thick, shiny cylinder each is an approximation (see [`GrazingReflection`]). The
 //! table holds the light at a point; [`EdgeSpread::over_pixel`] integrates it over a pixel's area.
 
+mod focus_stack;
 pub mod fresnel_integrals;
 mod gaussian;
+mod grazing;
+mod laser;
 mod measured;
+mod partial;
 pub mod quadrature;
 mod shifts;
 mod table;
+mod transmission;
 
+pub use focus_stack::FocusStack;
 pub use gaussian::GaussianBlur;
+pub use grazing::GrazingReflection;
+pub use laser::LaserShadow;
 pub use measured::MeasuredEdge;
+pub use partial::PartiallyCoherentEdge;
 pub use shifts::Shifts;
-pub use table::EdgeSpread;
+pub use table::{EdgeSpread, KernelTable};

@@ -81,6 +81,13 @@ impl Shifts {
         Self { nodes: self.nodes.iter().map(|(s, w)| (s - mean, *w)).collect() }
     }
 
+    /// The same distribution the other way round: an edge that moves up in the image moves into the light where it is an
+    /// upper one, into the shadow where it is a lower one.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self { nodes: self.nodes.iter().map(|(s, w)| (-s, *w)).collect() }
+    }
+
     /// Shifts (µm) and weights.
     pub fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.nodes.iter().copied()

@@ -271,6 +271,41 @@ impl EdgeSpread {
         Some(self.position_um(0.9)? - self.position_um(0.1)?)
     }
 
+    /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what a quadrature over the
+    /// pixel has to resolve. Equals σ for the Gaussian; about a sixth of the finest period for rings.
+    pub fn sharpness_um(&self) -> f64 {
+        let steepest = self.slopes.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
+        (steepest / third.fold(f64::MIN_POSITIVE, f64::max)).sqrt()
+    }
+
+    /// The table as a kernel reads it: cubics in f32 over equal segments of pixels, the same reach to both sides.
+    pub fn kernel_table(&self, pixel_um: f64) -> KernelTable {
+        let (low, high) = self.range_um();
+        let reach_um = high.max(-low);
+        let segments = (2.0 * reach_um / self.step_um).ceil().max(1.0);
+        let step = 2.0 * reach_um / segments;
+        let knot = |i: usize| {
+            let d = -reach_um + i as f64 * step;
+            // The last knot belongs to the light, whatever its rounding.
+            if i as f64 >= segments { (1.0, 0.0) } else { (self.value(d), self.slope(d)) }
+        };
+        let cubics: Vec<[f64; 4]> =
+            (0..segments as usize).map(|i| hermite(knot(i), knot(i + 1), step)).collect();
+        let middle = |(i, c): (usize, &[f64; 4])| {
+            let found = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
+            (found - self.value(-reach_um + (i as f64 + 0.5) * step)).abs()
+        };
+        let error = cubics.iter().enumerate().map(middle).fold(0.0, f64::max);
+        KernelTable {
+            segments: cubics.iter().map(|c| c.map(|v| v as f32)).collect(),
+            reach_px: reach_um / pixel_um,
+            per_px: pixel_um / step,
+            sharpness_px: self.sharpness_um() / pixel_um,
+            error: error + self.interpolation_error + f64::from(f32::EPSILON),
+        }
+    }
+
     fn place(&self, d_um: f64) -> Place {
         let at = (d_um - self.low_um) / self.step_um;
         let segments = self.values.len() - 1;
@@ -292,6 +327,21 @@ impl EdgeSpread {
     pub fn segments(&self) -> usize {
         self.values.len() - 1
     }
+}
+
+/// A table for a kernel: F(d) over d = -reach..=reach pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelTable {
+    /// Coefficients c0..c3 of every segment in its own fraction 0..1.
+    pub segments: Vec<[f32; 4]>,
+    /// Distance of the first knot (in the shadow) and the last (in the light) from the edge, px.
+    pub reach_px: f64,
+    /// Segments a pixel.
+    pub per_px: f64,
+    /// [`EdgeSpread::sharpness_um`] in pixels: scale for the quadrature over a pixel.
+    pub sharpness_px: f64,
+    /// Largest error against the family, share of full intensity, f32 included.
+    pub error: f64,
 }
 
 enum Place {

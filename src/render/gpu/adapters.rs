@@ -53,11 +53,11 @@ fn sorted(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// Seven storage buffers and compute shaders are what the kernels need.
+/// Six storage buffers and compute shaders are what the kernels need.
 fn can_compute(adapter: &wgpu::Adapter) -> bool {
     let flags = adapter.get_downlevel_capabilities().flags;
     flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
-        && adapter.limits().max_storage_buffers_per_shader_stage >= 7
+        && adapter.limits().max_storage_buffers_per_shader_stage >= 6
 }
 
 fn rank(kind: wgpu::DeviceType) -> u8 {

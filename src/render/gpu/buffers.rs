@@ -14,14 +14,14 @@ const MOST_NODES: u64 = 64;
 pub(super) struct Buffers {
     pub(super) group: wgpu::BindGroup,
     size: Size,
-    inputs: [wgpu::Buffer; 7],
+    inputs: [wgpu::Buffer; 6],
     image: wgpu::Buffer,
     readback: Option<wgpu::Buffer>,
 }
 
 /// Bytes of every binding.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Size([u64; 8]);
+struct Size([u64; 7]);
 
 impl Size {
     fn of(job: &Job<'_>) -> Self {
@@ -31,7 +31,6 @@ impl Size {
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
             bytes(job.row_keys.len(), 8),
-            bytes(job.normal.len(), 8),
             bytes(job.esf.segments.len(), 16),
             MOST_NODES * 16,
             u64::from(job.params.words) * u64::from(job.params.rows) * 4,
@@ -39,7 +38,7 @@ impl Size {
     }
 }
 
-/// The bind-group layout: a uniform, six read-only buffers, the image.
+/// The bind-group layout: a uniform, five read-only buffers, the image.
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
         binding,
@@ -47,7 +46,7 @@ pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         ty: wgpu::BindingType::Buffer {
             ty: match binding {
                 0 => wgpu::BufferBindingType::Uniform,
-                7 => wgpu::BufferBindingType::Storage { read_only: false },
+                6 => wgpu::BufferBindingType::Storage { read_only: false },
                 _ => wgpu::BufferBindingType::Storage { read_only: true },
             },
             has_dynamic_offset: false,
@@ -57,7 +56,7 @@ pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("shadowgraph"),
-        entries: &std::array::from_fn::<_, 8, _>(|i| entry(i as u32)),
+        entries: &std::array::from_fn::<_, 7, _>(|i| entry(i as u32)),
     })
 }
 
@@ -83,8 +82,8 @@ impl Buffers {
             buffer(size.0[i], usage | Use::COPY_DST)
         });
         let image_use = if mappable { Use::STORAGE | Use::MAP_READ } else { Use::STORAGE | Use::COPY_SRC };
-        let image = buffer(size.0[7], image_use);
-        let readback = (!mappable).then(|| buffer(size.0[7], Use::MAP_READ | Use::COPY_DST));
+        let image = buffer(size.0[6], image_use);
+        let readback = (!mappable).then(|| buffer(size.0[6], Use::MAP_READ | Use::COPY_DST));
         let entries: Vec<_> = inputs
             .iter()
             .chain([&image])
@@ -108,12 +107,11 @@ impl Buffers {
     }
 
     pub(super) fn upload(&self, queue: &wgpu::Queue, job: &Job<'_>) {
-        let parts: [&[u8]; 7] = [
+        let parts: [&[u8]; 6] = [
             bytemuck::bytes_of(&job.params),
             cast_slice(&job.columns),
             cast_slice(&job.bands.start),
             cast_slice(&job.row_keys),
-            cast_slice(job.normal),
             cast_slice(&job.esf.segments),
             cast_slice(&job.quadrature),
         ];
@@ -124,7 +122,7 @@ impl Buffers {
 
     pub(super) fn copy_out(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some(readback) = &self.readback {
-            encoder.copy_buffer_to_buffer(&self.image, 0, readback, 0, self.size.0[7]);
+            encoder.copy_buffer_to_buffer(&self.image, 0, readback, 0, self.size.0[6]);
         }
     }
 

@@ -1,0 +1,279 @@
+//! Maximum likelihood of one whole edge: levels and blur pooled, one shift per caliper.
+//!
+//! Pixel i of caliper s reads m = B(θ) + A(θ)·E(d_i − δ_s; σ), B and A each a constant with a first harmonic in θ (a tilt of
+//! the light). Weighted Gauss-Newton on all parameters at once: the shifts are eliminated caliper by caliper
+//! (Schur complement), which leaves seven equations. Weights are 1/variance, the variance estimated from the residuals in
+//! shadow, mid-edge and light. A clipped pixel counts only while the model stays below it.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::coarse::median;
+use super::edge_pixels::{Band, EdgePixel};
+use super::model::square_edge;
+
+/// B0, B1, B2, A0, A1, A2, σ.
+const POOLED: usize = 7;
+const SIGMA: usize = 6;
+type Vector = SVector<f64, POOLED>;
+type Matrix = SMatrix<f64, POOLED, POOLED>;
+
+/// One caliper's result.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Caliper {
+    /// Shift of the edge towards the light, px.
+    pub(super) shift: f64,
+    /// Its standard uncertainty from noise, levels and blur, px.
+    pub(super) u_shift: f64,
+    /// Σ(residual/σ_n)² over its pixels − 1.
+    pub(super) reduced_chi2: f64,
+    /// Whether it can be trusted.
+    pub(super) good: bool,
+}
+
+/// A fitted edge.
+#[derive(Clone, Debug)]
+pub(super) struct EdgeFit {
+    /// One a sector.
+    pub(super) calipers: Vec<Caliper>,
+    /// Blur, px.
+    pub(super) sigma: f64,
+    /// Mean levels of shadow and light, counts; the light's may lie above full scale, where it is clipped.
+    pub(super) levels: (f64, f64),
+    /// Standard uncertainty of the mean shift, pooled parameters free, px.
+    pub(super) u_mean: f64,
+}
+
+/// Noise variance over the share of light, linear between shadow, mid-edge and light.
+#[derive(Clone, Copy, Debug)]
+struct Variance([f64; 3]);
+
+impl Variance {
+    fn at(&self, light: f64) -> f64 {
+        let t = 2.0 * light.clamp(0.0, 1.0);
+        let k = usize::from(t >= 1.0);
+        self.0[k] + (self.0[k + 1] - self.0[k]) * (t - k as f64)
+    }
+}
+
+/// Sums of one caliper's equations.
+struct Sums {
+    normal: Matrix,
+    right: Vector,
+    cross: Vector,
+    own: f64,
+    own_right: f64,
+    chi2: f64,
+    pixels: f64,
+}
+
+struct State {
+    pooled: Vector,
+    shifts: Vec<f64>,
+    good: Vec<bool>,
+    variance: Variance,
+    least_variance: f64,
+}
+
+/// A pixel's model value, its derivatives (pooled, shift), and its share of light.
+fn model(pixel: &EdgePixel, p: &Vector, shift: f64) -> (f64, Vector, f64, f64) {
+    let e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
+    let dark = p[0] + p[1] * pixel.cos + p[2] * pixel.sin;
+    let contrast = p[3] + p[4] * pixel.cos + p[5] * pixel.sin;
+    let by_pooled = Vector::from([
+        1.0,
+        pixel.cos,
+        pixel.sin,
+        e.value,
+        e.value * pixel.cos,
+        e.value * pixel.sin,
+        contrast * e.by_sigma,
+    ]);
+    (dark + contrast * e.value, by_pooled, -contrast * e.by_distance, e.value)
+}
+
+impl State {
+    fn start(band: &Band, least_variance: f64) -> Option<Self> {
+        let all = || band.sectors.iter().flatten();
+        let reach = all().map(|p| p.distance).fold(0.0, f64::max);
+        let level = |over: &dyn Fn(&EdgePixel) -> bool| {
+            median(all().filter(|p| over(p)).map(|p| p.value).collect::<Vec<f64>>())
+        };
+        let dark = level(&|p| p.distance < -0.7 * reach);
+        let light = level(&|p| p.distance > 0.7 * reach);
+        if light.is_nan() || light - dark <= 0.0 {
+            return None;
+        }
+        Some(Self {
+            pooled: Vector::from([dark, 0.0, 0.0, light - dark, 0.0, 0.0, 1.0]),
+            shifts: vec![0.0; band.sectors.len()],
+            good: band.sectors.iter().map(|s| s.len() >= 6).collect(),
+            variance: Variance([1e-4 * (light - dark).powi(2) + least_variance; 3]),
+            least_variance,
+        })
+    }
+
+    fn sums(&self, pixels: &[EdgePixel], shift: f64) -> Sums {
+        let mut s = Sums {
+            normal: Matrix::zeros(),
+            right: Vector::zeros(),
+            cross: Vector::zeros(),
+            own: 0.0,
+            own_right: 0.0,
+            chi2: 0.0,
+            pixels: 0.0,
+        };
+        for pixel in pixels {
+            let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift);
+            if pixel.clipped && value >= pixel.value {
+                continue;
+            }
+            let weight = self.variance.at(light).recip();
+            let residual = pixel.value - value;
+            s.normal += by_pooled * by_pooled.transpose() * weight;
+            s.right += by_pooled * (weight * residual);
+            s.cross += by_pooled * (weight * by_shift);
+            s.own += weight * by_shift * by_shift;
+            s.own_right += weight * by_shift * residual;
+            s.chi2 += weight * residual * residual;
+            s.pixels += 1.0;
+        }
+        s
+    }
+
+    /// One Gauss-Newton step; the largest change in px, or `None` if the equations are singular.
+    fn step(&mut self, band: &Band) -> Option<f64> {
+        let sums: Vec<Sums> =
+            band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
+        let (mut normal, mut right) = (Matrix::zeros(), Vector::zeros());
+        for (s, _) in sums.iter().zip(&self.good).filter(|(s, good)| **good && s.own > 0.0) {
+            normal += s.normal - s.cross * s.cross.transpose() / s.own;
+            right += s.right - s.cross * (s.own_right / s.own);
+        }
+        let full = normal.cholesky()?.solve(&right);
+        // Far from the optimum a full step of the blur or the clipped light's level can overshoot.
+        let contrast = self.pooled[3];
+        let tame = |step: f64, limit: f64| (limit / step.abs().max(f64::MIN_POSITIVE)).min(1.0);
+        let scale = tame(full[SIGMA], 0.3 * self.pooled[SIGMA]).min(tame(full[3], 0.2 * contrast));
+        let change = full * scale;
+        self.pooled += change;
+        self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
+        let mut largest = change[SIGMA].abs().max(change[3].abs() / contrast);
+        for (k, s) in sums.iter().enumerate() {
+            if s.own > 0.0 {
+                let step = ((s.own_right - s.cross.dot(&change)) / s.own).clamp(-0.7, 0.7);
+                self.shifts[k] += step;
+                if self.good[k] {
+                    largest = largest.max(step.abs());
+                }
+            }
+        }
+        Some(largest)
+    }
+
+    /// Noise from the residuals of the good calipers, robustly.
+    fn estimate_variance(&mut self, band: &Band) {
+        let mut zones = [Vec::new(), Vec::new(), Vec::new()];
+        for ((pixels, shift), _) in band.sectors.iter().zip(&self.shifts).zip(&self.good).filter(|(_, g)| **g)
+        {
+            for pixel in pixels.iter().filter(|p| !p.clipped) {
+                let (value, _, _, light) = model(pixel, &self.pooled, *shift);
+                let zone = match light {
+                    l if l < 0.1 => 0,
+                    l if l > 0.9 => 2,
+                    l if (0.25..0.75).contains(&l) => 1,
+                    _ => continue,
+                };
+                zones[zone].push((pixel.value - value).abs());
+            }
+        }
+        let counts = zones.each_ref().map(Vec::len);
+        let spread = zones.map(|z| (1.4826 * median(z)).powi(2).max(self.least_variance));
+        let [dark, middle, light] = spread;
+        let dark = if counts[0] >= 100 { dark } else { middle };
+        let light = if counts[2] >= 100 { light } else { 2.0 * middle - dark };
+        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
+    }
+
+    /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
+    fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
+        let chi2: Vec<f64> = band
+            .sectors
+            .iter()
+            .zip(&self.shifts)
+            .map(|(pixels, shift)| {
+                let s = self.sums(pixels, *shift);
+                if s.pixels < 5.0 || s.own <= 0.0 { f64::INFINITY } else { s.chi2 / (s.pixels - 1.0) }
+            })
+            .collect();
+        let usual = median(chi2.iter().copied().filter(|c| c.is_finite()).collect()).max(1e-3);
+        let departure = departures(&self.shifts);
+        let scale = 1.4826 * median(departure.iter().map(|d| d.abs()).collect());
+        for k in 0..chi2.len() {
+            let level = usual * (1.0 + outlier_sigmas);
+            self.good[k] = chi2[k] <= level && departure[k].abs() <= outlier_sigmas * scale.max(1e-4);
+        }
+    }
+}
+
+/// Each shift less the median of its neighbourhood of a fortieth of the circle.
+fn departures(shifts: &[f64]) -> Vec<f64> {
+    let n = shifts.len();
+    let half = (n / 80).max(2);
+    (0..n)
+        .map(|k| shifts[k] - median((0..=2 * half).map(|j| shifts[(k + n + j - half) % n]).collect()))
+        .collect()
+}
+
+/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0. `Err` says what went wrong.
+pub(super) fn fit_edge(band: &Band, least_variance: f64, outlier_sigmas: f64) -> Result<EdgeFit, String> {
+    let mut state =
+        State::start(band, least_variance).ok_or("no light on its outer side, or no shadow on its inner")?;
+    let singular = "too few pixels, or all of them clipped";
+    let mut settled = f64::INFINITY;
+    for round in 0..4 {
+        for _ in 0..12 {
+            settled = state.step(band).ok_or(singular)?;
+            if settled < 1e-6 {
+                break;
+            }
+        }
+        state.estimate_variance(band);
+        if round < 3 {
+            state.judge(band, outlier_sigmas);
+        }
+    }
+    if settled > 1e-3 {
+        return Err(format!("the fit does not settle (last change {settled:.1e} px)"));
+    }
+    finish(&state, band).ok_or_else(|| singular.to_owned())
+}
+
+/// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
+fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
+    let sums: Vec<Sums> =
+        band.sectors.iter().zip(&state.shifts).map(|(p, shift)| state.sums(p, *shift)).collect();
+    let (mut normal, mut lever, mut own, mut count) = (Matrix::zeros(), Vector::zeros(), 0.0, 0.0);
+    for (s, _) in sums.iter().zip(&state.good).filter(|(_, good)| **good) {
+        normal += s.normal - s.cross * s.cross.transpose() / s.own;
+        lever += s.cross / s.own;
+        own += s.own.recip();
+        count += 1.0;
+    }
+    let covariance = normal.try_inverse()?;
+    let calipers = sums
+        .iter()
+        .zip(state.shifts.iter().zip(&state.good))
+        .map(|(s, (shift, good))| {
+            let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
+            Caliper {
+                shift: *shift,
+                u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
+                reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
+                good: *good,
+            }
+        })
+        .collect();
+    let u_mean = (own + lever.dot(&(covariance * lever))).sqrt() / count;
+    let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
+    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean })
+}

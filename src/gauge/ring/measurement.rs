@@ -1,0 +1,279 @@
+//! The measurement: coarse circles, fitted edges, circles and form, millimetres.
+
+use glam::DVec2;
+use std::f64::consts::TAU;
+
+use super::super::form::{
+    Circle, Cutoff, Reference, gaussian_closed, least_squares_circle, maximum_inscribed_circle,
+    minimum_circumscribed_circle, roundness,
+};
+use super::coarse::{self, Coarse};
+use super::edge_pixels::{BandOrder, collect};
+use super::fit::{EdgeFit, fit_edge};
+use super::{RingError, RingScale, RingSettings};
+use crate::frame::{FrameView, PixelFormat};
+
+/// One edge of a ring, in pixels unless named otherwise.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct EdgeCircle {
+    /// Centre: x the column, y the row, px.
+    pub centre_px: [f64; 2],
+    /// Least-squares diameter of the 50 % edge, curvature bias corrected, px.
+    pub diameter_px: f64,
+    /// Its standard uncertainty from noise, levels and blur, px.
+    pub u_diameter_px: f64,
+    /// Standard uncertainty of either coordinate of the centre, px.
+    pub u_centre_px: f64,
+    /// Roundness RONt about the least-squares circle after the Gaussian filter, px.
+    pub roundness_px: f64,
+    /// Diameter of the minimum circumscribed circle of the good calipers, px.
+    pub circumscribed_px: f64,
+    /// Diameter of the maximum inscribed circle of the good calipers, px.
+    pub inscribed_px: f64,
+    /// Blur of the edge, px.
+    pub sigma_px: f64,
+    /// Shadow and light, counts; the light's level is extrapolated where it is clipped.
+    pub levels: [f64; 2],
+    /// Median χ² per degree of freedom of the good calipers.
+    pub reduced_chi2: f64,
+    /// Calipers.
+    pub calipers: usize,
+    /// Calipers that dirt, burrs or a poor fit made useless; they are not in the circle.
+    pub refused: usize,
+    /// The same in millimetres, where a scale was given.
+    pub mm: Option<EdgeMillimetres>,
+}
+
+/// An edge in millimetres, edge offset applied.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct EdgeMillimetres {
+    /// Diameter, mm.
+    pub diameter_mm: f64,
+    /// Its standard uncertainty: random part, scale and edge offset together, mm.
+    pub u_diameter_mm: f64,
+    /// The part of it that all parts measured at this scale share, mm.
+    pub u_common_mm: f64,
+    /// Roundness, mm.
+    pub roundness_mm: f64,
+}
+
+/// Coaxiality of bore and outline.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Concentricity {
+    /// Diameter of the zone around the outline's centre that holds the bore's centre (ISO 1101): twice their distance, px.
+    pub px: f64,
+    /// Its standard uncertainty, px.
+    pub u_px: f64,
+    /// The same in mm, where a scale was given.
+    pub mm: Option<f64>,
+}
+
+/// A ring or disc seen end-on.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct RingMeasurement {
+    /// Outline.
+    pub outer: EdgeCircle,
+    /// Bore; `None` for a disc.
+    pub inner: Option<EdgeCircle>,
+    /// Of bore and outline; `None` for a disc.
+    pub concentricity: Option<Concentricity>,
+}
+
+/// Measures the largest ring or disc that lies wholly in the frame.
+///
+/// # Errors
+/// Settings out of range, no contrast, no round part, an edge that cannot be fitted.
+pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<RingMeasurement, RingError> {
+    settings.validate()?;
+    let Coarse { outer, inner } = coarse::find(view, settings)?;
+    let wall = inner.map_or(outer.radius, |bore| outer.radius - bore.radius);
+    let half = settings.half_band_px.min(0.45 * wall);
+    let measured = |circle, light_outside| Side { view, settings, light_outside, half }.measure(circle);
+    let outer = measured(outer, true)?;
+    let inner = inner.map(|bore| measured(bore, false)).transpose()?;
+    let concentricity = inner.as_ref().map(|inner| {
+        let distance = DVec2::from(outer.centre_px).distance(DVec2::from(inner.centre_px));
+        let px = 2.0 * distance;
+        let mm = settings.scale.map(|s| 1e-3 * s.um_per_px * px);
+        Concentricity { px, u_px: 2.0 * outer.u_centre_px.hypot(inner.u_centre_px), mm }
+    });
+    Ok(RingMeasurement { outer, inner, concentricity })
+}
+
+/// One edge to be measured.
+struct Side<'a> {
+    view: &'a FrameView<'a>,
+    settings: &'a RingSettings,
+    light_outside: bool,
+    half: f64,
+}
+
+impl Side<'_> {
+    fn error(&self, why: impl Into<String>) -> RingError {
+        RingError::Edge { edge: if self.light_outside { "outer" } else { "inner" }, why: why.into() }
+    }
+
+    fn measure(&self, coarse: Circle) -> Result<EdgeCircle, RingError> {
+        let mut calipers = self.settings.calipers;
+        while calipers > 64 && coarse.radius * TAU / (calipers as f64) < 2.0 {
+            calipers /= 2;
+        }
+        let least_variance = if self.view.format() == PixelFormat::F32 { 1e-6 } else { 1.0 / 12.0 };
+        let (mut circle, mut last) = (coarse, None);
+        for _ in 0..3 {
+            let order = BandOrder {
+                circle,
+                light_outside: self.light_outside,
+                half: self.half,
+                sectors: calipers,
+                bright_on_dark: self.settings.bright_on_dark,
+            };
+            let fit = fit_edge(&collect(self.view, &order), least_variance, self.settings.outlier_sigmas)
+                .map_err(|why| self.error(why))?;
+            let points = self.points(&circle, &fit, true);
+            if (points.len() as f64) < self.settings.min_fill * calipers as f64 {
+                let why = format!("only {} of {calipers} calipers are good", points.len());
+                return Err(self.error(why));
+            }
+            let ls = least_squares_circle(&points).map_err(|e| self.error(e.to_string()))?;
+            last = Some((circle, fit, points, ls.clone()));
+            let moved =
+                ls.fit.circle.centre.distance(circle.centre) + (ls.fit.circle.radius - circle.radius).abs();
+            circle = ls.fit.circle;
+            if moved < 1e-3 {
+                break;
+            }
+        }
+        let (followed, fit, points, ls) = last.ok_or_else(|| self.error("not measured"))?;
+        self.assemble(&followed, &fit, &points, ls.fit.circle)
+    }
+
+    /// Edge points of the calipers, px.
+    fn points(&self, circle: &Circle, fit: &EdgeFit, only_good: bool) -> Vec<DVec2> {
+        let outward = if self.light_outside { 1.0 } else { -1.0 };
+        let n = fit.calipers.len() as f64;
+        fit.calipers
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.good || !only_good)
+            .map(|(k, c)| {
+                let direction = DVec2::from_angle(TAU * (k as f64 + 0.5) / n);
+                circle.centre + direction * (circle.radius + outward * c.shift)
+            })
+            .collect()
+    }
+
+    fn assemble(
+        &self,
+        followed: &Circle,
+        fit: &EdgeFit,
+        points: &[DVec2],
+        circle: Circle,
+    ) -> Result<EdgeCircle, RingError> {
+        // The blurred edge of a disc stands nearer to its centre, whether the disc is the shadow or the bore's light.
+        let curvature = (fit.sigma * fit.sigma + 1.0 / 12.0) / (2.0 * circle.radius);
+        let form = |r: Result<_, crate::gauge::form::FormError>| r.map_err(|e| self.error(e.to_string()));
+        let around = form(minimum_circumscribed_circle(points))?.circle.diameter();
+        let within = form(maximum_inscribed_circle(points))?.circle.diameter();
+        let good: Vec<&super::fit::Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
+        let mean_square = good.iter().map(|c| c.u_shift * c.u_shift).sum::<f64>() / good.len() as f64;
+        let diameter_px = 2.0 * (circle.radius + curvature);
+        let u_diameter_px = 2.0 * fit.u_mean;
+        let roundness_px = self.roundness(followed, fit)?;
+        Ok(EdgeCircle {
+            centre_px: circle.centre.to_array(),
+            diameter_px,
+            u_diameter_px,
+            u_centre_px: (2.0 * mean_square / good.len() as f64).sqrt(),
+            roundness_px,
+            circumscribed_px: around + 2.0 * curvature,
+            inscribed_px: within + 2.0 * curvature,
+            sigma_px: fit.sigma,
+            levels: [fit.levels.0, fit.levels.1],
+            reduced_chi2: coarse::median(good.iter().map(|c| c.reduced_chi2).collect()),
+            calipers: fit.calipers.len(),
+            refused: fit.calipers.len() - good.len(),
+            mm: self.settings.scale.map(|s| self.millimetres(&s, diameter_px, u_diameter_px, roundness_px)),
+        })
+    }
+
+    fn millimetres(
+        &self,
+        scale: &RingScale,
+        diameter_px: f64,
+        u_px: f64,
+        roundness_px: f64,
+    ) -> EdgeMillimetres {
+        let mm = 1e-3 * scale.um_per_px;
+        let side = if self.light_outside { 2.0 } else { -2.0 };
+        let corrected = diameter_px + side * scale.edge_offset_px;
+        let u_common_mm = (corrected * 1e-3 * scale.u_um_per_px).hypot(2.0 * mm * scale.u_edge_offset_px);
+        EdgeMillimetres {
+            diameter_mm: mm * corrected,
+            u_diameter_mm: u_common_mm.hypot(mm * u_px),
+            u_common_mm,
+            roundness_mm: mm * roundness_px,
+        }
+    }
+
+    /// RONt of the filtered profile; refused calipers are bridged by a straight line between their neighbours.
+    fn roundness(&self, followed: &Circle, fit: &EdgeFit) -> Result<f64, RingError> {
+        let form = |e: crate::gauge::form::FormError| self.error(e.to_string());
+        let shifts: Vec<Option<f64>> = fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect();
+        let n = shifts.len();
+        let nearest = |k: usize, step: usize| {
+            (0..n).map(|j| (j, (k + j * step) % n)).find_map(|(j, at)| shifts[at].map(|s| (j as f64, s)))
+        };
+        let outward = if self.light_outside { 1.0 } else { -1.0 };
+        let profile: Vec<f64> = (0..n)
+            .map(|k| {
+                let ((ahead, after), (behind, before)) =
+                    (nearest(k, 1).unwrap_or_default(), nearest(k, n - 1).unwrap_or_default());
+                let shift = if ahead + behind > 0.0 {
+                    (before * ahead + after * behind) / (ahead + behind)
+                } else {
+                    after
+                };
+                followed.radius + outward * shift
+            })
+            .collect();
+        let cutoff = Cutoff::upr(self.settings.roundness_cutoff_upr).map_err(form)?;
+        let points: Vec<DVec2> = gaussian_closed(&profile, cutoff)
+            .iter()
+            .enumerate()
+            .map(|(k, r)| DVec2::from_angle(TAU * (k as f64 + 0.5) / n as f64) * *r)
+            .collect();
+        Ok(roundness(&points, Reference::LeastSquares).map_err(form)?.ron_t)
+    }
+}
+
+impl RingMeasurement {
+    /// Flat keys for machines: `outer_diameter_px`, `u_outer_diameter_mm`, `roundness_inner_px`, `concentricity_px`, …; what
+    /// was not measured is absent.
+    pub fn to_json(&self) -> serde_json::Value {
+        let mut map = serde_json::Map::new();
+        let mut put = |key: String, value: f64| map.insert(key, value.into());
+        for (name, edge) in [("outer", Some(&self.outer)), ("inner", self.inner.as_ref())] {
+            let Some(edge) = edge else { continue };
+            put(format!("{name}_diameter_px"), edge.diameter_px);
+            put(format!("u_{name}_diameter_px"), edge.u_diameter_px);
+            put(format!("roundness_{name}_px"), edge.roundness_px);
+            put(format!("{name}_centre_column_px"), edge.centre_px[0]);
+            put(format!("{name}_centre_row_px"), edge.centre_px[1]);
+            put(format!("{name}_calipers_refused"), edge.refused as f64);
+            if let Some(mm) = edge.mm {
+                put(format!("{name}_diameter_mm"), mm.diameter_mm);
+                put(format!("u_{name}_diameter_mm"), mm.u_diameter_mm);
+                put(format!("roundness_{name}_mm"), mm.roundness_mm);
+            }
+        }
+        if let Some(c) = self.concentricity {
+            put("concentricity_px".to_owned(), c.px);
+            put("u_concentricity_px".to_owned(), c.u_px);
+            if let Some(mm) = c.mm {
+                put("concentricity_mm".to_owned(), mm);
+            }
+        }
+        map.into()
+    }
+}
