@@ -363,7 +363,7 @@ fn measure_all(folder: &Path) -> Vec<Washer> {
             let (columns, rows) = (image.width() as usize, image.height() as usize);
             let buffer = Buffer::U8(image.as_raw().clone());
             let frame = Frame::new(buffer, PixelFormat::Mono8, rows, columns, FrameMeta::default()).unwrap();
-            let measurement = measure_ring(&frame.view(), &RingSettings::default()).unwrap();
+            let measurement = measure_ring(&frame.view(), &RingSettings { outlier_sigmas: std::env::var("OS").map_or(8.0, |v| v.parse().unwrap()), ..RingSettings::default() }).unwrap();
             let bore = measurement.inner.clone().unwrap();
             let circle = |centre: [f64; 2], d: f64| (DVec2::from(centre), 0.5 * d);
             let found = &measurement.outer;

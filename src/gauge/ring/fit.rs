@@ -14,6 +14,10 @@ use super::model::square_edge;
 /// B0, B1, B2, A0, A1, A2, σ.
 const POOLED: usize = 7;
 const SIGMA: usize = 6;
+/// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
+const HUBER: f64 = 3.0;
+/// A caliper's χ² beyond so many times the usual one is no edge's.
+const CHI2_GATE: f64 = 4.0;
 type Vector = SVector<f64, POOLED>;
 type Matrix = SMatrix<f64, POOLED, POOLED>;
 
@@ -129,15 +133,16 @@ impl State {
             if pixel.clipped && value >= pixel.value {
                 continue;
             }
-            let weight = self.variance.at(light).recip();
             let residual = pixel.value - value;
+            let variance = self.variance.at(light);
+            s.chi2 += residual * residual / variance;
+            s.pixels += 1.0;
+            let weight = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
             s.normal += by_pooled * by_pooled.transpose() * weight;
             s.right += by_pooled * (weight * residual);
             s.cross += by_pooled * (weight * by_shift);
             s.own += weight * by_shift * by_shift;
             s.own_right += weight * by_shift * residual;
-            s.chi2 += weight * residual * residual;
-            s.pixels += 1.0;
         }
         s
     }
@@ -214,7 +219,7 @@ impl State {
         let departure = departures(&self.shifts);
         // Along a slope most calipers are their own neighbourhood's median: the departures' scatter alone would be 0.
         let scale = (1.4826 * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
-        let level = usual(|j| j.0).max(1e-3) * (1.0 + outlier_sigmas);
+        let level = usual(|j| j.0).max(1e-3) * CHI2_GATE;
         for k in 0..judged.len() {
             let settled = self.steps[k].abs() < 1e-2;
             self.good[k] = settled && judged[k].0 <= level && departure[k].abs() <= outlier_sigmas * scale;
@@ -240,7 +245,7 @@ pub(super) fn fit_edge(band: &Band, least_variance: f64, outlier_sigmas: f64) ->
     for round in 0..4 {
         for _ in 0..12 {
             settled = state.step(band).ok_or(singular)?;
-            if settled < 1e-7 {
+            if settled < 1e-5 {
                 break;
             }
         }
