@@ -316,7 +316,9 @@ struct Washer {
     part: u32,
     machine_mm: Pair,
     machine_concentricity_mm: f64,
+    /// As a ball would feel it, since the machine does.
     ours_px: Pair,
+    optical_px: Pair,
     level_px: Pair,
     measurement: RingMeasurement,
 }
@@ -353,6 +355,8 @@ fn measure_all(folder: &Path) -> Vec<Washer> {
     let column = |name: &str| header.iter().position(|h| h == name).unwrap();
     let (part, outer, inner) = (column("part"), column("outer_diameter_mm"), column("inner_diameter_mm"));
     let concentricity = column("concentricity_mm");
+    // The machine touches the parts: a ball of 2 mm, the common tip, at 17.4 µm per px.
+    let settings = RingSettings { stylus_radius_px: Some(57.5), ..RingSettings::default() };
     reader
         .records()
         .map(|record| {
@@ -363,7 +367,7 @@ fn measure_all(folder: &Path) -> Vec<Washer> {
             let (columns, rows) = (image.width() as usize, image.height() as usize);
             let buffer = Buffer::U8(image.as_raw().clone());
             let frame = Frame::new(buffer, PixelFormat::Mono8, rows, columns, FrameMeta::default()).unwrap();
-            let measurement = measure_ring(&frame.view(), &RingSettings { outlier_sigmas: std::env::var("OS").map_or(8.0, |v| v.parse().unwrap()), ..RingSettings::default() }).unwrap();
+            let measurement = measure_ring(&frame.view(), &settings).unwrap();
             let bore = measurement.inner.clone().unwrap();
             let circle = |centre: [f64; 2], d: f64| (DVec2::from(centre), 0.5 * d);
             let found = &measurement.outer;
@@ -375,7 +379,8 @@ fn measure_all(folder: &Path) -> Vec<Washer> {
                 part: id,
                 machine_mm: [number(outer), number(inner)],
                 machine_concentricity_mm: number(concentricity),
-                ours_px: [found.diameter_px, bore.diameter_px],
+                optical_px: [found.diameter_px, bore.diameter_px],
+                ours_px: [found.stylus_diameter_px.unwrap(), bore.stylus_diameter_px.unwrap()],
                 level_px,
                 measurement,
             }
@@ -432,6 +437,7 @@ fn washers_agree_with_the_coordinate_measuring_machine_no_worse_than_a_level_cro
     };
     let parts = measure_all(&folder);
     let (ours, level) = (leave_one_out(&parts, |w| &w.ours_px), leave_one_out(&parts, |w| &w.level_px));
+    let optical = leave_one_out(&parts, |w| &w.optical_px);
     let (scale, offset) = scale_and_offset(parts.iter().map(|w| (&w.ours_px, &w.machine_mm)));
     println!("scale {:.4} um/px, offset {:+.4} px an edge", 1e3 * scale, offset / scale / 2.0);
     println!(
@@ -466,6 +472,8 @@ fn washers_agree_with_the_coordinate_measuring_machine_no_worse_than_a_level_cro
             "{name}: ours sd {:.2} robust {:.2}; level crossing sd {:.2} robust {:.2} um",
             a[0], a[1], b[0], b[1]
         );
+        let c = spreads(&column(&optical));
+        println!("{name}: ours without the stylus, burrs refused: sd {:.2} robust {:.2} um", c[0], c[1]);
         for (w, r) in parts.iter().zip(column(&ours)).filter(|(_, r)| r.abs() > 3.0 * a[1]) {
             println!("  outlier: part {} ({:04}.png), {name} {r:+.1} um", w.part, w.part);
         }

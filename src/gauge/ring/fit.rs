@@ -18,6 +18,10 @@ const SIGMA: usize = 6;
 const HUBER: f64 = 3.0;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
 const CHI2_GATE: f64 = 4.0;
+/// Error of the model taken with the noise where the light is clipped, as a share of the contrast. Its level is then
+/// extrapolated from the edge's own shape, and no lens's edge is Gaussian to better than about 2 %: without this the quiet
+/// shadow's foot alone would decide on level, blur and so position.
+const CLIPPED_MODEL: f64 = 0.02;
 type Vector = SVector<f64, POOLED>;
 type Matrix = SMatrix<f64, POOLED, POOLED>;
 
@@ -32,6 +36,8 @@ pub(super) struct Caliper {
     pub(super) reduced_chi2: f64,
     /// Whether it can be trusted.
     pub(super) good: bool,
+    /// Whether there is a shift at all: what is refused as a burr still has one.
+    pub(super) fitted: bool,
 }
 
 /// A fitted edge.
@@ -137,7 +143,8 @@ impl State {
             let variance = self.variance.at(light);
             s.chi2 += residual * residual / variance;
             s.pixels += 1.0;
-            let weight = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
+            let weight =
+                (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
             s.normal += by_pooled * by_pooled.transpose() * weight;
             s.right += by_pooled * (weight * residual);
             s.cross += by_pooled * (weight * by_shift);
@@ -196,8 +203,11 @@ impl State {
         let spread = zones.map(|z| (1.4826 * median(z)).powi(2).max(self.least_variance));
         let [dark, middle, light] = spread;
         let dark = if counts[0] >= 100 { dark } else { middle };
-        let light = if counts[2] >= 100 { light } else { 2.0 * middle - dark };
-        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
+        let clipped = band.sectors.iter().flatten().any(|p| p.clipped);
+        // Where the light is clipped the pixels left are the ones that read too low.
+        let light = if counts[2] >= 100 && !clipped { light } else { 2.0 * middle - dark };
+        let model = if clipped { (CLIPPED_MODEL * self.pooled[3]).powi(2) } else { 0.0 };
+        self.variance = Variance([dark + model, middle + model, light.max(0.5 * middle) + model]);
     }
 
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
@@ -276,13 +286,15 @@ fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
     let calipers = sums
         .iter()
         .zip(state.shifts.iter().zip(&state.good))
-        .map(|(s, (shift, good))| {
+        .zip(&state.steps)
+        .map(|((s, (shift, good)), step)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
             Caliper {
                 shift: *shift,
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
                 good: *good,
+                fitted: *good || s.own > 0.0 && step.abs() < 1e-2,
             }
         })
         .collect();
