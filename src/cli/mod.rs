@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+pub mod measure_ring;
 mod schema;
 
 use std::io::IsTerminal as _;
