@@ -64,9 +64,12 @@ pub struct SimulatedCell<'a> {
 
 /// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
 const MASTER_STREAM: u64 = 0x6d61_7374_6572;
-const PROCESS_STREAM: u64 = 0x7072_6f63_6573_73;
+const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
+/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a pass takes, and
+/// independent of whether an earlier pass was scanned by this process.
+const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
 impl<'a> SimulatedCell<'a> {
     /// A cell with the stock clamped and the true bench drawn from the job's seed.
@@ -103,12 +106,14 @@ impl TurningCell for SimulatedCell<'_> {
         let cut = self.process.cut(plan)?;
         self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
         self.frame_id = u64::from(plan.pass) * FRAMES_OF_A_PASS;
+        self.clock_ns = u64::from(plan.pass) * PASS_PERIOD_NS;
         Ok(())
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(self.bench.clone(), self.part.clone())?;
-        let stops = plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
+        let scene = Scene::new(&self.bench, self.part.clone())?;
+        let stops =
+            plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
         Ok(self.film(vec![scene], stops))
     }
 
@@ -117,7 +122,7 @@ impl TurningCell for SimulatedCell<'_> {
         let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48));
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
-            .map(|pose| Scene::new(self.bench.clone(), Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
+            .map(|pose| Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
             .collect();
         self.frame_id = (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
@@ -188,6 +193,7 @@ impl FrameSource for SimulatedFrames<'_> {
             angle_deg,
             noise: true,
             roi: None,
+            format: None,
             seed: self.seed,
         };
         let frame = self.renderer.render(scene, &request, self.spare.take()).map_err(|e| SourceError {

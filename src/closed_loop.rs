@@ -10,8 +10,8 @@ use crate::cell::{CellError, TurningCell};
 use crate::control::{self, ControlError, Controller};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::{
-    Calibration, CalibrationError, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate, MasterMeasurement,
-    StationAverager,
+    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
+    MasterMeasurement, StationAverager,
 };
 use crate::job::{Job, JobError};
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
@@ -120,7 +120,7 @@ pub struct ClosedLoop<'a> {
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
     calibration: Calibration,
-    controller: Box<dyn Controller>,
+    controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
     held: Option<HeldReason>,
     next_pass: u32,
@@ -139,7 +139,7 @@ impl<'a> ClosedLoop<'a> {
         job.check()?;
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
-        let controller = control::build(&job.control, stations)?;
+        let controller = control::build(&job.control, &job.part.station_z_mm())?;
         let gauge = Gauge::new(job.gauge.clone())?;
         let calibration = match calibration {
             Some(known) => known,
@@ -187,17 +187,18 @@ impl<'a> ClosedLoop<'a> {
         let plan = self.plan();
         self.cell.cut(&plan)?;
         let scan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, scan.frames(), &self.calibration);
+        let mut measured = Measured::new(self.job, scan.frames(), &self.calibration, self.gauge.stream());
         let mut source = self.cell.scan(&scan)?;
         while let Some(frame) = measured.wait(source.as_mut())? {
-            let spent = measured.take(&self.gauge, frame);
+            let spent = measured.take(frame);
             if let Some(frame) = spent {
                 source.recycle(frame);
             }
             progress(measured.frames, scan.frames());
         }
         drop(source);
-        let profile = measured.averager.finish(plan.pass);
+        let Measured { averager, readings, sample, refused, frames, waited, measured, .. } = measured;
+        let profile = averager.finish(plan.pass);
         let half = self.job.part.station_mm / 2.0;
         let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
         let decision = self.conclude(&plan, &profile);
@@ -205,17 +206,18 @@ impl<'a> ClosedLoop<'a> {
             truth_mm: self.cell.true_stations_mm(&intervals),
             plan,
             profile,
-            readings: measured.readings,
+            readings,
             decision,
-            sample: measured.sample,
-            frames: measured.frames,
-            refused: measured.refused,
-            render: measured.waited,
-            gauge: measured.measured,
+            sample,
+            frames,
+            refused,
+            render: waited,
+            gauge: measured,
         })
     }
 
-    fn plan(&self) -> PassPlan {
+    /// The next pass as it would be commanded now.
+    pub fn plan(&self) -> PassPlan {
         self.job.pass_plan(self.next_pass, self.offset.clone())
     }
 
@@ -258,12 +260,14 @@ fn calibrate(job: &Job, cell: &mut dyn TurningCell, gauge: &Gauge) -> Result<Cal
         };
         measurements.push(MasterMeasurement { certificate, frames: edges });
     }
-    Ok(Calibration::fit(&measurements)?)
+    Ok(Calibration::fit(&measurements)?.with_optics_id(&job.name))
 }
 
 /// What is gathered while a pass is scanned.
 struct Measured<'c> {
     calibration: &'c Calibration,
+    stream: EdgeStream,
+    edges: FrameEdges,
     averager: StationAverager,
     sample_frame: usize,
     readings: Vec<FrameReading>,
@@ -275,11 +279,13 @@ struct Measured<'c> {
 }
 
 impl<'c> Measured<'c> {
-    fn new(job: &Job, frames: usize, calibration: &'c Calibration) -> Self {
+    fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
         let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
         let angles = job.scan.angles.max(1);
         Self {
             calibration,
+            stream,
+            edges: FrameEdges::default(),
             averager,
             sample_frame: frames / angles / 2 * angles,
             readings: Vec::new(),
@@ -299,31 +305,35 @@ impl<'c> Measured<'c> {
     }
 
     /// Measures a frame and gives it back, unless it is the one kept as a sample.
-    fn take(&mut self, gauge: &Gauge, frame: Frame) -> Option<Frame> {
+    fn take(&mut self, frame: Frame) -> Option<Frame> {
         let start = Instant::now();
         let index = self.frames;
         self.frames += 1;
-        let mut kept = None;
-        match gauge.edges(&frame.view()) {
-            Ok(edges) => {
-                let columns = self.calibration.diameters(&edges);
-                self.averager.add(&frame.meta, &columns);
-                for (z_mm, reading) in columns.record(&frame.meta, RECORD_STEP_MM) {
-                    let meta = &frame.meta;
-                    let (frame_id, t_ns, angle_deg) = (meta.frame_id, meta.t_ns, meta.angle_deg);
-                    self.readings.push(FrameReading { frame_id, t_ns, angle_deg, z_mm, reading });
-                }
-                kept = (index == self.sample_frame).then_some(edges);
-            }
+        let measured = self.stream.measure(&frame.view(), &mut self.edges);
+        match &measured {
+            Ok(()) => self.add(&frame),
             Err(refused) => self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id)),
         }
         self.measured += start.elapsed();
-        match kept {
-            Some(edges) => {
-                self.sample = Some(Sample { frame, edges });
-                None
-            }
-            None => Some(frame),
+        if measured.is_ok() && index == self.sample_frame {
+            self.sample = Some(Sample { frame, edges: self.edges.clone() });
+            return None;
         }
+        Some(frame)
+    }
+
+    fn add(&mut self, frame: &Frame) {
+        let columns = self.calibration.diameters(&self.edges);
+        self.averager.add(&frame.meta, &columns);
+        let meta = &frame.meta;
+        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
+            FrameReading {
+                frame_id: meta.frame_id,
+                t_ns: meta.t_ns,
+                angle_deg: meta.angle_deg,
+                z_mm,
+                reading,
+            }
+        }));
     }
 }

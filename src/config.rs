@@ -75,9 +75,17 @@ pub fn load(path: &Path) -> Result<Job, ConfigError> {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
-    let job: Job = toml::from_str(text).map_err(|e| parse_error(text, file, &e))?;
+    let job: Job = parse_as(text, file)?;
     job.check().map_err(|e| value_error(text, file, e))?;
     Ok(job)
+}
+
+/// Reads the text of another kind of config (a study's) without checking its values; `file` names it in errors.
+///
+/// # Errors
+/// Text that is no TOML, an unknown key, a wrong type.
+pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Result<T, ConfigError> {
+    toml::from_str(text).map_err(|e| parse_error(text, file, &e))
 }
 
 /// Turns a check that failed later (an override on the command line, the coverage of a scan) into a config error.

@@ -23,8 +23,8 @@ pub mod process;
 pub mod render;
 pub mod source;
 // -- 2 composition: where stages meet
-//pub mod cell;
-//pub mod closed_loop;
+pub mod cell;
+pub mod closed_loop;
 pub mod job;
 pub mod studies;
 pub mod truth;

@@ -22,7 +22,7 @@ nominal_mm = 11.0
 upper_mm = 0.01
 lower_mm = -0.01
 [scan]
-fields = 4
+fields = 5
 angles = 4
 [masters]
 frames_each = 2
@@ -61,7 +61,7 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
     let cases: [(&str, String, i32, &[&str]); 9] = [
         ("unknown key", SMALL.replace("length_mm", "lenght_mm"), 2, &["lenght_mm", "length_mm"]),
         ("wrong unit", SMALL.replace("length_mm = 60.0", "length_cm = 6.0"), 2, &["length_cm", "length_mm"]),
-        ("wrong type", SMALL.replace("length_mm = 60.0", "length_mm = \"60 mm\""), 2, &["60 mm", "float"]),
+        ("wrong type", SMALL.replace("length_mm = 60.0", "length_mm = \"60 mm\""), 2, &["60 mm", "f64"]),
         (
             "shaft larger than the field",
             SMALL.replace("= 12.0", "= 120.0"),
@@ -75,7 +75,7 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
             2,
             &["part.nominal_diameter_mm[1]"],
         ),
-        ("too few fields", SMALL.replace("fields = 4", "fields = 3"), 2, &["scan.fields", "at least 4"]),
+        ("too few fields", SMALL.replace("fields = 5", "fields = 3"), 2, &["scan.fields", "at least 5"]),
         (
             "one master",
             SMALL.replace("[[masters.pins]]\ndiameter_mm = 12.5\nexpanded_u_mm = 0.0001", ""),

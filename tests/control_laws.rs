@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
 
+#[allow(dead_code, reason = "each test uses its part of the shared plant")]
 #[path = "support/plant.rs"]
 mod plant;
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::control::stability::{
-    Plant, Polynomial, Transfer, ewma_transfer, judge, pid_transfer, stable_gains,
+    Plant, Polynomial, Transfer, integral_transfer, judge, pid_transfer, stable_gains,
 };
 use shadowgauge::control::{OffsetForm, PidSettings};
 
@@ -42,7 +42,7 @@ fn limits_of_the_papers_gains() {
 fn run_to_run_limits_with_delay() {
     for (delay, limit) in [(0, 2.0), (1, 1.0), (2, 0.618)] {
         let weight = 1.0;
-        let found = only_range(&ewma_transfer(weight).delayed(delay), Plant::Constant).1;
+        let found = only_range(&integral_transfer(weight).delayed(delay), Plant::Constant).1;
         let closed = 2.0 * (std::f64::consts::PI / (2.0 * (2.0 * delay as f64 + 1.0))).sin();
         assert!(
             (found - limit).abs() < 1e-3 && (found - closed).abs() < 1e-6,

@@ -3,8 +3,24 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+mod demo;
+mod doctor;
+mod frame_files;
+mod measure;
 pub mod measure_ring;
+mod nc;
+mod optimize;
+mod record;
+mod render;
+mod reproduce;
+mod reproduce_003;
+mod run;
 mod schema;
+mod study;
+mod study_deflection;
+mod study_factor;
+mod study_files;
+mod study_stability;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -66,13 +82,42 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// The main job with the built-in preset: cut, render, measure, correct, cut again.
+    Demo(demo::DemoArgs),
+    /// Run a config's job: pass after pass into a run folder, with a report.
+    Run(run::RunArgs),
+    /// Render shadowgraph frames of a config's shaft with their truth.
+    Render(render::RenderArgs),
+    /// Show adapters, drivers, what `auto` would choose and what is missing.
+    Doctor(doctor::DoctorArgs),
+    /// Measure edges and diameters of frames in files.
+    Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
     Schema,
+    /// Choose cutting data: the shortest time under limits of size error and roughness.
+    Optimize(optimize::OptimizeArgs),
+    /// A paper's figures beside ours.
+    #[command(subcommand)]
+    Reproduce(reproduce::Paper),
+    /// Write the offsets of a run as an NC program.
+    Nc(nc::NcArgs),
+    /// Measurements over the stages.
+    #[command(subcommand)]
+    Study(study::Study),
 }
 
 fn dispatch(command: &Command) -> CommandResult {
     match command {
+        Command::Demo(args) => demo::run(args),
+        Command::Run(args) => run::run(args),
+        Command::Render(args) => render::run(args),
+        Command::Doctor(args) => doctor::run(args),
+        Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
+        Command::Optimize(args) => optimize::run(args),
+        Command::Reproduce(paper) => reproduce::run(paper),
+        Command::Nc(args) => nc::run(args),
+        Command::Study(study) => study::run(study),
     }
 }
 

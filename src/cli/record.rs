@@ -111,8 +111,11 @@ impl<'a> Recorder<'a> {
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
         self.passes.push(pass_row(result, truth));
-        let truth_rows: Vec<TruthRow> =
-            self.stations.iter().map(|s| TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm }).collect();
+        let truth_rows: Vec<TruthRow> = self
+            .stations
+            .iter()
+            .map(|s| TruthRow { pass: s.pass, z_mm: s.z_mm, d_mm: s.true_d_mm })
+            .collect();
         let folder = self.folder;
         folder
             .write_stations(&self.stations)
@@ -215,8 +218,13 @@ fn diameter_rows(result: &PassResult) -> impl Iterator<Item = DiameterRow> + '_ 
 
 fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
     let nominal_mm = result.plan.nominal_mm;
-    let measured: Vec<(crate::profile::Diameter, f64)> =
-        result.profile.stations.iter().zip(truth).filter_map(|(s, &t)| Some((s.reading.value()?, t))).collect();
+    let measured: Vec<(crate::profile::Diameter, f64)> = result
+        .profile
+        .stations
+        .iter()
+        .zip(truth)
+        .filter_map(|(s, &t)| Some((s.reading.value()?, t)))
+        .collect();
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let rms = |values: &mut dyn Iterator<Item = f64>| {
         let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v * v, n + 1));
@@ -244,7 +252,9 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
 /// A bar on a terminal, nothing elsewhere.
 fn progress_bar(what: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len} frames, {per_sec}, {eta} left") {
+    if let Ok(style) =
+        ProgressStyle::with_template("{msg} {bar:32} {pos}/{len} frames, {per_sec}, {eta} left")
+    {
         bar.set_style(style);
     }
     bar.set_message(what.to_owned());

@@ -90,7 +90,9 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     let renderer = Renderer::new(backend).map_err(Failure::fail)?;
     tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");
     if renderer.backend_name() == "cpu" && backend == BackendChoice::Auto {
-        eprintln!("no Vulkan or GL adapter: frames are rendered on the CPU (`shadowgauge doctor` says what is missing)");
+        eprintln!(
+            "no Vulkan or GL adapter: frames are rendered on the CPU (`shadowgauge doctor` says what is missing)"
+        );
     }
     let start = Instant::now();
     let main = Recorder::new(job, &folder, &renderer)?.run("")?;
@@ -194,7 +196,8 @@ impl Finished {
         json
     }
 
-    fn to_table(&self) -> String {
+    /// The passes as a table for a terminal.
+    pub fn to_table(&self) -> String {
         let um = |mm: f64| format!("{:.2}", mm * 1e3);
         let mut text = format!(
             "{}: controller {}, {} ({})\n\n pass  nominal/mm  max |e|/µm  true max |e|/µm  measured-true/µm  rms(error/u)  none: true max |e|/µm\n",
@@ -204,7 +207,11 @@ impl Finished {
             self.adapter
         );
         for (i, p) in self.passes.iter().enumerate() {
-            let beside = self.reference.as_ref().and_then(|r| r.get(i)).map_or("-".to_owned(), |r| um(r.true_max_abs_error_mm));
+            let beside = self
+                .reference
+                .as_ref()
+                .and_then(|r| r.get(i))
+                .map_or("-".to_owned(), |r| um(r.true_max_abs_error_mm));
             text += &format!(
                 " {:>4}  {:>10.4}  {:>10}  {:>15}  {:>16}  {:>12.2}  {beside:>21}\n",
                 p.pass,

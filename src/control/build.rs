@@ -1,9 +1,16 @@
 //! From settings to a controller, and what its loop is worth.
 
-use super::compensator::Compensator;
-use super::law::{LsqLaw, Nothing, PidLaw};
-use super::stability::{Plant, StabilityReport, Transfer, ewma_transfer, judge, pid_transfer};
+use super::compensator::{Compensator, Off};
+use super::law::{DoubleEwmaLaw, EwmaLaw, IlcLaw, Law, LsqLaw, ModelLaw, PidLaw, nominal_gain};
+use super::stability::{
+    Plant, StabilityReport, Transfer, double_ewma_transfer, integral_transfer, judge, model_transfer,
+    pid_transfer,
+};
 use super::{ControlError, ControlSettings, Controller, ControllerName, OffsetForm, Spatial};
+use crate::plan::CuttingData;
+
+/// Cutting data and depth at which the model's own plant gain is stated: paper 003, section 3.3.
+const REFERENCE_CUT: (f64, CuttingData) = (0.25, CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 });
 
 /// Builds the controller named in the settings for these stations (middles, mm, ascending).
 ///
@@ -15,17 +22,22 @@ pub fn build(
     station_z_mm: &[f64],
 ) -> Result<Box<dyn Controller + Send>, ControlError> {
     settings.validate()?;
-    check_order(station_z_mm)?;
+    check_stations(station_z_mm)?;
     refuse_unstable(settings)?;
+    let z = station_z_mm;
     Ok(match settings.controller {
-        ControllerName::None => Box::new(Compensator::new(settings, Nothing)),
-        ControllerName::Pid => {
-            Box::new(Compensator::new(settings, PidLaw::new(&settings.pid, station_z_mm)?))
-        }
-        ControllerName::Lsq => {
-            Box::new(Compensator::new(settings, LsqLaw::new(&settings.lsq, station_z_mm)?))
-        }
+        ControllerName::None => Box::new(Off),
+        ControllerName::Pid => guarded(settings, PidLaw::new(&settings.pid, z)?),
+        ControllerName::Lsq => guarded(settings, LsqLaw::new(&settings.lsq, z)?),
+        ControllerName::Ewma => guarded(settings, EwmaLaw::new(&settings.ewma, z.len())),
+        ControllerName::Dewma => guarded(settings, DoubleEwmaLaw::new(&settings.dewma, z.len())),
+        ControllerName::Ilc => guarded(settings, IlcLaw::new(&settings.ilc, z)),
+        ControllerName::Model => guarded(settings, ModelLaw::new(&settings.model, z)),
     })
+}
+
+fn guarded<L: Law + Send + 'static>(settings: &ControlSettings, law: L) -> Box<dyn Controller + Send> {
+    Box::new(Compensator::new(settings, law))
 }
 
 /// Judges the loop of the controller named, with `plant` at `plant_gain`; `None` for a controller without feedback.
@@ -35,31 +47,48 @@ pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityRepor
 }
 
 /// The controller's transfer function per station or shape; `None` without feedback.
+///
+/// Iterative learning is judged where its filter lets everything pass (Q = 1, the least stable case), the model-based
+/// controller where it follows every surprise at once (its filter gain 1).
 pub fn transfer(settings: &ControlSettings) -> Option<Transfer> {
-    match settings.controller {
+    let s = settings;
+    match s.controller {
         ControllerName::None => None,
-        ControllerName::Pid => Some(pid_transfer(&settings.pid)),
-        ControllerName::Lsq => Some(ewma_transfer(settings.lsq.gain)),
+        ControllerName::Pid => Some(pid_transfer(&s.pid)),
+        ControllerName::Lsq => Some(integral_transfer(s.lsq.gain)),
+        ControllerName::Ewma => Some(integral_transfer(s.ewma.weight / s.ewma.gain_estimate)),
+        ControllerName::Dewma => Some(double_ewma_transfer(&s.dewma)),
+        ControllerName::Ilc => Some(integral_transfer(s.ilc.learning_gain)),
+        ControllerName::Model => {
+            Some(model_transfer(nominal_gain(&s.model, REFERENCE_CUT.0, &REFERENCE_CUT.1), 1.0))
+        }
     }
 }
 
 /// Controller and form in words.
 pub fn describe(settings: &ControlSettings) -> String {
-    match settings.controller {
+    let s = settings;
+    match s.controller {
         ControllerName::None => "none".into(),
         ControllerName::Pid => {
-            let form = match settings.pid.form {
+            let form = match s.pid.form {
                 OffsetForm::Absolute => "absolute",
                 OffsetForm::Accumulated => "accumulated",
             };
-            let spatial = match settings.pid.spatial {
+            let spatial = match s.pid.spatial {
                 Spatial::Station => "per station".to_owned(),
                 Spatial::Modal(shapes) => format!("modal, {}", shapes.describe()),
             };
-            let s = &settings.pid;
-            format!("pid ({form}, {spatial}, Kp {} Ki {} Kd {})", s.kp, s.ki, s.kd)
+            format!("pid ({form}, {spatial}, Kp {} Ki {} Kd {})", s.pid.kp, s.pid.ki, s.pid.kd)
         }
-        ControllerName::Lsq => format!("lsq ({})", settings.lsq.shapes.describe()),
+        ControllerName::Lsq => format!("lsq ({}, gain {})", s.lsq.shapes.describe(), s.lsq.gain),
+        ControllerName::Ewma => format!("ewma (λ {}, b̂ {})", s.ewma.weight, s.ewma.gain_estimate),
+        ControllerName::Dewma => format!(
+            "dewma (λ₁ {}, λ₂ {}, b̂ {})",
+            s.dewma.level_weight, s.dewma.trend_weight, s.dewma.gain_estimate
+        ),
+        ControllerName::Ilc => format!("ilc (L {}, Q {} mm)", s.ilc.learning_gain, s.ilc.q_cutoff_mm),
+        ControllerName::Model => "model".into(),
     }
 }
 
@@ -88,7 +117,10 @@ fn refuse_unstable(settings: &ControlSettings) -> Result<(), ControlError> {
     })
 }
 
-fn check_order(station_z_mm: &[f64]) -> Result<(), ControlError> {
+fn check_stations(station_z_mm: &[f64]) -> Result<(), ControlError> {
+    if station_z_mm.is_empty() {
+        return Err(ControlError::TooFewStations { stations: 0, shapes: 1 });
+    }
     let ascends = |i: usize| i == 0 || station_z_mm[i] > station_z_mm[i - 1];
     match (0..station_z_mm.len()).find(|&i| !(ascends(i) && station_z_mm[i].is_finite())) {
         Some(index) => Err(ControlError::StationOrder { index, z_mm: station_z_mm[index] }),

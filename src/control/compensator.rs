@@ -3,61 +3,191 @@
 //! What a law learns from a pass is kept only if its proposal is released: after a refusal it is as if the pass had
 //! not been measured.
 
-use super::law::{Law, Seen};
-use super::{ControlSettings, Controller, ControllerName, GapSettings, GuardSettings, guards, readings};
+use super::context::{PartStart, PassContext};
+use super::guards::{self, Guarded, Memory, Refusal};
+use super::law::{Feedforward, Law, Seen};
+use super::parts::PartLoop;
+use super::readings::{self, Errors};
+use super::{ControlSettings, Controller};
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 
+/// Offsets and the law that has learnt, or the refusal.
+type Considered<L> = Result<(Vec<f64>, L), Refusal>;
+
 /// A guarded controller.
 pub(crate) struct Compensator<L> {
-    name: ControllerName,
+    settings: ControlSettings,
     law: L,
-    gaps: GapSettings,
-    guards: GuardSettings,
+    parts: PartLoop,
+    history: Vec<Memory>,
+    used_scan: Option<u64>,
     notes: Vec<String>,
+    alarm: Option<String>,
 }
 
 impl<L: Law> Compensator<L> {
     pub(crate) fn new(settings: &ControlSettings, law: L) -> Self {
         Self {
-            name: settings.controller,
+            settings: settings.clone(),
             law,
-            gaps: settings.gaps.clone(),
-            guards: settings.guards.clone(),
+            parts: PartLoop::new(&settings.parts),
+            history: Vec::new(),
+            used_scan: None,
             notes: Vec::new(),
+            alarm: None,
         }
     }
 
-    fn release(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Result<DiameterOffset, HeldReason> {
-        let errors = readings::errors(plan, measured, &self.gaps)?;
+    fn release(
+        &mut self,
+        plan: &PassPlan,
+        measured: &DiameterProfile,
+        context: &PassContext<'_>,
+    ) -> Result<DiameterOffset, Refusal> {
+        guards::check_origin(&self.settings.guards, plan, measured, context, self.used_scan)?;
+        self.used_scan = context.origin.map(|o| o.scan).or(self.used_scan);
+        let errors = readings::errors(plan, measured, &self.settings.gaps)?;
         if !errors.interpolated.is_empty() {
             let at: Vec<String> =
                 errors.interpolated.iter().map(|&i| format!("{}", plan.station_z_mm[i])).collect();
             self.notes.push(format!("interpolated between neighbours at z = {} mm", at.join(", ")));
         }
-        guards::check_measured(&self.guards, plan, &errors)?;
-        let mut law = self.law.clone();
-        let proposed = law.propose(&Seen { errors: &errors, offset_mm: &plan.offset.o_mm });
-        guards::check_proposed(&self.guards, plan, &proposed)?;
+        let (outcome, alarm) = self.consider(plan, &errors, context);
+        self.alarm = alarm;
+        self.history.push(Memory { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
+        let (o_mm, law) = outcome?;
         self.law = law;
-        Ok(DiameterOffset { o_mm: proposed })
+        Ok(DiameterOffset { o_mm })
+    }
+
+    /// Offsets and the law that has learnt, or the refusal; and why the offsets in force may not be cut with again.
+    fn consider(
+        &mut self,
+        plan: &PassPlan,
+        errors: &Errors,
+        context: &PassContext<'_>,
+    ) -> (Considered<L>, Option<String>) {
+        let Self { settings, parts, notes, history, .. } = self;
+        let guarded = Guarded {
+            limits: &settings.guards,
+            plan,
+            context,
+            errors,
+            history,
+            plant_gain: settings.plant_gain,
+        };
+        let mut law = self.law.clone();
+        let outcome = guards::check_measured(&guarded).and_then(|()| {
+            parts.record(plan.pass, &plan.offset.o_mm, &errors.e_mm, settings.plant_gain);
+            let proposal = law.propose(&Seen { plan, errors, next: context.next });
+            notes.extend(proposal.notes);
+            let mut offsets = proposal.o_mm;
+            add_earlier_parts(parts, plan.pass, law.feedforward(), &mut offsets);
+            leave_deadband(settings.guards.deadband_mm, &plan.offset.o_mm, &mut offsets);
+            guards::check_proposed(&guarded, &offsets).map(|()| offsets)
+        });
+        let alarm = outcome.as_ref().err().and_then(|_| guards::held_undersize(&guarded));
+        (outcome.map(|o_mm| (o_mm, law)), alarm)
+    }
+
+    /// No further pass is safe where a refusal says so, where the held offsets are predicted to undercut, or where the
+    /// finishing pass would go unchecked.
+    fn raise_alarm(&mut self, refusal: &Refusal, context: &PassContext<'_>) {
+        if refusal.stop || context.next.is_some_and(|n| n.finishing) {
+            self.alarm.get_or_insert_with(|| refusal.reason.to_string());
+        }
+    }
+}
+
+fn add_earlier_parts(parts: &PartLoop, pass: u32, how: Feedforward, proposed: &mut [f64]) {
+    let Some(next) = parts.forecast(pass + 1) else {
+        return;
+    };
+    let this = parts.forecast(pass);
+    for (i, o) in proposed.iter_mut().enumerate() {
+        *o += match how {
+            Feedforward::Nothing => 0.0,
+            Feedforward::Whole => next[i],
+            Feedforward::Difference => next[i] - this.map_or(0.0, |f| f[i]),
+        };
+    }
+}
+
+fn leave_deadband(band_mm: f64, in_force: &[f64], proposed: &mut [f64]) {
+    for (new, old) in proposed.iter_mut().zip(in_force) {
+        if (*new - old).abs() < band_mm {
+            *new = *old;
+        }
     }
 }
 
 impl<L: Law> Controller for Compensator<L> {
     fn name(&self) -> &str {
-        self.name.as_str()
+        self.settings.controller.as_str()
     }
 
-    fn decide(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Decision {
+    fn begin_part(&mut self, start: &PartStart<'_>, stations: usize) -> DiameterOffset {
+        self.history.clear();
+        self.alarm = None;
         self.notes.clear();
-        match self.release(plan, measured) {
+        self.parts.begin(start.event);
+        let stock = start.stock.and_then(|s| {
+            let diameters: Vec<f64> =
+                s.stations.iter().filter_map(|s| s.reading.value()).map(|d| d.d_mm).collect();
+            (diameters.len() == stations).then_some(diameters)
+        });
+        self.law.begin(stock);
+        match self.parts.forecast(1).filter(|f| f.len() == stations) {
+            Some(forecast) => DiameterOffset { o_mm: forecast.to_vec() },
+            None => DiameterOffset::zero(stations),
+        }
+    }
+
+    fn decide_in(
+        &mut self,
+        plan: &PassPlan,
+        measured: &DiameterProfile,
+        context: &PassContext<'_>,
+    ) -> Decision {
+        self.notes.clear();
+        self.alarm = None;
+        match self.release(plan, measured, context) {
             Ok(offset) => Decision::Offset(offset),
-            Err(reason) => Decision::Held(reason),
+            Err(refusal) => {
+                self.raise_alarm(&refusal, context);
+                Decision::Held(refusal.reason)
+            }
         }
     }
 
     fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    fn alarm(&self) -> Option<&str> {
+        self.alarm.as_deref()
+    }
+}
+
+/// Never measures, never corrects: the offsets of a controller that is switched off stay as they are.
+pub(crate) struct Off;
+
+impl Controller for Off {
+    fn name(&self) -> &str {
+        super::ControllerName::None.as_str()
+    }
+
+    fn decide_in(
+        &mut self,
+        plan: &PassPlan,
+        _measured: &DiameterProfile,
+        _context: &PassContext<'_>,
+    ) -> Decision {
+        if plan.offset.o_mm.len() == plan.station_z_mm.len() {
+            Decision::Offset(plan.offset.clone())
+        } else {
+            Decision::Held(HeldReason::Guard("the plan's offsets are not its stations'".into()))
+        }
     }
 }

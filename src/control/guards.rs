@@ -1,27 +1,119 @@
-//! What an offset must pass before it is released. A refusal says which limit, where, and what was seen.
+//! What an offset must pass before it is released. A refusal names the guard, its limit, the place and what was seen.
 
 use super::GuardSettings;
+use super::context::{NextPass, PassContext};
 use super::readings::Errors;
 use crate::plan::{HeldReason, PassPlan};
+use crate::profile::DiameterProfile;
 
-/// Guards on what was measured, before any law sees it.
+/// Median absolute deviation to standard deviation of a normal distribution: 1/Φ⁻¹(3/4).
+const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+/// Variance of a second difference of independent readings: 1 + 4 + 1.
+const SECOND_DIFFERENCE: f64 = 6.0;
+/// An outlier lies this many scatters from its neighbours, besides the limit in mm: about one in 10⁶ by chance.
+const OUTLIER_SCATTERS: f64 = 5.0;
+
+/// What a pass left behind for the guards of the next.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Memory {
+    pub pass: u32,
+    pub e_mm: Vec<f64>,
+    pub o_mm: Vec<f64>,
+}
+
+/// A refusal, and whether the cell must stop for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub reason: HeldReason,
+    /// What was measured contradicts what was commanded: no further pass is safe until someone has looked.
+    pub stop: bool,
+}
+
+impl From<HeldReason> for Refusal {
+    fn from(reason: HeldReason) -> Self {
+        Self { reason, stop: false }
+    }
+}
+
+fn guard(text: String) -> Refusal {
+    Refusal { reason: HeldReason::Guard(text), stop: false }
+}
+
+/// Everything the guards look at.
+pub(crate) struct Guarded<'a> {
+    pub limits: &'a GuardSettings,
+    pub plan: &'a PassPlan,
+    pub context: &'a PassContext<'a>,
+    pub errors: &'a Errors,
+    /// Passes of this part that were measured and belonged here, oldest first.
+    pub history: &'a [Memory],
+    pub plant_gain: f64,
+}
+
+/// Does the measurement belong here: part, tool, pass, age, used once, master?
 ///
 /// # Errors
 /// The reason to hold.
-pub(crate) fn check_measured(
+pub(crate) fn check_origin(
     limits: &GuardSettings,
     plan: &PassPlan,
-    errors: &Errors,
-) -> Result<(), HeldReason> {
-    let z = &plan.station_z_mm;
-    if let Some((i, e)) = first_above(&errors.e_mm, limits.plausible_error_mm) {
-        return Err(HeldReason::Guard(format!(
+    measured: &DiameterProfile,
+    context: &PassContext<'_>,
+    used: Option<u64>,
+) -> Result<(), Refusal> {
+    if measured.pass != plan.pass {
+        return Err(guard(format!("pass: pass {} was measured, pass {} was cut", measured.pass, plan.pass)));
+    }
+    let Some(origin) = context.origin else {
+        return Ok(());
+    };
+    if let Some(here) = context.in_machine {
+        if origin.of.part != here.part {
+            let text = format!("part: {:?} was measured, {:?} is in the machine", origin.of.part, here.part);
+            return Err(guard(text));
+        }
+        if origin.of.tool != here.tool {
+            let text = format!("tool: measured after {:?}, {:?} cuts next", origin.of.tool, here.tool);
+            return Err(guard(text));
+        }
+    }
+    if used.is_some_and(|last| origin.scan <= last) {
+        return Err(guard(format!("used once: scan {} was used before", origin.scan)));
+    }
+    if !within(origin.age_s, limits.age_limit_s) {
+        let text = format!("fresh: the scan is {:.0} s old, limit {} s", origin.age_s, limits.age_limit_s);
+        return Err(guard(text));
+    }
+    match origin.master_deviation_mm {
+        Some(d) if !within(d, limits.master_limit_mm) => Err(guard(format!(
+            "master: read {:.2} µm off its diameter, limit {:.2} µm: calibrate the gauge",
+            d * 1e3,
+            limits.master_limit_mm * 1e3
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Guards on the values measured, before any law sees them.
+///
+/// # Errors
+/// The reason to hold.
+pub(crate) fn check_measured(g: &Guarded<'_>) -> Result<(), Refusal> {
+    check_plausible(g)?;
+    check_scatter(g)?;
+    check_response(g)
+}
+
+fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
+    let (z, limits) = (&g.plan.station_z_mm, g.limits);
+    if let Some((i, e)) = first_above(&g.errors.e_mm, limits.plausible_error_mm) {
+        return Err(guard(format!(
             "plausible reading: the diameter at z = {} mm is {e:.4} mm off the nominal {} mm, limit {} mm",
-            z[i], plan.nominal_mm, limits.plausible_error_mm
+            z[i], g.plan.nominal_mm, limits.plausible_error_mm
         )));
     }
-    if let Some((i, u)) = first_above(&errors.u_mm, limits.uncertainty_limit_mm) {
-        return Err(HeldReason::Guard(format!(
+    if let Some((i, u)) = first_above(&g.errors.u_mm, limits.uncertainty_limit_mm) {
+        return Err(guard(format!(
             "uncertainty: the reading at z = {} mm has a standard uncertainty of {u:.5} mm, limit {} mm",
             z[i], limits.uncertainty_limit_mm
         )));
@@ -29,26 +121,229 @@ pub(crate) fn check_measured(
     Ok(())
 }
 
+fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
+    let (z, e, limits) = (&g.plan.station_z_mm, &g.errors.e_mm, g.limits);
+    let bends = second_differences(e);
+    let scatter = robust_scatter(&bends);
+    if scatter > limits.scatter_limit_mm {
+        return Err(guard(format!(
+            "scatter: {:.2} µm from station to station, limit {:.2} µm",
+            scatter * 1e3,
+            limits.scatter_limit_mm * 1e3
+        )));
+    }
+    let limit = limits.outlier_limit_mm.max(OUTLIER_SCATTERS * scatter);
+    let off = (0..e.len()).map(|i| (i, off_neighbours(e, i)));
+    match off.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, off)| !within(*off, limit)) {
+        Some((i, off)) => Err(guard(format!(
+            "outlier: the reading at z = {} mm is {:.2} µm off what its neighbours say, limit {:.2} µm",
+            z[i],
+            off * 1e3,
+            limit * 1e3
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Observed over commanded change: −ΣΔo·Δe/ΣΔo², about g. Radius for diameter gives 2 or ½ of it, a wrong sign the
+/// negative, an offset that went elsewhere 0.
+fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
+    let alike = |m: &&Memory| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
+    let Some(last) = g.history.last().filter(alike) else {
+        return Ok(());
+    };
+    let commanded: Vec<f64> = g.plan.offset.o_mm.iter().zip(&last.o_mm).map(|(o, p)| o - p).collect();
+    let square: f64 = commanded.iter().map(|c| c * c).sum();
+    let from = g.limits.response_from_mm;
+    if square < from * from * commanded.len() as f64 {
+        return Ok(());
+    }
+    let observed = g.errors.e_mm.iter().zip(&last.e_mm).map(|(e, p)| p - e);
+    let ratio = observed.zip(&commanded).map(|(d, c)| d * c).sum::<f64>() / square;
+    let (low, high) = (g.limits.response_min, g.limits.response_max);
+    if (low..=high).contains(&ratio) {
+        return Ok(());
+    }
+    let reason = HeldReason::Guard(format!(
+        "response: the diameter changed by {ratio:.2} of what was commanded, limits {low}-{high}: radius for diameter, \
+         a sign, or an offset that went elsewhere"
+    ));
+    Err(Refusal { reason, stop: true })
+}
+
 /// Guards on what a law proposes.
 ///
 /// # Errors
 /// The reason to hold.
-pub(crate) fn check_proposed(
-    limits: &GuardSettings,
-    plan: &PassPlan,
-    proposed_mm: &[f64],
-) -> Result<(), HeldReason> {
-    let step = largest(plan.offset.o_mm.iter().zip(proposed_mm).map(|(old, new)| new - old));
+pub(crate) fn check_proposed(g: &Guarded<'_>, proposed_mm: &[f64]) -> Result<(), Refusal> {
+    let limits = g.limits;
+    let steps: Vec<f64> = proposed_mm.iter().zip(&g.plan.offset.o_mm).map(|(new, old)| new - old).collect();
+    let step = largest(&steps);
     if !within(step, limits.step_limit_mm) {
-        return Err(HeldReason::StepLimit { step_mm: step, limit_mm: limits.step_limit_mm });
+        return Err(HeldReason::StepLimit { step_mm: step, limit_mm: limits.step_limit_mm }.into());
     }
     if let Some((i, o)) = first_above(proposed_mm, limits.cumulative_limit_mm) {
-        return Err(HeldReason::Guard(format!(
+        return Err(guard(format!(
             "cumulative limit: the offset at z = {} mm would be {o:.4} mm, limit {} mm",
-            plan.station_z_mm[i], limits.cumulative_limit_mm
+            g.plan.station_z_mm[i], limits.cumulative_limit_mm
+        )));
+    }
+    if step > limits.confirm_above_mm {
+        check_repeat(g, step)?;
+    }
+    match &g.context.next {
+        Some(next) => {
+            check_cutting(g, next)?;
+            check_depth(g, next, proposed_mm)?;
+            check_undersize(g, next, proposed_mm)
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_repeat(g: &Guarded<'_>, step: f64) -> Result<(), Refusal> {
+    let (from, limit) = (g.limits.confirm_above_mm, g.limits.agreement_limit_mm);
+    let Some(repeat) = g.context.repeat else {
+        let text =
+            format!("two scans: a step of {step:.4} mm (above {from} mm) needs a second scan of the pass");
+        return Err(guard(text));
+    };
+    let again: Vec<Option<f64>> = repeat.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm)).collect();
+    let same = repeat.pass == g.plan.pass && again.len() == g.errors.e_mm.len();
+    let apart = |(i, e): (usize, &f64)| again[i].map_or(f64::NAN, |d| d - g.plan.nominal_mm - e);
+    let worst = if same {
+        largest(&g.errors.e_mm.iter().enumerate().map(apart).collect::<Vec<_>>())
+    } else {
+        f64::NAN
+    };
+    if within(worst, limit) {
+        return Ok(());
+    }
+    let text = format!(
+        "two scans: before a step of {step:.4} mm the scans differ by {worst:.4} mm, limit {limit} mm"
+    );
+    Err(guard(text))
+}
+
+/// What was measured holds for the next pass only if it is cut alike (NIST, process-intermittent gauging).
+fn check_cutting(g: &Guarded<'_>, next: &NextPass) -> Result<(), Refusal> {
+    let differs = |a: f64, b: f64| !within(a - b, g.limits.cutting_tolerance * a.abs());
+    let (was, is) = (g.plan.cutting, next.cutting);
+    if differs(was.speed_m_per_min, is.speed_m_per_min) || differs(was.feed_mm_per_rev, is.feed_mm_per_rev) {
+        return Err(guard(format!(
+            "cutting data: measured at v {} m/min, f {} mm/r; the next pass has v {} m/min, f {} mm/r",
+            was.speed_m_per_min, was.feed_mm_per_rev, is.speed_m_per_min, is.feed_mm_per_rev
         )));
     }
     Ok(())
+}
+
+fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<(), Refusal> {
+    let (least, most) = (g.limits.min_depth_mm, g.limits.max_depth_mm);
+    for (i, (e, o)) in g.errors.e_mm.iter().zip(proposed_mm).enumerate() {
+        let diameter = g.plan.nominal_mm + e;
+        let cut = 0.5 * (diameter - next.nominal_mm);
+        let set = 0.5 * (diameter - (next.nominal_mm - o));
+        let z = g.plan.station_z_mm[i];
+        if cut.is_nan() || cut < least {
+            let text =
+                format!("minimum chip: {cut:.4} mm would be cut at z = {z} mm, least depth {least} mm");
+            return Err(guard(text));
+        }
+        if set > most {
+            return Err(guard(format!(
+                "depth of cut: {set:.4} mm would be set at z = {z} mm, limit {most} mm"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Undersize is scrap: the predicted diameter stays above the lower limit by the coverage's uncertainties.
+fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Result<(), Refusal> {
+    let Some(limit) = g.limits.lower_limit_mm else {
+        return Ok(());
+    };
+    let kept = g.limits.coverage;
+    let predicted = predicted_mm(g, next, offsets_mm);
+    let worst = predicted.iter().zip(&g.errors.u_mm).map(|(d, u)| d - kept * u).enumerate();
+    match worst.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((i, d)) if d.is_nan() || d < limit => Err(guard(format!(
+            "undersize: {:.4} mm is predicted at z = {} mm less {kept} u = {d:.4} mm, lower limit {limit} mm",
+            predicted[i], g.plan.station_z_mm[i]
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w, w(k) = e(k) − (1 − g) e(k−1)
+/// + g o(k) what came besides offset and copying, carried on by as much as it grew since the pass before.
+fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
+    let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
+    let before = |passes: u32| {
+        let pass = g.plan.pass.checked_sub(passes)?;
+        g.history.iter().find(|m| m.pass == pass && m.e_mm.len() == e.len())
+    };
+    let besides = |e: f64, copied: f64, o: f64| e - (1.0 - gain) * copied + gain * o;
+    (0..offsets_mm.len())
+        .map(|i| {
+            let e1 = before(1).map_or(0.0, |m| m.e_mm[i]);
+            let w = if before(1).is_some() { besides(e[i], e1, o[i]) } else { gain * (e[i] + o[i]) };
+            let grew = match (before(1), before(2)) {
+                (Some(m1), Some(m2)) => w - besides(m1.e_mm[i], m2.e_mm[i], m1.o_mm[i]),
+                (Some(m1), None) if m1.pass == 1 => w - besides(m1.e_mm[i], 0.0, m1.o_mm[i]),
+                _ => 0.0,
+            };
+            next.nominal_mm + (1.0 - gain) * e[i] - gain * offsets_mm[i] + w + grew
+        })
+        .collect()
+}
+
+/// Whether the offsets in force, held for the next pass, may not be cut with.
+pub(crate) fn held_undersize(g: &Guarded<'_>) -> Option<String> {
+    let next = g.context.next?;
+    check_undersize(g, &next, &g.plan.offset.o_mm).err().map(|refusal| refusal.reason.to_string())
+}
+
+fn second_differences(e: &[f64]) -> Vec<f64> {
+    e.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect()
+}
+
+/// Standard deviation of one reading from the median magnitude of second differences: slopes drop out.
+fn robust_scatter(second_differences: &[f64]) -> f64 {
+    let mut magnitude: Vec<f64> = second_differences.iter().map(|d| d.abs()).collect();
+    magnitude.sort_by(f64::total_cmp);
+    let median = magnitude.get(magnitude.len() / 2).copied().unwrap_or(0.0);
+    MAD_TO_SIGMA * median / SECOND_DIFFERENCE.sqrt()
+}
+
+/// Difference of a station from what its neighbours say: inside, the median of the four lines through two of them; next
+/// to an end, the parabola through three; at an end, the line fitted to four.
+fn off_neighbours(e: &[f64], i: usize) -> f64 {
+    let n = e.len();
+    if n < 5 {
+        return 0.0;
+    }
+    // least squares over x = 1, 2, 3, 4, taken at x = 0
+    let line = |a: f64, b: f64, _: f64, d: f64| a + 0.5 * (b - d);
+    let parabola = |a: f64, b: f64, c: f64| a / 3.0 + b - c / 3.0;
+    let predicted = match i {
+        0 => line(e[1], e[2], e[3], e[4]),
+        1 => parabola(e[0], e[2], e[3]),
+        _ if i + 1 == n => line(e[n - 2], e[n - 3], e[n - 4], e[n - 5]),
+        _ if i + 2 == n => parabola(e[n - 1], e[n - 3], e[n - 4]),
+        _ => {
+            let mut lines = [
+                2.0 * e[i - 1] - e[i - 2],
+                2.0 * e[i + 1] - e[i + 2],
+                0.5 * (e[i - 1] + e[i + 1]),
+                0.5 * (e[i - 2] + e[i + 2]),
+            ];
+            lines.sort_by(f64::total_cmp);
+            0.5 * (lines[1] + lines[2])
+        }
+    };
+    e[i] - predicted
 }
 
 /// Index and value of the first element whose magnitude is not within the limit.
@@ -62,6 +357,6 @@ fn within(value: f64, limit: f64) -> bool {
 }
 
 /// Largest magnitude; NaN if any is.
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most })
+fn largest(values: &[f64]) -> f64 {
+    values.iter().map(|v| v.abs()).fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most })
 }

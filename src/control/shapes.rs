@@ -3,8 +3,49 @@
 //! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the normal matrix
 //! well conditioned; the space they span is that of the plain powers.
 
-use super::{ControlError, Shapes};
+use super::{ControlError, settings::require};
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Shape functions along z.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shapes {
+    /// Paper 000, eq. 4: ε = b·x + a.
+    #[default]
+    Line,
+    /// Parabola.
+    Quadratic,
+    /// Polynomial of this degree, 0-8.
+    Polynomial {
+        /// Highest power.
+        degree: usize,
+    },
+    /// Shapes that a turned shaft is known to take, each with an amplitude of its own.
+    Physical(PhysicalShapes),
+}
+
+/// Which physical shapes are fitted; a constant always is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PhysicalShapes {
+    /// Taper ξ: guideway or tailstock out of line, wear along the cut. −1 at the first station, 1 at the last.
+    pub taper: bool,
+    /// Barrel 1 − ξ²: deflection between two alike supports, a bent guideway. 1 in the middle, 0 at the ends.
+    pub barrel: bool,
+    /// Deflection of a shaft clamped in the chuck (z = 0) and supported by a rigid tailstock (z = `length_mm`) under
+    /// a load that travels with the tool, z³(L − z)²(4L − z), scaled to 1 at its largest.
+    pub deflection: bool,
+    /// Chuck face to tailstock, mm.
+    pub length_mm: f64,
+}
+
+impl Default for PhysicalShapes {
+    fn default() -> Self {
+        Self { taper: true, barrel: false, deflection: true, length_mm: 500.0 }
+    }
+}
 
 impl Shapes {
     /// Number of shape functions.
@@ -13,6 +54,27 @@ impl Shapes {
             Self::Line => 2,
             Self::Quadratic => 3,
             Self::Polynomial { degree } => degree + 1,
+            Self::Physical(p) => 1 + usize::from(p.taper) + usize::from(p.barrel) + usize::from(p.deflection),
+        }
+    }
+
+    /// What each shape is called, in the order of the design's columns.
+    pub fn names(self) -> Vec<String> {
+        let Self::Physical(p) = self else {
+            return (0..self.count()).map(|degree| format!("P{degree}")).collect();
+        };
+        let all =
+            [("constant", true), ("taper", p.taper), ("barrel", p.barrel), ("deflection", p.deflection)];
+        all.iter().filter(|(_, used)| *used).map(|(name, _)| (*name).to_owned()).collect()
+    }
+
+    /// What the shapes are called in reports.
+    pub fn describe(self) -> String {
+        match self {
+            Self::Line => "line".into(),
+            Self::Quadratic => "quadratic".into(),
+            Self::Polynomial { degree } => format!("polynomial of degree {degree}"),
+            Self::Physical(_) => self.names().join(" + "),
         }
     }
 
@@ -28,8 +90,44 @@ impl Shapes {
         let first = station_z_mm.first().copied().unwrap_or(0.0);
         let span = station_z_mm.last().copied().unwrap_or(0.0) - first;
         let xi = |z: f64| if span > 0.0 { 2.0 * (z - first) / span - 1.0 } else { 0.0 };
-        Ok(DMatrix::from_fn(stations, shapes, |row, column| legendre(column, xi(station_z_mm[row]))))
+        Ok(match self {
+            Self::Physical(p) => {
+                let rows: Vec<f64> = station_z_mm.iter().flat_map(|&z| p.at(z, xi(z))).collect();
+                DMatrix::from_row_slice(stations, shapes, &rows)
+            }
+            _ => DMatrix::from_fn(stations, shapes, |row, column| legendre(column, xi(station_z_mm[row]))),
+        })
     }
+
+    pub(crate) fn validate(self, key: &'static str) -> Result<(), ControlError> {
+        match self {
+            Self::Line | Self::Quadratic => Ok(()),
+            Self::Polynomial { degree } => {
+                require(degree <= 8, key, degree as f64, "a polynomial degree of 0 to 8")
+            }
+            Self::Physical(p) => {
+                let right = "a positive length in mm (physical.length_mm)";
+                require(p.length_mm > 0.0 && p.length_mm.is_finite(), key, p.length_mm, right)
+            }
+        }
+    }
+}
+
+impl PhysicalShapes {
+    fn at(self, z_mm: f64, xi: f64) -> Vec<f64> {
+        let mut row = vec![1.0];
+        row.extend(self.taper.then_some(xi));
+        row.extend(self.barrel.then_some(1.0 - xi * xi));
+        row.extend(self.deflection.then(|| propped(z_mm / self.length_mm)));
+        row
+    }
+}
+
+/// Deflection under a load at a = sL, b = L − a, of a beam clamped at 0 and rigidly supported at L, over its maximum:
+/// u ∝ a³b²(4L − a), largest at a = (2 − √2)L (Euler-Bernoulli; the clamp is the chuck).
+fn propped(s: f64) -> f64 {
+    let shape = |s: f64| s.powi(3) * (1.0 - s).powi(2) * (4.0 - s);
+    shape(s.clamp(0.0, 1.0)) / shape(2.0 - std::f64::consts::SQRT_2)
 }
 
 /// Legendre polynomial P_n(ξ) by Bonnet's recurrence (DLMF 18.9.1).

@@ -1,1 +1,156 @@
-//! (room in preparation)
+//! Offsets as NC programs for a lathe: one emitter, three dialects.
+//!
+//! X is a diameter, Z runs along the spindle from the chuck face, as in the rest of the crate. A correction o(z) splits
+//! into its mean ō and its shape: on a control whose wear register can be written from a program (Fanuc) the mean goes
+//! there, before the tool call that activates it, and the shape goes into G01 knots; elsewhere the path carries both.
+//! No path ever holds what the register holds. What rounding leaves of the offsets is given back to the controller.
+//!
+//! What could be verified: programs of the `linuxcnc` dialect are read by LinuxCNC's stand-alone interpreter in the
+//! tests. `fanuc` follows the 0i-TD operator's manual (G-code system A, custom macro B) and `gsk` the GSK 980TD family's
+//! manuals; neither was run on a control, and for `gsk` the user alarm G65 H99 and the macro statements are stated
+//! there but were not verified on a 980TDi. Run such programs dry, above the part, first.
+
+mod dialect;
+mod line;
+mod macro_program;
+mod path;
+mod turning;
+
+pub use dialect::Dialect;
+pub use line::{LineFit, fit_line};
+pub use macro_program::{MacroProgram, MacroValues};
+pub use path::{Path, dry_run};
+pub use turning::TurningProgram;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A program that cannot be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NcError {
+    /// A value of the `[nc]` table is out of its range.
+    #[error("{key} = {value}: must be {right}")]
+    Setting {
+        /// The key.
+        key: &'static str,
+        /// What stands there.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// Stations, offsets or knots that do not fit together.
+    #[error("{0}")]
+    Plan(String),
+    /// A point of the path lies outside the range allowed.
+    #[error("range check: X {x_mm} mm at Z {z_mm} mm lies outside {low_mm} to {high_mm} mm")]
+    Range {
+        /// Diameter commanded.
+        x_mm: f64,
+        /// Place.
+        z_mm: f64,
+        /// Least diameter allowed.
+        low_mm: f64,
+        /// Largest diameter allowed.
+        high_mm: f64,
+    },
+}
+
+/// Measuring after the cut, by an M code that leaves its results in macro variables.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Remeasure {
+    /// The M code that scans the part.
+    pub m_code: u32,
+    /// Variable with the smallest diameter found, mm.
+    pub smallest_variable: u32,
+    /// Variable with the largest diameter found, mm.
+    pub largest_variable: u32,
+}
+
+/// What a program needs to know of the machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NcSettings {
+    /// Program number, 1-9999.
+    pub program: u32,
+    /// Tool number, 1-99.
+    pub tool: u32,
+    /// Wear offset that belongs to these programs alone, 1-99.
+    pub wear_offset: u32,
+    /// Number of the part: with the pass it makes a program run once only.
+    pub part_number: u32,
+    /// Clear of the stock's diameter on approach and retract, mm of diameter.
+    pub clearance_mm: f64,
+    /// Path before the first station, in the air, mm.
+    pub lead_in_mm: f64,
+    /// Path after the last station, mm; it must stay clear of the chuck.
+    pub lead_out_mm: f64,
+    /// Least Z that the tool may reach, mm from the chuck face.
+    pub least_z_mm: f64,
+    /// Spindle speed limit under constant cutting speed, 1/min.
+    pub speed_limit_per_min: u32,
+    /// Least number of knots.
+    pub least_knots: usize,
+    /// Knots are added until the path is within this of the offsets at every station, mm of diameter.
+    pub knot_tolerance_mm: f64,
+    /// Largest correction at a knot, mm of diameter.
+    pub correction_limit_mm: f64,
+    /// Re-measure after the cut and raise an alarm outside the limits.
+    pub remeasure: Option<Remeasure>,
+}
+
+impl Default for NcSettings {
+    fn default() -> Self {
+        Self {
+            program: 8001,
+            tool: 1,
+            wear_offset: 16,
+            part_number: 1,
+            clearance_mm: 2.0,
+            lead_in_mm: 2.0,
+            lead_out_mm: 1.0,
+            least_z_mm: 0.5,
+            speed_limit_per_min: 2000,
+            least_knots: 21,
+            knot_tolerance_mm: 0.0002,
+            correction_limit_mm: 0.3,
+            remeasure: None,
+        }
+    }
+}
+
+fn require(holds: bool, key: &'static str, value: f64, right: &'static str) -> Result<(), NcError> {
+    if holds { Ok(()) } else { Err(NcError::Setting { key, value, right }) }
+}
+
+impl NcSettings {
+    /// Checks the table.
+    ///
+    /// # Errors
+    /// [`NcError::Setting`] names the key.
+    pub fn validate(&self) -> Result<(), NcError> {
+        let number = |key, value: u32, most: u32, right| {
+            require((1..=most).contains(&value), key, f64::from(value), right)
+        };
+        number("nc.program", self.program, 9999, "a number of 1 to 9999")?;
+        number("nc.tool", self.tool, 99, "a number of 1 to 99")?;
+        number("nc.wear_offset", self.wear_offset, 99, "a number of 1 to 99")?;
+        number("nc.part_number", self.part_number, 999_999, "a number of 1 to 999999")?;
+        number("nc.speed_limit_per_min", self.speed_limit_per_min, 20_000, "a speed of 1 to 20000 1/min")?;
+        let lengths = [
+            ("nc.clearance_mm", self.clearance_mm),
+            ("nc.lead_in_mm", self.lead_in_mm),
+            ("nc.knot_tolerance_mm", self.knot_tolerance_mm),
+            ("nc.correction_limit_mm", self.correction_limit_mm),
+        ];
+        for (key, value) in lengths {
+            require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")?;
+        }
+        for (key, value) in [("nc.lead_out_mm", self.lead_out_mm), ("nc.least_z_mm", self.least_z_mm)] {
+            require(value >= 0.0 && value.is_finite(), key, value, "a length of 0 mm or more")?;
+        }
+        let knots = self.least_knots;
+        require((2..=1000).contains(&knots), "nc.least_knots", knots as f64, "a number of 2 to 1000")
+    }
+}

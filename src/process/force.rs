@@ -1,26 +1,152 @@
-//! Radial cutting force against what is really cut.
+//! Cutting force against what is really cut.
 
-use super::settings::{ForceLaw, PowerLaw};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::check::{Range, SettingsError};
+use super::kienzle::{EdgeLaw, KienzleLaw, THINNEST_CHIP_MM};
+use super::material::Material;
+use super::settings::ToolSettings;
 use crate::plan::CuttingData;
 
-/// The force law at fixed feed and speed: a function of the depth alone, F = K·a^x.
+/// The force law, `[process.force.power]` or `[process.force.kienzle]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ForceLaw {
+    /// F = C·a_p^x·f^y·v^z for the radial force.
+    Power(PowerLaw),
+    /// Kienzle's specific cutting force along an edge with a nose radius.
+    Kienzle(KienzleLaw),
+}
+
+impl Default for ForceLaw {
+    fn default() -> Self {
+        Self::Power(PowerLaw::default())
+    }
+}
+
+/// The three components of the cutting force (ISO 3002-4), N.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Components {
+    /// F_c, tangential, along the cutting speed.
+    pub cutting_n: f64,
+    /// F_f, axial, against the feed.
+    pub feed_n: f64,
+    /// F_p, radial: what bends the shaft out of size.
+    pub passive_n: f64,
+}
+
+/// Range of the data behind a fitted law; outside it the law is extrapolated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FittedRange {
+    /// Depth of cut, mm, from and to.
+    pub depth_mm: [f64; 2],
+    /// Feed, mm/r, from and to.
+    pub feed_mm_per_rev: [f64; 2],
+    /// Cutting speed, m/min, from and to.
+    pub speed_m_per_min: [f64; 2],
+}
+
+impl Default for FittedRange {
+    /// Tables 1 and 2 and Fig. 9 of the slender-shaft paper.
+    fn default() -> Self {
+        Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.05, 0.35], speed_m_per_min: [30.0, 100.0] }
+    }
+}
+
+/// F = C·a_p^x·f^y·v^z, the radial force in N, with a_p in mm, f in mm/r and v in m/min.
+///
+/// The default is Table 1 of the slender-shaft paper (Xue et al., 2023; 45 steel), x and C fitted, y and z from
+/// handbooks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PowerLaw {
+    /// C, N at a_p = 1 mm, f = 1 mm/r, v = 1 m/min.
+    pub coefficient_n: f64,
+    /// x, exponent of the depth of cut.
+    pub depth_exponent: f64,
+    /// y, exponent of the feed.
+    pub feed_exponent: f64,
+    /// z, exponent of the cutting speed.
+    pub speed_exponent: f64,
+    /// Cutting force over radial force; a rule of thumb, used for the tangential deflection only.
+    pub cutting_ratio: f64,
+    /// Feed force over radial force; a rule of thumb, used against buckling only.
+    pub feed_ratio: f64,
+    /// Range of the data behind the numbers.
+    pub fitted: FittedRange,
+}
+
+impl Default for PowerLaw {
+    fn default() -> Self {
+        Self {
+            coefficient_n: 4764.2,
+            depth_exponent: 0.901,
+            feed_exponent: 0.6,
+            speed_exponent: -0.3,
+            cutting_ratio: 2.5,
+            feed_ratio: 1.0,
+            fitted: FittedRange::default(),
+        }
+    }
+}
+
+/// A force law at fixed feed, speed and tool: a function of the depth alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthLaw {
-    /// K, N at a depth of 1 mm.
-    pub at_one_mm_n: f64,
-    /// x.
-    pub exponent: f64,
+    shape: Shape,
+    /// Factor on every component: scatter of the material, wear.
+    factor: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Power { at_one_mm_n: f64, exponent: f64, cutting_ratio: f64, feed_ratio: f64 },
+    Edge(EdgeLaw),
 }
 
 impl DepthLaw {
-    /// Force in N at a depth in mm; none without contact.
-    pub fn force_n(&self, depth_mm: f64) -> f64 {
-        if depth_mm > 0.0 { self.at_one_mm_n * depth_mm.powf(self.exponent) } else { 0.0 }
+    /// The same law with every force multiplied.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self { factor: self.factor * factor, ..self }
     }
 
-    /// dF/da in N/mm at a depth above zero.
+    /// Radial force in N at a depth in mm; none without contact.
+    pub fn force_n(&self, depth_mm: f64) -> f64 {
+        let plain = match &self.shape {
+            _ if depth_mm <= 0.0 => 0.0,
+            Shape::Power { at_one_mm_n, exponent, .. } => at_one_mm_n * depth_mm.powf(*exponent),
+            Shape::Edge(edge) => edge.passive_n(depth_mm),
+        };
+        self.factor * plain
+    }
+
+    /// Slope of the radial force, N/mm, at a depth above zero.
     pub fn slope_n_per_mm(&self, depth_mm: f64) -> f64 {
-        self.exponent * self.force_n(depth_mm) / depth_mm
+        match &self.shape {
+            Shape::Power { exponent, .. } => exponent * self.force_n(depth_mm) / depth_mm,
+            Shape::Edge(edge) => self.factor * edge.passive_slope_n_per_mm(depth_mm),
+        }
+    }
+
+    /// All three components in N at a depth in mm.
+    pub fn components(&self, depth_mm: f64) -> Components {
+        match &self.shape {
+            Shape::Power { cutting_ratio, feed_ratio, .. } => {
+                let passive_n = self.force_n(depth_mm);
+                Components { cutting_n: cutting_ratio * passive_n, feed_n: feed_ratio * passive_n, passive_n }
+            }
+            Shape::Edge(edge) => {
+                let plain = edge.components(depth_mm);
+                Components {
+                    cutting_n: self.factor * plain.cutting_n,
+                    feed_n: self.factor * plain.feed_n,
+                    passive_n: self.factor * plain.passive_n,
+                }
+            }
+        }
     }
 
     /// The depth really cut, mm, where the tool is set `set_mm` deep and the shaft yields `compliance_mm_per_n`:
@@ -35,8 +161,7 @@ impl DepthLaw {
             (low, high) = if excess > 0.0 { (low, depth) } else { (depth, high) };
             let step = excess / (1.0 + compliance_mm_per_n * self.slope_n_per_mm(depth));
             let next = depth - step;
-            let inside = next > low && next < high;
-            let next = if inside { next } else { 0.5 * (low + high) };
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
             if (next - depth).abs() <= 1e-13 * (1.0 + depth) {
                 return next;
             }
@@ -47,6 +172,17 @@ impl DepthLaw {
 }
 
 impl PowerLaw {
+    /// Table 1 of the slender-shaft paper: the depth series.
+    pub fn table_1() -> Self {
+        Self::default()
+    }
+
+    /// Table 2 of the slender-shaft paper: the speed series, whose forces are 9.14 times smaller than Table 1's at the
+    /// same cutting data. C is the geometric mean over its rows with z = -0.3 and Table 1's x.
+    pub fn table_2() -> Self {
+        Self { coefficient_n: 521.2, depth_exponent: 0.9, ..Self::default() }
+    }
+
     /// Radial force, N, at a depth in mm.
     pub fn force_n(&self, depth_mm: f64, cutting: &CuttingData) -> f64 {
         self.at(cutting).force_n(depth_mm)
@@ -56,15 +192,88 @@ impl PowerLaw {
     pub fn at(&self, cutting: &CuttingData) -> DepthLaw {
         let factor = cutting.feed_mm_per_rev.powf(self.feed_exponent)
             * cutting.speed_m_per_min.powf(self.speed_exponent);
-        DepthLaw { at_one_mm_n: self.coefficient_n * factor, exponent: self.depth_exponent }
+        let shape = Shape::Power {
+            at_one_mm_n: self.coefficient_n * factor,
+            exponent: self.depth_exponent,
+            cutting_ratio: self.cutting_ratio,
+            feed_ratio: self.feed_ratio,
+        };
+        DepthLaw { shape, factor: 1.0 }
+    }
+
+    fn validate(&self) -> Result<(), SettingsError> {
+        let exponent = Range::between(-3.0, 3.0);
+        Range::POSITIVE.check("force.power.coefficient_n", self.coefficient_n)?;
+        Range::between(0.01, 2.0).check("force.power.depth_exponent", self.depth_exponent)?;
+        exponent.check("force.power.feed_exponent", self.feed_exponent)?;
+        exponent.check("force.power.speed_exponent", self.speed_exponent)?;
+        Range::NOT_NEGATIVE.check("force.power.cutting_ratio", self.cutting_ratio)?;
+        Range::NOT_NEGATIVE.check("force.power.feed_ratio", self.feed_ratio)?;
+        let FittedRange { depth_mm, feed_mm_per_rev, speed_m_per_min } = self.fitted;
+        for (name, [low, high]) in [
+            ("depth_mm", depth_mm),
+            ("feed_mm_per_rev", feed_mm_per_rev),
+            ("speed_m_per_min", speed_m_per_min),
+        ] {
+            let key = format!("force.power.fitted.{name}");
+            Range::NOT_NEGATIVE.check(&key, low)?;
+            Range::between(low, f64::MAX).check(&key, high)?;
+        }
+        Ok(())
     }
 }
 
 impl ForceLaw {
-    /// The law at the cutting data given.
-    pub fn at(&self, cutting: &CuttingData) -> DepthLaw {
+    /// The law at the cutting data, tool and material given. Without any data for the material the force is zero;
+    /// [`super::ProcessSettings::validate`] refuses that.
+    pub fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
         match self {
             Self::Power(law) => law.at(cutting),
+            Self::Kienzle(law) => match law.at(cutting.feed_mm_per_rev, tool, material) {
+                Some(edge) => DepthLaw { shape: Shape::Edge(edge), factor: 1.0 },
+                None => PowerLaw::default().at(cutting).scaled(0.0),
+            },
+        }
+    }
+
+    /// What lies outside the range of the data behind the law, in words; empty inside it. `depth_mm` from and to.
+    pub fn extrapolation(
+        &self,
+        cutting: &CuttingData,
+        depth_mm: [f64; 2],
+        tool: &ToolSettings,
+    ) -> Vec<String> {
+        let Self::Power(PowerLaw { fitted, .. }) = self else {
+            let chip = KienzleLaw::mean_chip_mm(cutting.feed_mm_per_rev, depth_mm[0], tool);
+            let thin = chip < THINNEST_CHIP_MM;
+            let note = format!(
+                "the force law is extrapolated: chips {chip:.4} mm thick, tabulated from {THINNEST_CHIP_MM} mm; the force \
+                 is underestimated"
+            );
+            return if thin { vec![note] } else { Vec::new() };
+        };
+        let feed = [cutting.feed_mm_per_rev; 2];
+        let speed = [cutting.speed_m_per_min; 2];
+        [
+            ("depth", "mm", depth_mm, fitted.depth_mm),
+            ("feed", "mm/r", feed, fitted.feed_mm_per_rev),
+            ("speed", "m/min", speed, fitted.speed_m_per_min),
+        ]
+        .into_iter()
+        .filter(|(_, _, used, known)| used[0] < known[0] || used[1] > known[1])
+        .map(|(name, unit, used, known)| {
+            format!(
+                "the force law is extrapolated: {name} {:.4}-{:.4} {unit}, fitted over {}-{} {unit}",
+                used[0], used[1], known[0], known[1]
+            )
+        })
+        .collect()
+    }
+
+    pub(super) fn validate(&self, material: &Material) -> Result<(), SettingsError> {
+        match self {
+            Self::Power(law) => law.validate(),
+            Self::Kienzle(law) => law.validate(material),
         }
     }
 }

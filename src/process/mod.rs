@@ -5,16 +5,29 @@
 //! the depth really cut. Nothing here knows what was measured.
 
 pub mod beam;
+mod check;
+mod cut;
+mod disturbance;
+pub mod fem;
+pub mod fit;
 mod force;
+pub mod geometry;
+pub mod kienzle;
+pub mod material;
+mod random;
 mod section;
 mod settings;
+pub mod stepped;
 mod texture;
 mod turning;
 
-pub use force::DepthLaw;
+pub use check::SettingsError;
+pub use cut::CutSummary;
+pub use disturbance::{DisturbanceSettings, GuidewayPoint};
+pub use force::{Components, DepthLaw, FittedRange, ForceLaw, PowerLaw};
 pub use section::Section;
 pub use settings::{
-    ForceLaw, MaterialSettings, PassSettings, PowerLaw, ProcessSettings, SettingsError, SupportSettings,
-    TextureSettings,
+    BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,
+    SupportSettings, TextureSettings, ToolSettings,
 };
-pub use turning::{BaseForm, CutSummary, ProcessError, Stock, TurningProcess};
+pub use turning::{BaseForm, ProcessError, Stock, TurningProcess};

@@ -1,6 +1,6 @@
 //! Stiffness of a solid circular cross-section.
 
-use super::settings::MaterialSettings;
+use super::material::Material;
 
 /// Bending and shear stiffness of a cross-section.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Section {
 impl Section {
     /// Solid circle of `diameter_mm`: I = πd⁴/64, A = πd²/4, G = E/2(1+ν) and Cowper's
     /// κ = 6(1+ν)/(7+6ν) (G. R. Cowper, J. Appl. Mech. 33, 1966).
-    pub fn circular(diameter_mm: f64, material: &MaterialSettings) -> Self {
+    pub fn circular(diameter_mm: f64, material: &Material) -> Self {
         let poisson = material.poisson_ratio;
         let area = std::f64::consts::FRAC_PI_4 * diameter_mm * diameter_mm;
         let shear_modulus = material.youngs_modulus_n_per_mm2 / (2.0 * (1.0 + poisson));

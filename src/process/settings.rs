@@ -2,92 +2,108 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use super::beam::{Part, Supports};
-
-/// A setting outside its range.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("process.{key} = {value} is not possible; it must be {must_be}")]
-pub struct SettingsError {
-    /// The key below `[process]`, dotted.
-    pub key: String,
-    /// The value found.
-    pub value: f64,
-    /// What would be right.
-    pub must_be: String,
-}
+use super::beam::{Part, SteadyRest, Supports};
+use super::check::{Range, SettingsError};
+use super::disturbance::DisturbanceSettings;
+use super::force::ForceLaw;
+use super::material::{self, Material};
 
 /// The `[process]` table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProcessSettings {
-    /// Radial cutting force against depth, feed and speed.
+    /// Cutting force against depth, feed and speed.
     pub force: ForceLaw,
-    /// Elastic constants of the workpiece.
+    /// The workpiece's material.
     pub material: MaterialSettings,
+    /// The cutting edge.
+    pub tool: ToolSettings,
     /// How the workpiece is held.
     pub support: SupportSettings,
     /// What the tool leaves on the surface.
     pub texture: TextureSettings,
     /// Cut geometry and resolution.
     pub pass: PassSettings,
+    /// Wear, drift, scatter and errors of the machine; none by default.
+    pub disturbance: DisturbanceSettings,
 }
 
-/// Radial cutting force in N.
+/// The workpiece's material: a name from the table, and numbers that override the table's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ForceLaw {
-    /// F = C·a_p^x·f^y·v^z.
-    Power(PowerLaw),
-}
-
-impl Default for ForceLaw {
-    fn default() -> Self {
-        Self::Power(PowerLaw::default())
-    }
-}
-
-/// F = C·a_p^x·f^y·v^z in N, with a_p in mm, f in mm/r and v in m/min.
-///
-/// The default is Table 1 of paper 003 (45 steel, slender shaft), fitted over a_p = 0.1-0.25 mm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PowerLaw {
-    /// C, N at a_p = 1 mm, f = 1 mm/r, v = 1 m/min.
-    pub coefficient_n: f64,
-    /// x, exponent of the depth of cut.
-    pub depth_exponent: f64,
-    /// y, exponent of the feed.
-    pub feed_exponent: f64,
-    /// z, exponent of the cutting speed.
-    pub speed_exponent: f64,
-}
-
-impl Default for PowerLaw {
-    fn default() -> Self {
-        Self { coefficient_n: 4764.2, depth_exponent: 0.901, feed_exponent: 0.6, speed_exponent: -0.3 }
-    }
-}
-
-/// Elastic constants; the default is 45 steel (C45).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialSettings {
+    /// Name; the default is the slender-shaft paper's 45 steel.
+    pub name: String,
     /// Young's modulus E, N/mm².
-    pub youngs_modulus_n_per_mm2: f64,
+    pub youngs_modulus_n_per_mm2: Option<f64>,
     /// Poisson's ratio ν.
-    pub poisson_ratio: f64,
+    pub poisson_ratio: Option<f64>,
+    /// Linear thermal expansion, µm/(m·K).
+    pub expansion_um_per_m_k: Option<f64>,
 }
 
 impl Default for MaterialSettings {
     fn default() -> Self {
-        Self { youngs_modulus_n_per_mm2: 2.1e5, poisson_ratio: 0.3 }
+        Self {
+            name: "C45".to_owned(),
+            youngs_modulus_n_per_mm2: None,
+            poisson_ratio: None,
+            expansion_um_per_m_k: None,
+        }
     }
 }
 
-/// How the workpiece is held: clamped in the chuck at z = 0, on a live centre in the tailstock at z = L.
+impl MaterialSettings {
+    /// The material with the config's numbers in place of the table's.
+    ///
+    /// # Errors
+    /// A name that is not in the table, or a number out of range.
+    pub fn resolve(&self) -> Result<Material, SettingsError> {
+        let known = material::find(&self.name).ok_or_else(|| {
+            SettingsError::at("material.name", &self.name, format!("one of {}", material::names()))
+        })?;
+        let resolved = Material {
+            youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.unwrap_or(known.youngs_modulus_n_per_mm2),
+            poisson_ratio: self.poisson_ratio.unwrap_or(known.poisson_ratio),
+            expansion_um_per_m_k: self.expansion_um_per_m_k.unwrap_or(known.expansion_um_per_m_k),
+            ..*known
+        };
+        Range::POSITIVE.check("material.youngs_modulus_n_per_mm2", resolved.youngs_modulus_n_per_mm2)?;
+        Range::between(0.0, 0.5).check("material.poisson_ratio", resolved.poisson_ratio)?;
+        Range::between(0.0, 100.0).check("material.expansion_um_per_m_k", resolved.expansion_um_per_m_k)?;
+        Ok(resolved)
+    }
+}
+
+/// The cutting edge; the default is the slender-shaft paper's insert.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ToolSettings {
+    /// Nose radius, mm.
+    pub nose_radius_mm: f64,
+    /// Lead (cutting edge) angle κ_r of the straight edge, degrees.
+    pub lead_angle_deg: f64,
+}
+
+impl Default for ToolSettings {
+    fn default() -> Self {
+        Self { nose_radius_mm: 0.4, lead_angle_deg: 90.0 }
+    }
+}
+
+/// A steady rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyRestSettings {
+    /// Where it stands, mm from the chuck face; acts at the nearest node.
+    pub z_mm: f64,
+    /// Radial stiffness, N/µm; `inf` for rigid.
+    pub stiffness_n_per_um: f64,
+}
+
+/// How the workpiece is held: clamped in the chuck at z = 0, on a live centre in the tailstock at z = L.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SupportSettings {
     /// Radial stiffness of spindle and chuck, N/µm; `inf` for rigid.
@@ -96,11 +112,37 @@ pub struct SupportSettings {
     pub chuck_tilt_nm_per_mrad: f64,
     /// Radial stiffness of the tailstock, N/µm; `inf` for rigid, 0 for a free end.
     pub tailstock_n_per_um: f64,
+    /// Axial thrust of the tailstock, N: a shaft that would buckle under it is refused.
+    pub tailstock_thrust_n: f64,
+    /// Steady rests.
+    pub steady_rests: Vec<SteadyRestSettings>,
 }
 
 impl Default for SupportSettings {
     fn default() -> Self {
-        Self { chuck_n_per_um: 50.0, chuck_tilt_nm_per_mrad: f64::INFINITY, tailstock_n_per_um: 20.0 }
+        Self {
+            chuck_n_per_um: 50.0,
+            chuck_tilt_nm_per_mrad: f64::INFINITY,
+            tailstock_n_per_um: 20.0,
+            tailstock_thrust_n: 300.0,
+            steady_rests: Vec::new(),
+        }
+    }
+}
+
+impl SupportSettings {
+    /// Supports as the beam needs them.
+    pub fn supports(&self) -> Supports {
+        // 1 N/µm = 1e3 N/mm; 1 N·m/mrad = 1e6 N·mm/rad.
+        let rest = |rest: &SteadyRestSettings| SteadyRest {
+            z_mm: rest.z_mm,
+            compliance_mm_per_n: 1e-3 / rest.stiffness_n_per_um,
+        };
+        Supports {
+            chuck: Part::clamped(1e-3 / self.chuck_n_per_um, 1e-6 / self.chuck_tilt_nm_per_mrad),
+            tailstock: Part::hinged(1e-3 / self.tailstock_n_per_um),
+            steady_rests: self.steady_rests.iter().map(rest).collect(),
+        }
     }
 }
 
@@ -116,12 +158,36 @@ pub struct TextureSettings {
     pub correlation_deg: f64,
     /// Root mean square amplitude of each lobe of orders 2 to 5, µm.
     pub lobe_um: f64,
+    /// Draws the helical feed marks, f²/8r high, as well (a fine grid: tens of MB for a long shaft).
+    pub feed_marks: bool,
 }
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self { rms_um: 0.35, correlation_z_mm: 1.5, correlation_deg: 3.0, lobe_um: 0.3 }
+        Self { rms_um: 0.35, correlation_z_mm: 1.5, correlation_deg: 3.0, lobe_um: 0.3, feed_marks: false }
     }
+}
+
+/// What happens where the depth falls below the minimum chip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BelowMinimumChip {
+    /// The pass is refused.
+    #[default]
+    Refuse,
+    /// The force law is used below its limit (spring passes), and the summary says so.
+    Extrapolate,
+}
+
+/// The way the tool travels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FeedDirection {
+    /// From the tailstock to the chuck, as usual.
+    #[default]
+    TowardsChuck,
+    /// From the chuck to the tailstock.
+    TowardsTailstock,
 }
 
 /// Cut geometry and resolution of the simulated pass.
@@ -132,46 +198,21 @@ pub struct PassSettings {
     pub node_mm: f64,
     /// Depth of cut below which the edge rubs instead of cutting and the force law fails, mm.
     pub minimum_chip_mm: f64,
+    /// What happens there.
+    pub below_minimum_chip: BelowMinimumChip,
+    /// The way the tool travels.
+    pub feed_direction: FeedDirection,
 }
 
 impl Default for PassSettings {
     fn default() -> Self {
-        Self { node_mm: 1.0, minimum_chip_mm: 0.05 }
-    }
-}
-
-/// A range a number must lie in.
-struct Range {
-    low: f64,
-    open_low: bool,
-    high: f64,
-}
-
-impl Range {
-    const POSITIVE: Self = Self { low: 0.0, open_low: true, high: f64::INFINITY };
-    const NOT_NEGATIVE: Self = Self { low: 0.0, open_low: false, high: f64::INFINITY };
-
-    fn holds(&self, value: f64) -> bool {
-        value <= self.high && if self.open_low { value > self.low } else { value >= self.low }
-    }
-
-    fn text(&self) -> String {
-        let low = if self.open_low { "above" } else { "at least" };
-        if self.high.is_finite() {
-            format!("{low} {} and at most {}", self.low, self.high)
-        } else {
-            format!("{low} {}", self.low)
+        Self {
+            node_mm: 1.0,
+            minimum_chip_mm: 0.05,
+            below_minimum_chip: BelowMinimumChip::default(),
+            feed_direction: FeedDirection::default(),
         }
     }
-}
-
-/// Refuses a value outside the range; an infinite one only where `infinite` allows it.
-fn check(key: &str, value: f64, range: &Range, infinite: bool) -> Result<(), SettingsError> {
-    if range.holds(value) && (infinite || value.is_finite()) {
-        return Ok(());
-    }
-    let must_be = if infinite { format!("{} or inf", range.text()) } else { range.text() };
-    Err(SettingsError { key: key.to_owned(), value, must_be })
 }
 
 impl ProcessSettings {
@@ -180,56 +221,40 @@ impl ProcessSettings {
     /// # Errors
     /// Names the first key out of range and what would be right.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let positive = |key: &str, value: f64| check(key, value, &Range::POSITIVE, false);
-        let not_negative = |key: &str, value: f64| check(key, value, &Range::NOT_NEGATIVE, false);
-        self.force.validate()?;
-        positive("material.youngs_modulus_n_per_mm2", self.material.youngs_modulus_n_per_mm2)?;
-        let poisson = Range { low: 0.0, open_low: false, high: 0.5 };
-        check("material.poisson_ratio", self.material.poisson_ratio, &poisson, false)?;
-        check("support.chuck_n_per_um", self.support.chuck_n_per_um, &Range::POSITIVE, true)?;
-        let tilt = self.support.chuck_tilt_nm_per_mrad;
-        check("support.chuck_tilt_nm_per_mrad", tilt, &Range::POSITIVE, true)?;
-        check("support.tailstock_n_per_um", self.support.tailstock_n_per_um, &Range::NOT_NEGATIVE, true)?;
-        not_negative("texture.rms_um", self.texture.rms_um)?;
-        let along = Range { low: 0.2, open_low: false, high: 1000.0 };
-        check("texture.correlation_z_mm", self.texture.correlation_z_mm, &along, false)?;
-        let around = Range { low: 0.5, open_low: false, high: 60.0 };
-        check("texture.correlation_deg", self.texture.correlation_deg, &around, false)?;
-        not_negative("texture.lobe_um", self.texture.lobe_um)?;
-        let node = Range { low: 0.01, open_low: false, high: 50.0 };
-        check("pass.node_mm", self.pass.node_mm, &node, false)?;
-        not_negative("pass.minimum_chip_mm", self.pass.minimum_chip_mm)
+        let material = self.material.resolve()?;
+        self.force.validate(&material)?;
+        Range::POSITIVE.check("tool.nose_radius_mm", self.tool.nose_radius_mm)?;
+        Range::between(15.0, 90.0).check("tool.lead_angle_deg", self.tool.lead_angle_deg)?;
+        self.support.validate()?;
+        self.texture.validate()?;
+        Range::between(0.01, 50.0).check("pass.node_mm", self.pass.node_mm)?;
+        Range::NOT_NEGATIVE.check("pass.minimum_chip_mm", self.pass.minimum_chip_mm)?;
+        self.disturbance.validate()
     }
 }
 
 impl SupportSettings {
-    /// The ends as the beam needs them.
-    pub fn supports(&self) -> Supports {
-        // 1 N/µm = 1e3 N/mm; 1 N·m/mrad = 1e6 N·mm/rad.
-        Supports {
-            chuck: Part::clamped(1e-3 / self.chuck_n_per_um, 1e-6 / self.chuck_tilt_nm_per_mrad),
-            tailstock: Part::hinged(1e-3 / self.tailstock_n_per_um),
-            steady_rests: Vec::new(),
+    fn validate(&self) -> Result<(), SettingsError> {
+        let stiff = Range::POSITIVE.or_infinite();
+        stiff.check("support.chuck_n_per_um", self.chuck_n_per_um)?;
+        stiff.check("support.chuck_tilt_nm_per_mrad", self.chuck_tilt_nm_per_mrad)?;
+        Range::NOT_NEGATIVE.or_infinite().check("support.tailstock_n_per_um", self.tailstock_n_per_um)?;
+        Range::NOT_NEGATIVE.check("support.tailstock_thrust_n", self.tailstock_thrust_n)?;
+        for (index, rest) in self.steady_rests.iter().enumerate() {
+            let key = |name: &str| format!("support.steady_rests[{index}].{name}");
+            stiff.check(&key("stiffness_n_per_um"), rest.stiffness_n_per_um)?;
+            Range::POSITIVE.check(&key("z_mm"), rest.z_mm)?;
         }
+        Ok(())
     }
 }
 
-impl ForceLaw {
+impl TextureSettings {
     fn validate(&self) -> Result<(), SettingsError> {
-        match self {
-            Self::Power(law) => law.validate(),
-        }
-    }
-}
-
-impl PowerLaw {
-    fn validate(&self) -> Result<(), SettingsError> {
-        check("force.power.coefficient_n", self.coefficient_n, &Range::POSITIVE, false)?;
-        let falling = Range { low: 0.0, open_low: true, high: 2.0 };
-        check("force.power.depth_exponent", self.depth_exponent, &falling, false)?;
-        let either = Range { low: -3.0, open_low: false, high: 3.0 };
-        check("force.power.feed_exponent", self.feed_exponent, &either, false)?;
-        check("force.power.speed_exponent", self.speed_exponent, &either, false)
+        Range::NOT_NEGATIVE.check("texture.rms_um", self.rms_um)?;
+        Range::between(0.2, 1000.0).check("texture.correlation_z_mm", self.correlation_z_mm)?;
+        Range::between(0.5, 60.0).check("texture.correlation_deg", self.correlation_deg)?;
+        Range::NOT_NEGATIVE.check("texture.lobe_um", self.lobe_um)
     }
 }
 
@@ -247,10 +272,23 @@ mod tests {
         let mut settings = ProcessSettings::default();
         settings.support.chuck_n_per_um = -1.0;
         let text = settings.validate().unwrap_err().to_string();
-        assert!(text.contains("process.support.chuck_n_per_um"), "{text}");
+        assert!(text.contains("process.support.chuck_n_per_um = -1"), "{text}");
         assert!(text.contains("above 0 or inf"), "{text}");
         settings.support.chuck_n_per_um = f64::NAN;
         assert!(settings.validate().is_err());
+    }
+
+    #[test]
+    fn a_material_without_data_is_named() {
+        let mut settings = ProcessSettings::default();
+        settings.material.name = "unobtainium".to_owned();
+        let text = settings.validate().unwrap_err().to_string();
+        assert!(text.contains("unobtainium") && text.contains("42CrMo4"), "{text}");
+        settings.material.name = "EN AW-6082".to_owned();
+        assert_eq!(settings.validate(), Ok(()));
+        settings.force = ForceLaw::Kienzle(super::super::kienzle::KienzleLaw::default());
+        let text = settings.validate().unwrap_err().to_string();
+        assert!(text.contains("force.kienzle.kc11_n_per_mm2") && text.contains("EN AW-6082"), "{text}");
     }
 
     #[test]

@@ -5,29 +5,15 @@
 //! smoothed by a Gaussian of standard deviation s is exp(-τ²/4s²), which is 1/e at τ = 2s.
 
 use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64;
 
+use super::random::{Stream, generator, smoothing_kernel};
 use super::settings::TextureSettings;
 use crate::shaft::{Lobe, SurfaceTexture};
 
 /// Grid nodes in a correlation length: bilinear interpolation needs at least two.
 const NODES_PER_CORRELATION: f64 = 2.5;
-/// Half width of the smoothing kernel in standard deviations: 1e-3 of the peak.
-const KERNEL_REACH: f64 = 3.7;
-
-/// What a stream of random numbers is for; keeps streams of one seed apart.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Stream {
-    /// Heights of the surface.
-    Texture = 1,
-    /// Small lobes.
-    Lobes = 2,
-}
-
-/// The generator of a (seed, purpose, pass).
-pub(super) fn generator(seed: u64, stream: Stream, pass: u32) -> Pcg64 {
-    Pcg64::new(u128::from(seed), (stream as u128) << 32 | u128::from(pass))
-}
+/// Nodes in a feed mark, where feed marks are drawn.
+const NODES_PER_FEED: f64 = 8.0;
 
 /// Heights over a shaft of `length_mm`; `None` for a smooth surface.
 pub(super) fn surface(
@@ -42,8 +28,8 @@ pub(super) fn surface(
     let rows = (length_mm * NODES_PER_CORRELATION / settings.correlation_z_mm).ceil() as usize + 1;
     let step_mm = length_mm / (rows - 1) as f64;
     let nodes_theta = (360.0 * NODES_PER_CORRELATION / settings.correlation_deg).ceil() as usize;
-    let kernel_z = kernel(0.5 * settings.correlation_z_mm / step_mm);
-    let kernel_theta = kernel(0.5 * settings.correlation_deg * nodes_theta as f64 / 360.0);
+    let kernel_z = kernel_f32(0.5 * settings.correlation_z_mm / step_mm);
+    let kernel_theta = kernel_f32(0.5 * settings.correlation_deg * nodes_theta as f64 / 360.0);
     let margin = kernel_z.len() / 2;
     let mut random = generator(seed, Stream::Texture, pass);
     let noise: Vec<f32> =
@@ -56,12 +42,40 @@ pub(super) fn surface(
     Some(SurfaceTexture { z0_mm: 0.0, step_mm, nodes_theta, height_mm })
 }
 
-/// Gaussian weights whose squares add up to one, so that white noise keeps its variance.
-fn kernel(sd_nodes: f64) -> Vec<f32> {
-    let reach = (KERNEL_REACH * sd_nodes).ceil() as i32;
-    let raw: Vec<f64> = (-reach..=reach).map(|i| (-0.5 * (f64::from(i) / sd_nodes).powi(2)).exp()).collect();
-    let norm = raw.iter().map(|w| w * w).sum::<f64>().sqrt();
-    raw.iter().map(|w| (w / norm) as f32).collect()
+fn kernel_f32(sd_nodes: f64) -> Vec<f32> {
+    smoothing_kernel(sd_nodes).iter().map(|w| *w as f32).collect()
+}
+
+/// The same surface with the helix that a tool of nose radius r leaves at a feed f: heights s²/2r, s the distance
+/// along z from the middle of the mark, f²/8r at the crests. The valleys lie on the radius that was cut.
+pub(super) fn with_feed_marks(
+    surface: Option<&SurfaceTexture>,
+    length_mm: f64,
+    feed_mm: f64,
+    nose_radius_mm: f64,
+) -> SurfaceTexture {
+    let nodes_theta = surface.map_or(120, |s| s.nodes_theta);
+    let rows = (length_mm * NODES_PER_FEED / feed_mm).ceil() as usize + 1;
+    let step_mm = length_mm / (rows - 1) as f64;
+    let mark = |z_mm: f64, j: usize| {
+        let turns = z_mm / feed_mm + j as f64 / nodes_theta as f64;
+        let s = feed_mm * (turns - turns.round());
+        (s * s / (2.0 * nose_radius_mm)) as f32
+    };
+    let rough = |z_mm: f64, j: usize| surface.map_or(0.0, |s| along(s, z_mm, j));
+    let height = |z_mm: f64| (0..nodes_theta).map(move |j| mark(z_mm, j) + rough(z_mm, j));
+    let height_mm = (0..rows).flat_map(|row| height(row as f64 * step_mm)).collect();
+    SurfaceTexture { z0_mm: 0.0, step_mm, nodes_theta, height_mm }
+}
+
+/// Height between two rows of nodes.
+fn along(surface: &SurfaceTexture, z_mm: f64, j: usize) -> f32 {
+    let rows = surface.height_mm.len() / surface.nodes_theta;
+    let position = (z_mm - surface.z0_mm) / surface.step_mm;
+    let row = (position as usize).min(rows.saturating_sub(2));
+    let at = |row: usize| surface.height_mm.get(row * surface.nodes_theta + j).copied().unwrap_or(0.0);
+    let share = (position - row as f64) as f32;
+    at(row) + share * (at(row + 1) - at(row))
 }
 
 /// One row, smoothed around the circumference.

@@ -1,17 +1,18 @@
 //! One turning pass: what the tool was told against what it left behind.
 //!
-//! The tool is commanded to the diameter b(z) and travels from tailstock to chuck, so that the shaft is already
-//! thin behind it and still thick ahead. At every node the depth really cut a = (D_before - D)/2 solves
-//! a + w·F(a) = (D_before - b)/2 with the compliance w of the half-cut shaft, and D = b + 2·w·F(a). Errors of the
-//! diameter before therefore show again in the diameter after (error copying), reduced by 1/(1 + w·dF/da).
-//! Diameters are those of the unloaded shaft.
+//! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin behind it and still
+//! thick ahead. At every node the depth really cut a = (D_before - D)/2 solves a + w·F(a) = (D_before - b)/2 with
+//! the compliance w of the half-cut shaft, and D = b + 2·w·F(a). Errors of the diameter before therefore show again
+//! in the diameter after (error copying), reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b.
+//! Diameters are those of the unloaded shaft at 20 °C.
 
 use thiserror::Error;
 
-use super::beam::{Part, Supports, compliance_at_joint, left_parts};
-use super::force::DepthLaw;
+use super::check::SettingsError;
+use super::cut::{Cut, CutSummary};
+use super::material::Material;
 use super::section::Section;
-use super::settings::{ProcessSettings, SettingsError};
+use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
 use super::texture;
 use crate::plan::PassPlan;
 use crate::shaft::{AxisKnot, Eccentricity, Lobe, Pose, ProfileKnot, Shaft};
@@ -43,8 +44,9 @@ pub enum ProcessError {
     },
     /// The edge would rub instead of cutting; the force law does not hold there.
     #[error(
-        "pass {pass} would cut only {depth_mm:.4} mm deep at z = {z_mm:.1} mm, below the minimum chip of {minimum_chip_mm} mm: \
-         leave more stock or lower process.pass.minimum_chip_mm"
+        "pass {pass} would cut only {depth_mm:.4} mm deep at z = {z_mm:.1} mm (set {set_mm:.4} mm deep, the rest is \
+         deflection), below the minimum chip of {minimum_chip_mm} mm: leave more stock, support the shaft, or lower \
+         process.pass.minimum_chip_mm"
     )]
     BelowMinimumChip {
         /// Number of the pass.
@@ -53,8 +55,25 @@ pub enum ProcessError {
         z_mm: f64,
         /// Depth that would be cut, mm.
         depth_mm: f64,
+        /// Depth that was set, mm.
+        set_mm: f64,
         /// The limit, mm.
         minimum_chip_mm: f64,
+    },
+    /// Tailstock thrust and feed force exceed what the shaft carries.
+    #[error(
+        "the shaft would buckle in pass {pass}: {axial_n:.0} N of tailstock thrust and feed force against {critical_n:.0} N \
+         (Euler, clamped and hinged, Ø{diameter_mm:.3} mm); lower process.support.tailstock_thrust_n or turn it shorter"
+    )]
+    Buckling {
+        /// Number of the pass.
+        pass: u32,
+        /// Axial load, N.
+        axial_n: f64,
+        /// Euler's load, N.
+        critical_n: f64,
+        /// The thinnest diameter, mm.
+        diameter_mm: f64,
     },
 }
 
@@ -70,7 +89,7 @@ pub struct Stock {
 /// Form that stays with the workpiece and its clamping through all passes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BaseForm {
-    /// Lobing that every pass leaves (spindle error, three-jaw clamping).
+    /// Lobing that every pass leaves (three-jaw clamping).
     pub lobes: Vec<Lobe>,
     /// Offset of the body from the axis of rotation.
     pub eccentricity: Eccentricity,
@@ -80,34 +99,24 @@ pub struct BaseForm {
     pub pose: Pose,
 }
 
-/// What the cut of a pass looked like.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutSummary {
-    /// Number of the pass.
-    pub pass: u32,
-    /// Smallest depth really cut, mm.
-    pub min_depth_mm: f64,
-    /// Largest depth really cut, mm.
-    pub max_depth_mm: f64,
-    /// Largest radial force, N.
-    pub max_force_n: f64,
-    /// Largest radial deflection at the tool, mm.
-    pub max_deflection_mm: f64,
-}
-
 /// A workpiece in the machine, pass after pass.
 #[derive(Clone, Debug)]
 pub struct TurningProcess {
     settings: ProcessSettings,
+    material: Material,
     form: BaseForm,
     seed: u64,
     step_mm: f64,
     diameter_mm: Vec<f64>,
+    force_factor: f64,
+    cuts: u32,
+    /// Recession of the edge when the next pass starts, mm (radial).
+    wear_mm: f64,
     last_cut: Option<CutSummary>,
 }
 
 impl TurningProcess {
-    /// Clamps a blank. `seed` alone (with the number of the pass) decides every random feature of the surface.
+    /// Clamps a blank. `seed` alone (with the number of the pass) decides every random feature.
     ///
     /// # Errors
     /// Refuses settings out of range and a blank without extent.
@@ -123,13 +132,27 @@ impl TurningProcess {
         if !extent(diameter_mm) || !extent(length_mm) {
             return Err(ProcessError::Stock { diameter_mm, length_mm });
         }
+        for (index, rest) in settings.support.steady_rests.iter().enumerate() {
+            if rest.z_mm >= length_mm {
+                let key = format!("support.steady_rests[{index}].z_mm");
+                return Err(
+                    SettingsError::at(key, rest.z_mm, format!("below the length of {length_mm} mm")).into()
+                );
+            }
+        }
         let elements = (length_mm / settings.pass.node_mm).round().clamp(2.0, 1e6) as usize;
+        let step_mm = length_mm / elements as f64;
+        let form_mm = settings.disturbance.stock_form_mm(seed, elements + 1, step_mm);
         Ok(Self {
             settings: settings.clone(),
+            material: settings.material.resolve()?,
             form: form.clone(),
             seed,
-            step_mm: length_mm / elements as f64,
-            diameter_mm: vec![diameter_mm; elements + 1],
+            step_mm,
+            diameter_mm: form_mm.iter().map(|form| diameter_mm + form).collect(),
+            force_factor: settings.disturbance.force_factor(seed),
+            cuts: 0,
+            wear_mm: 0.0,
             last_cut: None,
         })
     }
@@ -149,65 +172,166 @@ impl TurningProcess {
         self.last_cut.as_ref()
     }
 
-    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before.
+    /// Puts a fresh edge into the holder.
+    pub fn change_insert(&mut self) {
+        self.wear_mm = 0.0;
+    }
+
+    /// Clamps the next blank of a batch: edge and machine stay as they are, the blank's form and force are drawn anew.
     ///
     /// # Errors
-    /// A plan that contradicts itself, and a depth of cut below the minimum chip.
+    /// As [`Self::new`].
+    pub fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
+        let fresh = Self::new(&self.settings, stock, &self.form, seed)?;
+        Ok(Self { cuts: self.cuts, wear_mm: self.wear_mm, ..fresh })
+    }
+
+    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What the first pass used
+    /// outside its range is logged as a warning.
+    ///
+    /// # Errors
+    /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
     pub fn cut(&mut self, plan: &PassPlan) -> Result<Shaft, ProcessError> {
+        let first = self.cuts == 0;
+        let summary = self.cut_profile(plan)?;
+        if first {
+            summary.notes.iter().for_each(|note| tracing::warn!(pass = plan.pass, "{note}"));
+        }
+        Ok(self.shaft(plan))
+    }
+
+    /// As [`Self::cut`], without drawing the surface: [`Self::diameter_mm`] holds the result.
+    ///
+    /// # Errors
+    /// As [`Self::cut`].
+    pub fn cut_profile(&mut self, plan: &PassPlan) -> Result<&CutSummary, ProcessError> {
         check_plan(plan)?;
+        let law = self.settings.force.at(&plan.cutting, &self.settings.tool, &self.material);
+        let law = law.scaled(self.force_factor);
+        let heat = self.heat_growth();
+        let before: Vec<f64> = self.diameter_mm.iter().zip(&heat).map(|(d, h)| d * h).collect();
         let commanded = self.tool_path(plan);
-        let law = self.settings.force.at(&plan.cutting);
         let cut = Cut {
-            before: &self.diameter_mm,
+            before: &before,
             commanded: &commanded,
             law,
             step_mm: self.step_mm,
-            settings: &self.settings,
+            supports: self.settings.support.supports(),
+            material: &self.material,
         };
-        let (diameter, summary) = cut.run(plan.pass);
-        self.check_chip(plan.pass, &diameter)?;
-        self.diameter_mm = diameter;
-        self.last_cut = Some(summary);
-        Ok(self.shaft(plan.pass))
+        let (mut after, mut summary) = match self.settings.pass.feed_direction {
+            FeedDirection::TowardsChuck => cut.towards_first(),
+            FeedDirection::TowardsTailstock => cut.towards_last(),
+        };
+        self.check_chip(plan.pass, &before, &commanded, &after, &mut summary)?;
+        self.check_buckling(plan.pass, &after, law.components(summary.max_depth_mm).feed_n)?;
+        after.iter_mut().zip(&heat).for_each(|(d, h)| *d /= h);
+        summary.pass = plan.pass;
+        summary.feed_mark_um =
+            1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
+        let depths = [summary.min_depth_mm, summary.max_depth_mm];
+        summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths, &self.settings.tool));
+        self.diameter_mm = after;
+        self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
+        self.cuts += 1;
+        Ok(self.last_cut.insert(summary))
     }
 
-    /// Commanded diameter at every node: linear between station middles, the end pieces continued.
+    /// Share of the pass that is cut when the tool reaches z.
+    fn share_cut(&self, z_mm: f64) -> f64 {
+        let share = z_mm / (self.step_mm * (self.diameter_mm.len() - 1) as f64);
+        match self.settings.pass.feed_direction {
+            FeedDirection::TowardsChuck => 1.0 - share,
+            FeedDirection::TowardsTailstock => share,
+        }
+    }
+
+    /// Growth of the workpiece by its temperature while it is cut, at every node.
+    fn heat_growth(&self) -> Vec<f64> {
+        let d = &self.settings.disturbance;
+        let rise = |z| d.heat_start_k + (d.heat_end_k - d.heat_start_k) * self.share_cut(z);
+        self.node_z_mm().map(|z| 1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise(z)).collect()
+    }
+
+    /// Diameter that the edge stands at: the command, linear between station middles with the end pieces continued,
+    /// displaced by wear, guideway, drift and scatter.
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
+        let d = &self.settings.disturbance;
         let stations: Vec<f64> = plan.commanded_mm().collect();
+        let common = d.common_mm(self.seed, plan.pass, self.cuts);
         let mut upper = 1;
         self.node_z_mm()
             .map(|z| {
                 while upper + 1 < stations.len() && plan.station_z_mm[upper] < z {
                     upper += 1;
                 }
-                linear(&plan.station_z_mm, &stations, upper, z)
+                let wear = self.wear_mm + 1e-3 * d.wear_um_per_pass * self.share_cut(z);
+                let away = wear + d.guideway_mm(z);
+                linear(&plan.station_z_mm, &stations, upper, z) + common + 2.0 * away
             })
             .collect()
     }
 
-    fn check_chip(&self, pass: u32, after: &[f64]) -> Result<(), ProcessError> {
+    fn check_chip(
+        &self,
+        pass: u32,
+        before: &[f64],
+        commanded: &[f64],
+        after: &[f64],
+        summary: &mut CutSummary,
+    ) -> Result<(), ProcessError> {
         let minimum_chip_mm = self.settings.pass.minimum_chip_mm;
-        let depths = self.diameter_mm.iter().zip(after).map(|(before, after)| 0.5 * (before - after));
-        let least = self.node_z_mm().zip(depths).min_by(|a, b| a.1.total_cmp(&b.1));
-        match least {
-            Some((z_mm, depth_mm)) if depth_mm < minimum_chip_mm => {
-                Err(ProcessError::BelowMinimumChip { pass, z_mm, depth_mm, minimum_chip_mm })
-            }
-            _ => Ok(()),
+        let depth = |node: usize| 0.5 * (before[node] - after[node]);
+        let least = (0..after.len()).min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+        let Some(node) = least.filter(|node| depth(*node) < minimum_chip_mm) else {
+            return Ok(());
+        };
+        let (z_mm, depth_mm) = (node as f64 * self.step_mm, depth(node));
+        if self.settings.pass.below_minimum_chip == BelowMinimumChip::Extrapolate {
+            summary.notes.push(format!(
+                "depth of cut down to {depth_mm:.4} mm at z = {z_mm:.1} mm, below the minimum chip of {minimum_chip_mm} mm: \
+                 the edge may rub there"
+            ));
+            return Ok(());
         }
+        let set_mm = 0.5 * (before[node] - commanded[node]);
+        Err(ProcessError::BelowMinimumChip { pass, z_mm, depth_mm, set_mm, minimum_chip_mm })
     }
 
-    /// The workpiece with the surface that pass `pass` leaves.
-    fn shaft(&self, pass: u32) -> Shaft {
-        let texture = &self.settings.texture;
+    /// Euler's load of the thinnest diameter over the whole length, clamped and hinged: 2.0457·π²·EI/L².
+    fn check_buckling(&self, pass: u32, after: &[f64], feed_n: f64) -> Result<(), ProcessError> {
+        let support = &self.settings.support;
+        if support.tailstock_n_per_um == 0.0 {
+            return Ok(());
+        }
+        let diameter_mm = after.iter().copied().fold(f64::INFINITY, f64::min);
+        let length = self.step_mm * (after.len() - 1) as f64;
+        let bending = Section::circular(diameter_mm, &self.material).bending_n_mm2;
+        let critical_n = 2.0457 * std::f64::consts::PI.powi(2) * bending / (length * length);
+        let axial_n = support.tailstock_thrust_n + feed_n;
+        if axial_n < critical_n {
+            return Ok(());
+        }
+        Err(ProcessError::Buckling { pass, axial_n, critical_n, diameter_mm })
+    }
+
+    /// The workpiece with the surface that the pass leaves.
+    fn shaft(&self, plan: &PassPlan) -> Shaft {
+        let settings = &self.settings.texture;
         let length_mm = self.step_mm * (self.diameter_mm.len() - 1) as f64;
         let mut lobes = self.form.lobes.clone();
-        lobes.extend(texture::small_lobes(texture, self.seed, pass));
+        lobes.extend_from_slice(&self.settings.disturbance.spindle_lobes);
+        lobes.extend(texture::small_lobes(settings, self.seed, plan.pass));
+        let mut surface = texture::surface(settings, length_mm, self.seed, plan.pass);
+        if settings.feed_marks {
+            let (feed, nose) = (plan.cutting.feed_mm_per_rev, self.settings.tool.nose_radius_mm);
+            surface = Some(texture::with_feed_marks(surface.as_ref(), length_mm, feed, nose));
+        }
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
         Shaft {
             profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
             lobes,
-            texture: texture::surface(texture, length_mm, self.seed, pass),
+            texture: surface,
             eccentricity: self.form.eccentricity,
             bow: self.form.bow.clone(),
             deflection: Vec::new(),
@@ -243,64 +367,5 @@ fn check_plan(plan: &PassPlan) -> Result<(), ProcessError> {
     match data.iter().find(|(_, value)| !value.is_finite() || *value <= 0.0) {
         Some((name, value)) => refuse(format!("a {name} of {value}; it must be above 0")),
         None => Ok(()),
-    }
-}
-
-/// Everything a pass needs; borrowed, so that an error leaves the workpiece alone.
-struct Cut<'a> {
-    before: &'a [f64],
-    commanded: &'a [f64],
-    law: DepthLaw,
-    step_mm: f64,
-    settings: &'a ProcessSettings,
-}
-
-impl Cut<'_> {
-    /// Diameters after the pass.
-    fn run(&self, pass: u32) -> (Vec<f64>, CutSummary) {
-        let supports = self.settings.support.supports();
-        let lefts = self.uncut_left_parts(&supports);
-        let mut right = supports.tailstock;
-        let mut after = self.before.to_vec();
-        let mut summary = CutSummary {
-            pass,
-            min_depth_mm: f64::INFINITY,
-            max_depth_mm: 0.0,
-            max_force_n: 0.0,
-            max_deflection_mm: 0.0,
-        };
-        for node in (0..after.len()).rev() {
-            let behind = after.get(node + 1).copied();
-            let probe = behind.map_or(right, |d| self.extended(right, d));
-            let compliance = compliance_at_joint(&lefts[node], &probe);
-            let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
-            after[node] = self.before[node] - 2.0 * depth;
-            summary.include(depth, self.law.force_n(depth), compliance);
-            if let Some(behind) = behind {
-                right = self.extended(right, 0.5 * (behind + after[node]));
-            }
-            supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
-        }
-        (after, summary)
-    }
-
-    fn extended(&self, mut part: Part, diameter_mm: f64) -> Part {
-        part.extend(self.step_mm, &Section::circular(diameter_mm, &self.settings.material));
-        part
-    }
-
-    fn uncut_left_parts(&self, supports: &Supports) -> Vec<Part> {
-        let element = |pair: &[f64]| Section::circular(0.5 * (pair[0] + pair[1]), &self.settings.material);
-        let sections: Vec<Section> = self.before.windows(2).map(element).collect();
-        left_parts(self.step_mm, &sections, supports)
-    }
-}
-
-impl CutSummary {
-    fn include(&mut self, depth_mm: f64, force_n: f64, compliance_mm_per_n: f64) {
-        self.min_depth_mm = self.min_depth_mm.min(depth_mm);
-        self.max_depth_mm = self.max_depth_mm.max(depth_mm);
-        self.max_force_n = self.max_force_n.max(force_n);
-        self.max_deflection_mm = self.max_deflection_mm.max(force_n * compliance_mm_per_n);
     }
 }

@@ -46,7 +46,11 @@ pub enum RenderError {
 
 impl RenderError {
     /// A setting refused.
-    pub(crate) fn setting(key: &'static str, found: impl ToString, right: impl Into<String>) -> Self {
+    pub(crate) fn setting(
+        key: &'static str,
+        found: &(impl ToString + ?Sized),
+        right: impl Into<String>,
+    ) -> Self {
         Self::Setting { key, found: found.to_string(), right: right.into() }
     }
 }
@@ -56,5 +60,5 @@ pub(crate) fn within(key: &'static str, value: f64, low: f64, high: f64) -> Resu
     if value.is_finite() && (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(RenderError::setting(key, value, format!("must lie in {low} to {high}")))
+    Err(RenderError::setting(key, &value, format!("must lie in {low} to {high}")))
 }

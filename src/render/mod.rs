@@ -1,6 +1,28 @@
 //! Scene, optics and sensor to frames: silhouettes in f64, pixels on the GPU or its CPU twin.
+//!
+//! [`OpticalBench::resolve`] draws the true bench, [`Scene::new`] puts a shaft before it, [`Renderer::render`] takes
+//! a frame. The twin ([`shadowgraph`]) and the shader of the same name are judged by [`reference`].
 
+mod bench;
+pub mod columns;
+pub mod contamination;
 mod error;
+pub mod esf;
+pub mod esf_families;
+pub mod form;
+pub mod gpu;
+pub mod lens;
+pub mod motion;
+pub mod noise;
+pub mod params;
+pub mod reference;
+mod renderer;
+mod scene;
 pub mod settings;
+pub mod shadowgraph;
+pub mod silhouette;
 
+pub use bench::OpticalBench;
 pub use error::RenderError;
+pub use renderer::{BackendChoice, Renderer};
+pub use scene::{FrameRequest, Scene};

@@ -6,4 +6,3 @@ mod run_report;
 mod sample;
 
 pub use run_report::{ReportError, RunPage, RunView, run_report};
-pub use sample::SampleView;

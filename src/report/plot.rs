@@ -71,6 +71,8 @@ pub struct Chart {
     pub log_y: bool,
     /// Limits of y; from the data where absent.
     pub y_range: Option<(f64, f64)>,
+    /// Most labels on the x axis, where fewer than usual are right (whole numbers).
+    pub x_labels: Option<usize>,
 }
 
 impl Chart {
@@ -127,6 +129,7 @@ impl Chart {
             .axis_desc_style(("sans-serif", 14))
             .x_label_formatter(&|v| tidy(*v))
             .y_label_formatter(&|v| tidy(*v))
+            .x_labels(self.x_labels.unwrap_or(11))
             .draw()
             .map_err(|e| e.to_string())
     }

@@ -7,56 +7,56 @@ use image::{GrayImage, ImageFormat};
 
 use super::html::{Page, base64};
 use super::plot::{Chart, Mark, Series};
+use crate::closed_loop::Sample;
 use crate::frame::FrameView;
+use crate::gauge::Edge;
 
 /// Width of the overview picture, px.
 const OVERVIEW_PX: usize = 816;
 /// Columns and rows of the magnified corner around the upper edge.
 const CROP: (usize, usize) = (48, 24);
-/// Columns whose pixels make the edge profile.
+/// About as many columns, spread over the frame, make the edge profile.
 const PROFILE_COLUMNS: usize = 200;
 /// Half width of the edge profile, px.
 const PROFILE_REACH_PX: f64 = 7.0;
 
 /// A frame and its edges per column, rows in px; `None` where there is a gap.
-#[derive(Clone, Copy)]
-pub struct SampleView<'a> {
-    /// Sequence number of the frame.
-    pub frame_id: u64,
-    /// The pixels.
-    pub view: FrameView<'a>,
-    /// Upper edge per column.
-    pub top_px: &'a [Option<f64>],
-    /// Lower edge per column.
-    pub bottom_px: &'a [Option<f64>],
+struct Picture<'a> {
+    view: FrameView<'a>,
+    top_px: Vec<Option<f64>>,
+    bottom_px: Vec<Option<f64>>,
 }
 
 /// Adds the figures to the page; gives the files that go beside it.
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
-pub fn figures(page: &mut Page, sample: &SampleView<'_>) -> Result<Vec<(String, Vec<u8>)>, String> {
+pub fn figures(page: &mut Page, sample: &Sample) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let rows = |line: &[Edge]| line.iter().map(|e| e.is_usable().then_some(e.row_px)).collect();
+    let frame_id = sample.frame.meta.frame_id;
+    let sample = Picture {
+        view: sample.frame.view(),
+        top_px: rows(&sample.edges.top),
+        bottom_px: rows(&sample.edges.bottom),
+    };
     let stretch = Stretch::of(&sample.view);
     let step = sample.view.columns().div_ceil(OVERVIEW_PX).max(1);
     let overview = picture(&sample.view, &stretch, (0, 0), (sample.view.rows(), sample.view.columns()), step);
     let png = encode(&overview)?;
-    let overlay = overview_svg(sample, &png, &overview, step);
+    let overlay = overview_svg(&sample, &png, &overview, step);
     page.heading("A frame and its edges");
-    page.figure(
-        &overlay,
-        &format!("Frame {} of the last pass with both edges of every column.", sample.frame_id),
-    );
-    if let Some((svg, caption)) = magnified(sample, &stretch)? {
+    page.figure(&overlay, "A frame of the last pass with both edges of every column.");
+    if let Some((svg, caption)) = magnified(&sample, &stretch)? {
         page.figure(&svg, &caption);
     }
-    if let Some(chart) = profile(sample) {
+    if let Some(chart) = profile(&sample) {
         page.figure(
             &chart.to_svg()?,
-            "Grey values against their distance from the measured edge, 200 columns of the frame laid over one another: \
+            "Grey values against their distance from the measured edge, about 200 columns of the frame laid over one another: \
              the edge spread sampled far below a pixel. Its width is blur, pixel area and noise.",
         );
     }
-    let name = format!("{:06}", sample.frame_id % 1_000_000);
+    let name = format!("{:04}", frame_id & 0xffff);
     Ok(vec![
         (format!("previews/{name}.png"), png),
         (format!("previews/{name}_edges.svg"), overlay.into_bytes()),
@@ -108,14 +108,14 @@ fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     Ok(bytes.into_inner())
 }
 
-fn overview_svg(sample: &SampleView<'_>, png: &[u8], image: &GrayImage, step: usize) -> String {
+fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize) -> String {
     let (width, height) = image.dimensions();
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\">\
          <image href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
         base64(png)
     );
-    for edge in [sample.top_px, sample.bottom_px] {
+    for edge in [&sample.top_px, &sample.bottom_px] {
         svg += &polyline(edge, step, 0.0, 0.0, 1.0 / step as f64, "#d55e00", 1.2);
     }
     svg + "</svg>"
@@ -147,7 +147,7 @@ fn polyline(
 }
 
 /// A corner of the frame around the upper edge, each pixel seen, with the measured edge in it.
-fn magnified(sample: &SampleView<'_>, stretch: &Stretch) -> Result<Option<(String, String)>, String> {
+fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, String)>, String> {
     const ZOOM: f64 = 17.0;
     let column0 = (sample.view.columns() / 2).saturating_sub(CROP.0 / 2);
     let window = sample.top_px.get(column0..(column0 + CROP.0).min(sample.top_px.len())).unwrap_or_default();
@@ -169,10 +169,10 @@ fn magnified(sample: &SampleView<'_>, stretch: &Stretch) -> Result<Option<(Strin
     Ok(Some((svg + "</svg>", caption)))
 }
 
-fn profile(sample: &SampleView<'_>) -> Option<Chart> {
-    let first = (sample.view.columns() / 2).saturating_sub(PROFILE_COLUMNS / 2);
+fn profile(sample: &Picture<'_>) -> Option<Chart> {
+    let every = (sample.view.columns() / PROFILE_COLUMNS).max(1);
     let mut points = Vec::new();
-    for column in first..(first + PROFILE_COLUMNS).min(sample.top_px.len()) {
+    for column in (0..sample.top_px.len()).step_by(every) {
         let Some(edge) = sample.top_px[column] else { continue };
         let low = (edge - PROFILE_REACH_PX).ceil().max(0.0) as usize;
         let high = (edge + PROFILE_REACH_PX).floor().max(0.0) as usize;

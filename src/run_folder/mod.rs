@@ -138,9 +138,10 @@ impl RunFolder {
         let entries = match std::fs::read_dir(&self.path) {
             Ok(entries) => entries,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(State::Free),
-            Err(e) if e.kind() == io::ErrorKind::NotADirectory => {
+            Err(e) if e.kind() == io::ErrorKind::NotADirectory && self.path.is_file() => {
                 return Ok(State::Other("a file".to_owned()));
             }
+            Err(e) if e.kind() == io::ErrorKind::NotADirectory => return Ok(State::Free),
             Err(cause) => return Err(RunFolderError::Write { path: self.path.clone(), cause }),
         };
         let mut names: Vec<String> = entries

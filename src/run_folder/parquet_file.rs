@@ -135,7 +135,6 @@ fn encode(schema: &str, columns: &[Column]) -> Result<Vec<u8>, parquet::errors::
         target.close()?;
     }
     group.close()?;
-    writer.finish()?;
     writer.into_inner()
 }
 

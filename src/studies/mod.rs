@@ -1,1 +1,8 @@
-//! (room in preparation)
+//! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
+
+pub mod deflection;
+pub mod factor;
+pub mod optimize;
+pub mod reproduce_003;
+pub mod reproduction;
+pub mod stability;

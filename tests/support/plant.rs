@@ -18,18 +18,22 @@ pub struct Plant {
     pub diameter_mm: Vec<f64>,
     /// Factor on the force coefficient.
     pub force: f64,
+    /// Added to the tool's position at a station of the pass, mm of radius.
+    pub shift: Box<dyn FnMut(u32, f64) -> f64>,
 }
 
 impl Plant {
     pub fn new(stations: usize) -> Self {
         let pitch = LENGTH_MM / stations as f64;
         let z_mm = (0..stations).map(|i| (i as f64 + 0.5) * pitch).collect();
-        Self { z_mm, diameter_mm: vec![27.0; stations], force: 1.0 }
+        Self { z_mm, diameter_mm: vec![27.0; stations], force: 1.0, shift: Box::new(|_, _| 0.0) }
     }
 
     /// Cuts a pass; returns e = D - r.
     pub fn cut(&mut self, plan: &PassPlan) -> Vec<f64> {
-        let commanded: Vec<f64> = plan.commanded_mm().collect();
+        let shift = &mut self.shift;
+        let commanded: Vec<f64> =
+            plan.commanded_mm().zip(&self.z_mm).map(|(b, z)| b + 2.0 * shift(plan.pass, *z)).collect();
         for (i, b) in commanded.iter().enumerate() {
             let before = self.diameter_mm[i];
             let w = compliance(self.z_mm[i], 0.5 * (before + b));

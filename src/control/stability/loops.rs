@@ -2,7 +2,7 @@
 
 use super::Polynomial;
 use super::polynomial::UNBOUNDED;
-use crate::control::{OffsetForm, PidSettings};
+use crate::control::{DoubleEwmaSettings, OffsetForm, PidSettings};
 
 /// How errors and offsets of one pass make the error of the next: e(k+1) = α e(k) − g o(k+1) + w.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -64,30 +64,37 @@ impl Transfer {
         }
     }
 
-    /// Largest |e(k)|, 2 ≤ k ≤ passes, from e(1) = 1 and a controller at rest (its derivative sees the step), under
+    /// Errors e(1), e(2), …, e(passes) from e(1) = 1 and a controller at rest (its derivative sees the step), under
     /// the constant disturbance that would hold the error at 1 without control; with no disturbance where the plant
-    /// itself lets errors grow (α ≥ 1). Infinite where it passes 1e12.
-    pub fn peak_error(&self, plant: Plant, gain: f64, passes: usize) -> f64 {
+    /// itself lets errors grow (α ≥ 1). Ends early where they pass 1e12.
+    pub fn response(&self, plant: Plant, gain: f64, passes: usize) -> Vec<f64> {
         let (n, d) = (self.numerator.coefficients(), self.denominator.coefficients());
         let (degree, lead) = (self.denominator.degree(), d.last().copied().unwrap_or(1.0));
         let alpha = plant.alpha(gain);
         let disturbance = (1.0 - alpha).max(0.0);
         let (mut errors, mut outputs) = (vec![1.0_f64], Vec::<f64>::new());
-        let mut peak = 0.0_f64;
-        for k in 0..passes {
+        for k in 0..passes.saturating_sub(1) {
             // Σ_i d_i o(k + i − degree) = Σ_i n_i e(k + i − degree), o counted so that outputs[k] is o(k+1)
             let past = |series: &[f64], i: usize| (k + i).checked_sub(degree).map_or(0.0, |j| series[j]);
             let fed: f64 = n.iter().enumerate().map(|(i, c)| c * past(&errors, i)).sum();
             let kept: f64 = d.iter().take(degree).enumerate().map(|(i, c)| c * past(&outputs, i)).sum();
             outputs.push((fed - kept) / lead);
             let next = alpha * errors[k] - gain * outputs[k] + disturbance;
-            peak = peak.max(next.abs());
-            if peak > UNBOUNDED || peak.is_nan() {
-                return f64::INFINITY;
-            }
             errors.push(next);
+            if next.abs() > UNBOUNDED || next.is_nan() {
+                break;
+            }
         }
-        peak
+        errors
+    }
+
+    /// Largest |e(k)|, k ≥ 2, of the response; infinite where it passes 1e12.
+    pub fn peak_error(&self, plant: Plant, gain: f64, passes: usize) -> f64 {
+        let response = self.response(plant, gain, passes);
+        if response.len() < passes {
+            return f64::INFINITY;
+        }
+        response.iter().skip(1).fold(0.0, |peak, e| e.abs().max(peak))
     }
 }
 
@@ -110,8 +117,24 @@ pub fn pid_transfer(settings: &PidSettings) -> Transfer {
     }
 }
 
-/// Integral action of weight λ/b̂ a pass: o(k+1) = o(k) + (λ/b̂) e(k). Run-to-run EWMA, and the least-squares
-/// controller within the space of its shapes.
-pub fn ewma_transfer(weight: f64) -> Transfer {
+/// Integral action of weight w a pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂), iterative learning without
+/// filter (w = L), and the least-squares controller within the space of its shapes (w its gain).
+pub fn integral_transfer(weight: f64) -> Transfer {
     Transfer { numerator: Polynomial::new([0.0, weight]), denominator: Polynomial::new([-1.0, 1.0]) }
+}
+
+/// Double EWMA: eliminating level and trend from its recurrences leaves
+/// o(k+1)/e(k) = q [(λ₁ + λ₂)(q − 1) + λ₁λ₂]/[b̂ (q − 1)²].
+pub fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
+    let (l1, l2) = (settings.level_weight, settings.trend_weight);
+    let numerator = Polynomial::new([0.0, l1 * l2 - l1 - l2, l1 + l2]).scaled(settings.gain_estimate.recip());
+    Transfer { numerator, denominator: Polynomial::new([1.0, -2.0, 1.0]) }
+}
+
+/// Model-based control near the depth planned: it commands what it predicts to be copied, (1 − ĝ)/ĝ of the error, and
+/// adds K/ĝ of what it did not foresee. With ĝ = g and error copying the poles are 0 and 1 − K.
+pub fn model_transfer(gain_estimate: f64, filter_gain: f64) -> Transfer {
+    let copied = (1.0 - gain_estimate) / gain_estimate;
+    let numerator = Polynomial::new([-copied, copied + filter_gain / gain_estimate]);
+    Transfer { numerator, denominator: Polynomial::new([-1.0, 1.0]) }
 }

@@ -13,10 +13,12 @@
 //! (q − α) D(q) + g N(q). Stable: every pole inside the unit circle (checked by eigenvalues of the companion matrix
 //! and, by itself, by Jury's table).
 
+mod iteration;
 mod loops;
 mod polynomial;
 
-pub use loops::{Plant, Transfer, ewma_transfer, pid_transfer};
+pub use iteration::{IterationReport, iteration, whittaker};
+pub use loops::{Plant, Transfer, double_ewma_transfer, integral_transfer, model_transfer, pid_transfer};
 pub use polynomial::Polynomial;
 
 /// Plant gains that are looked at for the limits.

@@ -1,0 +1,193 @@
+// A shadowgraph: Gaussian (or tabulated) edges integrated over the pixel, levels, sensor noise, quantisation.
+//
+// `fill` writes bright field and shadow everywhere, `band` overwrites the rows that an edge touches, `constant`
+// writes one value: the floor that full frames are compared with. Pixels are packed 4, 2 or 1 to a 32-bit word
+// (8-bit counts, 16-bit counts, f32 counts). The CPU twin is src/render/shadowgraph.rs: same names, same order.
+
+override pixels_per_word: u32 = 2u;
+
+struct Params {
+    rows: u32,
+    columns: u32,
+    words: u32,
+    nodes: u32,
+    row0: u32,
+    column0: u32,
+    band_rows: u32,
+    esf_segments: u32,
+    esf_reach: f32,
+    esf_per_unit: f32,
+    shadow: f32,
+    contrast: f32,
+    black: f32,
+    electrons_per_count: f32,
+    read_variance: f32,
+    noise: f32,
+    flat_bright: vec4<f32>,
+    flat_shadow: vec4<f32>,
+    full_scale: f32,
+    overlap: u32,
+    padding0: f32,
+    padding1: f32,
+}
+
+struct Edge {
+    whole: i32,
+    part: f32,
+    across: f32,
+    along: f32,
+}
+
+struct Column {
+    top: Edge,
+    bottom: Edge,
+}
+
+struct Node {
+    along: f32,
+    down: f32,
+    weight: f32,
+    padding: f32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> columns: array<Column>;
+@group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
+@group(0) @binding(3) var<storage, read> row_keys: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> esf: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> quadrature: array<Node>;
+@group(0) @binding(6) var<storage, read_write> image: array<u32>;
+
+// 32 random bits of a pixel.
+fn hash(key: vec2<u32>, column: u32) -> u32 {
+    var x = (column * 0x9e3779b9u) ^ key.x;
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = x + key.y;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
+}
+
+// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is bent.
+fn standard_normal(bits: u32) -> f32 {
+    let v = i32(bits >> 16u) + i32(bits & 0xffffu) - 65535;
+    let x = f32(v) * 1.52587890625e-5;
+    let u = 1.0 - abs(x);
+    let p = 5.0540056 + u * (917.0068 + u * (9288.955 + u * (-1999.6582 + u * 4506.544)));
+    let q = 1.0 + u * (246.3685 + u * (3911.3911 + u * 986.76636));
+    return x * (p / q);
+}
+
+// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
+fn shaped(mean: f32) -> vec4<f32> {
+    let electrons = max((mean - params.black) * params.electrons_per_count, 0.0);
+    let variance = max(params.read_variance + electrons, 1e-6);
+    let sd = params.noise * sqrt(variance) / params.electrons_per_count;
+    let ratio = electrons / variance;
+    let kurtosis = ratio / variance;
+    let skew2 = ratio * kurtosis;
+    let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
+    let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.1388888888888889);
+    let k3 = sd * (kurtosis * 0.041666666666666664 - skew2 * 0.05555555555555555);
+    return vec4<f32>(mean - k2, k1, k2, k3);
+}
+
+fn sample(k: vec4<f32>, z: f32) -> f32 {
+    return k.x + z * (k.y + z * (k.z + z * k.w));
+}
+
+// Counts as bits: rounded half to even by adding 2^23 for integers, untouched for f32.
+fn quantise(counts: f32) -> u32 {
+    if (pixels_per_word == 1u) {
+        return bitcast<u32>(counts);
+    }
+    return bitcast<u32>(clamp(counts, 0.0, params.full_scale) + 8388608.0) & 0x7fffffu;
+}
+
+// Share of the light at u, by the tabulated edge-spread function.
+fn edge_spread(u: f32) -> f32 {
+    let place = clamp((u + params.esf_reach) * params.esf_per_unit, 0.0, f32(params.esf_segments));
+    let segment = min(u32(place), params.esf_segments - 1u);
+    let t = place - f32(segment);
+    let c = esf[segment];
+    return c.x + t * (c.y + t * (c.z + t * c.w));
+}
+
+// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
+fn transmitted(edge: Edge, row: i32) -> f32 {
+    let centre = ((f32(row - edge.whole)) - edge.part) * edge.across;
+    var sum = 0.0;
+    for (var i = 0u; i < params.nodes; i++) {
+        let node = quadrature[i];
+        sum = sum + node.weight * edge_spread((centre + node.down * edge.across) + node.along * edge.along);
+    }
+    return sum;
+}
+
+// A pixel far from the edges; the band overwrites what is near.
+fn flat_pixel(k: vec4<f32>, column: u32, key: vec2<u32>) -> u32 {
+    return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
+}
+
+// A pixel near an edge; the other edge adds light only where the two bands overlap.
+fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
+    let c = columns[min(column, params.columns - 1u)];
+    var near = c.top;
+    var other = c.bottom;
+    if (lower) {
+        near = c.bottom;
+        other = c.top;
+    }
+    var light = transmitted(near, row);
+    if (params.overlap != 0u) {
+        light = light + transmitted(other, row);
+    }
+    let k = shaped(params.shadow + params.contrast * light);
+    return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let x = group.x * 64u + local;
+    if (x >= params.words) {
+        return;
+    }
+    let key = row_keys[group.y];
+    let start = band_start[x];
+    let row = i32(group.y);
+    let inside = row >= start.x && row < start.y + i32(params.band_rows);
+    let k = select(params.flat_bright, params.flat_shadow, inside);
+    let column = x * pixels_per_word;
+    var word = 0u;
+    for (var i = 0u; i < pixels_per_word; i++) {
+        word = word | (flat_pixel(k, column + i, key) << (i * (32u / pixels_per_word)));
+    }
+    image[group.y * params.words + x] = word;
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn band(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= params.words || id.y >= 2u * params.band_rows) {
+        return;
+    }
+    let lower = id.y >= params.band_rows;
+    let first = select(band_start[id.x].x, band_start[id.x].y, lower);
+    let row = first + i32(id.y) - select(0, i32(params.band_rows), lower);
+    if (row < 0 || row >= i32(params.rows)) {
+        return;
+    }
+    let key = row_keys[row];
+    let column = id.x * pixels_per_word;
+    var word = 0u;
+    for (var i = 0u; i < pixels_per_word; i++) {
+        word = word | (edge_pixel(row, column + i, key, lower) << (i * (32u / pixels_per_word)));
+    }
+    image[u32(row) * params.words + id.x] = word;
+}
+
+@compute @workgroup_size(64, 1, 1)
+fn constant(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= params.words || id.y >= params.rows) {
+        return;
+    }
+    image[id.y * params.words + id.x] = params.words;
+}

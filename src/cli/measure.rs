@@ -1,0 +1,302 @@
+//! `shadowgauge measure`: edges and diameters of frames in files.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::{CommandResult, Failure, Outcome};
+use crate::frame::{Frame, FrameView};
+use crate::gauge::{
+    Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
+    largest_caliper,
+};
+use crate::profile::Reason;
+use crate::source::{FileFrames, list_images};
+
+/// Arguments of `shadowgauge measure`.
+#[derive(Debug, clap::Args)]
+pub struct MeasureArgs {
+    /// Images or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order.
+    #[arg(required = true)]
+    input: Vec<PathBuf>,
+    /// Scale, µm per pixel, when there is no calibration.
+    #[arg(long, value_name = "S", conflicts_with = "calibration", value_parser = positive)]
+    um_per_px: Option<f64>,
+    /// Calibration file (JSON) with scale, edge offset and their uncertainty.
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+    /// Writes both edges of every column to this CSV file.
+    #[arg(long, value_name = "FILE.csv")]
+    edges: Option<PathBuf>,
+    /// Prints JSON.
+    #[arg(long)]
+    json: bool,
+    /// The shaft's axis stands upright in the images.
+    #[arg(long)]
+    vertical: bool,
+    /// The part is lit before a dark ground.
+    #[arg(long)]
+    bright_on_dark: bool,
+    /// Threads (default: all cores).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Measures N frames from memory, cycling through those given, and reports the time.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    bench: Option<u32>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a scale above 0 in µm per pixel is needed, for instance 17.4".to_owned()),
+    }
+}
+
+/// One frame's result.
+struct Measured {
+    stem: String,
+    columns: usize,
+    result: Result<FrameEdges, (Reason, String)>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be measured (3).
+pub fn run(args: &MeasureArgs) -> CommandResult {
+    let calibration = calibration(args)?;
+    let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
+    let gauge =
+        Gauge::new(GaugeSettings { polarity, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+    let mut paths = Vec::new();
+    for input in &args.input {
+        paths.extend(list_images(input).map_err(Failure::fail)?);
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build()
+        .map_err(Failure::fail)?;
+    pool.install(|| measure_all(args, &gauge, calibration.as_ref(), paths))
+}
+
+fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
+    let Some(path) = &args.calibration else { return Ok(args.um_per_px.map(Calibration::from_scale)) };
+    let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
+    let file = fs::File::open(path).map_err(|e| named(&e))?;
+    Calibration::read(std::io::BufReader::new(file)).map(Some).map_err(|e| named(&e))
+}
+
+fn measure_all(
+    args: &MeasureArgs,
+    gauge: &Gauge,
+    calibration: Option<&Calibration>,
+    paths: Vec<PathBuf>,
+) -> CommandResult {
+    let mut source = FileFrames::new(paths);
+    let mut stream = gauge.stream();
+    let (mut results, mut frames) = (Vec::new(), Vec::new());
+    while let Some(stem) = source.next_stem() {
+        let Some(read) = source.next_stored() else { break };
+        match read {
+            Ok(stored) => {
+                results.push(measure_one(&mut stream, stem, &view(args, &stored.frame)));
+                if args.bench.is_some() {
+                    frames.push(stored.frame);
+                }
+            }
+            Err(error) => {
+                let result = Err((Reason::Unreadable, error.to_string()));
+                results.push(Measured { stem, columns: 0, result });
+            }
+        }
+    }
+    report_refusals(&results)?;
+    if let Some(path) = &args.edges {
+        write_edges(path, &results)?;
+    }
+    let bench = args.bench.map(|count| bench(args, gauge, &frames, count));
+    let figures: Vec<Value> = results.iter().map(|m| figures(m, calibration)).collect();
+    if args.json {
+        let mut out = json!({ "frames": figures });
+        if let Some(bench) = bench {
+            out["bench"] = bench;
+        }
+        println!("{out}");
+    } else {
+        print_table(&figures, bench.as_ref());
+    }
+    Ok(Outcome::Done)
+}
+
+fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
+    if args.vertical { frame.view().transposed() } else { frame.view() }
+}
+
+fn measure_one(stream: &mut EdgeStream, stem: String, view: &FrameView<'_>) -> Measured {
+    let mut edges = FrameEdges::default();
+    let result = match stream.measure(view, &mut edges) {
+        Ok(()) => Ok(edges),
+        Err(refused) => Err((refused.reason, format!("frame {stem}: {refused}"))),
+    };
+    Measured { stem, columns: view.columns(), result }
+}
+
+/// Warns of refused frames; fails with the first one's reason where none could be measured.
+fn report_refusals(results: &[Measured]) -> Result<(), Failure> {
+    let refusals: Vec<&String> =
+        results.iter().filter_map(|m| m.result.as_ref().err()).map(|(_, text)| text).collect();
+    if refusals.len() == results.len() {
+        let first = refusals.first().map_or("no frame", |text| text.as_str());
+        return Err(match refusals.len() {
+            0 | 1 => Failure::fail(first),
+            n => Failure::fail(format!("none of {n} frames can be measured; the first: {first}")),
+        });
+    }
+    for text in refusals {
+        tracing::warn!("{text}");
+    }
+    Ok(())
+}
+
+fn figures(measured: &Measured, calibration: Option<&Calibration>) -> Value {
+    let mut flags = BTreeMap::<&str, usize>::new();
+    let mut largest: Option<LargestCaliper> = None;
+    let mut valid = 0;
+    match &measured.result {
+        Ok(edges) => {
+            valid = edges.valid();
+            largest = largest_caliper(edges);
+            for reason in (0..edges.columns()).filter_map(|c| column_reason(&edges.top[c], &edges.bottom[c]))
+            {
+                *flags.entry(reason.as_str()).or_default() += 1;
+            }
+        }
+        Err((reason, _)) => {
+            flags.insert(reason.as_str(), measured.columns.max(1));
+        }
+    }
+    let in_mm = largest.zip(calibration).map(|(largest, calibration)| {
+        let random = calibration.scale_mm_per_px * largest.u_px;
+        (
+            calibration.diameter_mm(largest.diameter_px),
+            random.hypot(calibration.u_common_mm(largest.diameter_px)),
+        )
+    });
+    json!({
+        "frame": measured.stem,
+        "columns": measured.columns,
+        "valid": valid,
+        "max_diameter_px": largest.map(|l| l.diameter_px),
+        "u_max_px": largest.map(|l| l.u_px),
+        "max_diameter_mm": in_mm.map(|v| v.0),
+        "u_max_mm": in_mm.map(|v| v.1),
+        "flags": flags,
+    })
+}
+
+/// The reason that stands for a column: a gap's before an impairment's.
+fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
+    let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
+    gap.or_else(|| top.reason()).or_else(|| bottom.reason())
+}
+
+fn print_table(figures: &[Value], bench: Option<&Value>) {
+    println!(
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  flags",
+        "frame", "columns", "valid", "max px", "max mm", "u mm"
+    );
+    let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    for f in figures {
+        let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
+            flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
+        });
+        println!(
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  {flags}",
+            f["frame"].as_str().unwrap_or(""),
+            f["columns"],
+            f["valid"],
+            number(&f["max_diameter_px"], 4),
+            number(&f["max_diameter_mm"], 5),
+            number(&f["u_max_mm"], 6),
+        );
+    }
+    if let Some(bench) = bench {
+        println!("bench: {bench}");
+    }
+}
+
+/// Writes the edges under a temporary name, then renames.
+fn write_edges(path: &Path, results: &[Measured]) -> Result<(), Failure> {
+    let named =
+        |e: &dyn std::fmt::Display| Failure::fail(format!("{}: cannot be written: {e}", path.display()));
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let written = write_rows(&part, results).and_then(|()| Ok(fs::rename(&part, path)?));
+    written.map_err(|e| {
+        // The half-written file goes; that it may be gone already does not matter.
+        let _ = fs::remove_file(&part);
+        named(&e)
+    })
+}
+
+fn write_rows(path: &Path, results: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
+    let mut csv = csv::Writer::from_path(path)?;
+    csv.write_record(["frame", "column", "top_px", "bottom_px", "u_top_px", "u_bottom_px", "flag"])?;
+    let number = |usable: bool, value: f64, digits: usize| {
+        if usable { format!("{value:.digits$}") } else { String::new() }
+    };
+    for measured in results {
+        let edges = match &measured.result {
+            Ok(edges) => edges,
+            Err((reason, _)) => {
+                for column in 0..measured.columns.max(1) {
+                    csv.write_record([&measured.stem, &column.to_string(), "", "", "", "", reason.as_str()])?;
+                }
+                continue;
+            }
+        };
+        for (column, (top, bottom)) in edges.top.iter().zip(&edges.bottom).enumerate() {
+            csv.write_record([
+                measured.stem.as_str(),
+                &column.to_string(),
+                &number(top.is_usable(), top.row_px, 6),
+                &number(bottom.is_usable(), bottom.row_px, 6),
+                &number(top.is_usable(), top.u_px(), 7),
+                &number(bottom.is_usable(), bottom.u_px(), 7),
+                column_reason(top, bottom).map_or("", Reason::as_str),
+            ])?;
+        }
+    }
+    csv.flush()?;
+    Ok(())
+}
+
+/// Times `count` frames in one stream that starts anew.
+fn bench(args: &MeasureArgs, gauge: &Gauge, frames: &[Frame], count: u32) -> Value {
+    let mut stream = gauge.stream();
+    let mut edges = FrameEdges::default();
+    let (mut times, mut found) = (Vec::with_capacity(count as usize), 0);
+    for frame in frames.iter().cycle().take(count as usize) {
+        let start = Instant::now();
+        let measured = stream.measure(&view(args, frame), &mut edges);
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+        if measured.is_ok() {
+            found = edges.top.iter().chain(&edges.bottom).filter(|e| e.is_usable()).count();
+        }
+    }
+    let first = times.first().copied();
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| times.get((times.len() as f64 * share) as usize).copied();
+    json!({
+        "ms_per_frame_min": times.first(),
+        "ms_per_frame_median": at(0.5),
+        "ms_per_frame_p99": at(0.99),
+        "first_frame_ms": first,
+        "edges": found,
+        "threads": rayon::current_num_threads(),
+    })
+}

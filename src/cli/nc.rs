@@ -1,0 +1,175 @@
+//! `shadowgauge nc`: the offsets of a run as an NC program.
+
+use std::path::PathBuf;
+
+use super::{CommandResult, Failure, Outcome};
+use crate::config;
+use crate::job::Job;
+use crate::nc::{self, Dialect, MacroProgram, NcSettings, TurningProgram};
+use crate::plan::{DiameterOffset, PassPlan};
+use crate::run_folder::{OffsetRow, RunFolder, write_atomically};
+
+/// How the correction stands in the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Form {
+    /// Knots along z: any shape.
+    Knots,
+    /// Macro variables of a line: the least-squares paper's program.
+    Macro,
+}
+
+/// Arguments of `nc`.
+#[derive(Debug, clap::Args)]
+pub struct NcArgs {
+    /// A run folder.
+    run: PathBuf,
+    /// fanuc, linuxcnc or gsk.
+    #[arg(long, value_parser = dialect)]
+    dialect: Dialect,
+    /// The pass to be cut; the last one of the run by default.
+    #[arg(long, value_name = "N")]
+    pass: Option<u32>,
+    /// Knots along z, or macro variables of a line.
+    #[arg(long, value_enum, default_value = "knots")]
+    form: Form,
+    /// A TOML file with the machine's data (tool, wear offset, clearances, limits, re-measurement).
+    #[arg(long, value_name = "FILE")]
+    machine: Option<PathBuf>,
+    /// Number of the part: with the pass it makes the program run once only.
+    #[arg(long, value_name = "N")]
+    part: Option<u32>,
+    /// List old offsets, new offsets and the reason instead of the program.
+    #[arg(long)]
+    dry_run: bool,
+    /// Write into this file instead of to stdout.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// A line may leave this much of the offsets, mm of diameter: half a micrometre.
+const LINE_TOLERANCE_MM: f64 = 0.0005;
+
+fn dialect(word: &str) -> Result<Dialect, String> {
+    word.parse()
+}
+
+/// Writes the program or lists the dry run.
+///
+/// # Errors
+/// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be read.
+pub fn run(args: &NcArgs) -> CommandResult {
+    let folder = RunFolder::open(&args.run).map_err(Failure::fail)?;
+    let text = folder.config_text().map_err(Failure::fail)?;
+    let name = folder.path().join("run.toml").display().to_string();
+    let job = config::parse(&text, &name).map_err(Failure::refused)?;
+    let rows = folder.offsets().map_err(Failure::fail)?;
+    let settings = settings(args)?;
+    let pass = Pass::of(&job, &rows, args.pass)?;
+    let text = match args.form {
+        Form::Knots => knots(args, &settings, &pass)?,
+        Form::Macro => line(args, &job, &settings, &pass)?,
+    };
+    match &args.out {
+        Some(path) => write_atomically(path, text.as_bytes()).map_err(Failure::fail)?,
+        None => print!("{text}"),
+    }
+    Ok(Outcome::Done)
+}
+
+fn settings(args: &NcArgs) -> Result<NcSettings, Failure> {
+    let mut settings = match &args.machine {
+        None => NcSettings::default(),
+        Some(path) => super::study_files::ConfigText::read(path)?.parse()?,
+    };
+    settings.part_number = args.part.unwrap_or(settings.part_number);
+    settings.validate().map_err(Failure::refuse)?;
+    Ok(settings)
+}
+
+/// A pass of the run with what was in force before it.
+struct Pass {
+    plan: PassPlan,
+    old: DiameterOffset,
+    before_mm: f64,
+    reason: String,
+    limits_mm: Option<(f64, f64)>,
+}
+
+impl Pass {
+    fn of(job: &Job, rows: &[OffsetRow], asked: Option<u32>) -> Result<Self, Failure> {
+        let Some(last) = rows.iter().map(|r| r.pass).max() else {
+            return Err(Failure::refuse("offsets.csv holds no pass yet; let the run finish one"));
+        };
+        let number = asked.unwrap_or(last);
+        let of = |pass: u32| rows.iter().filter(move |r| r.pass == pass);
+        let Some(first) = of(number).next() else {
+            return Err(Failure::refuse(format!("offsets.csv has no pass {number}; there are 1 to {last}")));
+        };
+        let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
+        let plan = PassPlan {
+            pass: number,
+            nominal_mm: first.commanded_mm + first.offset_mm,
+            cutting: job.cutting,
+            station_z_mm: of(number).map(|r| r.z_mm).collect(),
+            offset: offsets(number),
+        };
+        let finishing = number as usize == job.passes();
+        let tolerance = job.part.tolerance.filter(|_| finishing);
+        let held = if first.reason.is_empty() { String::new() } else { format!(": {}", first.reason) };
+        Ok(Self {
+            old: offsets(number.saturating_sub(1)),
+            before_mm: if number > 1 { job.part.target_mm(number - 1) } else { job.part.stock_diameter_mm },
+            reason: format!("{}{held}", first.status),
+            limits_mm: tolerance.map(|t| (t.nominal_mm + t.lower_mm, t.nominal_mm + t.upper_mm)),
+            plan,
+        })
+    }
+}
+
+fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    let program = TurningProgram {
+        plan: &pass.plan,
+        settings,
+        before_mm: pass.before_mm,
+        limits_mm: pass.limits_mm,
+        reason: &pass.reason,
+    };
+    let (text, path) = program.write(args.dialect).map_err(Failure::refuse)?;
+    Ok(if args.dry_run { nc::dry_run(&pass.old, &pass.plan, &path, &pass.reason) } else { text })
+}
+
+fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    // x from the free end, as a share of the length: the paper's positions
+    let length_mm = job.part.length_mm;
+    let x: Vec<f64> = pass.plan.station_z_mm.iter().map(|z| (length_mm - z) / length_mm).collect();
+    let fitted = nc::fit_line(&x, &pass.plan.offset.o_mm)
+        .ok_or_else(|| Failure::refuse("a line needs offsets at two stations or more"))?;
+    if fitted.largest_residual > LINE_TOLERANCE_MM {
+        return Err(Failure::refuse(format!(
+            "a line leaves {:.4} mm of the offsets of pass {} (limit {LINE_TOLERANCE_MM} mm): use --form knots, or run \
+             with --controller lsq and its line",
+            fitted.largest_residual, pass.plan.pass
+        )));
+    }
+    let program = MacroProgram {
+        line: fitted,
+        unit_mm: 1.0,
+        diameter_mm: (pass.plan.nominal_mm, pass.plan.nominal_mm),
+        length_mm,
+        before_mm: pass.before_mm,
+        pass: pass.plan.pass,
+        cutting: job.cutting,
+        limits_mm: pass.limits_mm,
+        settings,
+    };
+    let text = program.write(args.dialect).map_err(Failure::refuse)?;
+    if args.dry_run {
+        let v = program.values();
+        return Ok(format!(
+            "pass {}: #802 = {:.6}, #803 = {:.6}, #804 = {:.6}, #805 = {:.6} mm; X {:.5} at x = 1/6, {:.5} at x = 1\n\
+             reason: {}\n",
+            pass.plan.pass, fitted.b, fitted.a, v.v804, v.v805, v.v810, v.v811, pass.reason
+        ));
+    }
+    Ok(text)
+}

@@ -1,0 +1,266 @@
+//! `shadowgauge render`: frames of a config's shaft with their truth, or how long a frame takes.
+
+use std::fmt::Write as _;
+use std::io::Error as IoError;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::config;
+use crate::frame::Frame;
+use crate::job::Job;
+use crate::render::form::form_shaft;
+use crate::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::shaft::ProfileKnot;
+use crate::truth;
+
+use super::frame_files::{FileFormat, encode, preview};
+use super::{CommandResult, Failure, Outcome};
+
+/// Frames drawn before a bench starts its clock: pipelines are compiled and caches filled.
+const WARM_UP: usize = 3;
+
+/// Arguments of `render`.
+#[derive(Debug, clap::Args)]
+pub struct RenderArgs {
+    /// The job whose shaft is drawn.
+    config: PathBuf,
+    /// Folder for the frames: absent or empty.
+    #[arg(long, value_name = "DIR", required_unless_present = "bench")]
+    out: Option<PathBuf>,
+    /// Frames to draw; all of the config's scan by default, going round again beyond it.
+    #[arg(long, value_name = "N")]
+    frames: Option<usize>,
+    /// File format of the frames.
+    #[arg(long, value_enum, default_value_t = FileFormat::Png16)]
+    format: FileFormat,
+    /// Leave the sensor's temporal noise out.
+    #[arg(long)]
+    no_noise: bool,
+    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    backend: BackendChoice,
+    /// Draw N frames without writing them and print how long one takes.
+    #[arg(long, value_name = "N")]
+    bench: Option<usize>,
+    /// Threads to use; all of the machine's by default.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Print the bench as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Renders the frames of a config.
+///
+/// # Errors
+/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a disk that fails.
+pub fn run(args: &RenderArgs) -> CommandResult {
+    let job = config::load(&args.config).map_err(Failure::refused)?;
+    if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
+        return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.unwrap_or(0))
+        .build()
+        .map_err(Failure::fail)?;
+    pool.install(|| match (args.bench, &args.out) {
+        (Some(frames), _) => bench(args, &job, frames),
+        (None, Some(out)) => write_folder(args, &job, out),
+        (None, None) => Err(Failure::refuse("--out DIR or --bench N is needed")),
+    })
+}
+
+/// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
+fn scene(job: &Job) -> Result<Scene, Failure> {
+    let bench = OpticalBench::resolve(&job.bench_settings(), job.seed).map_err(Failure::refuse)?;
+    let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
+    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
+    let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;
+    Scene::new(&bench, shaft).map_err(Failure::refuse)
+}
+
+/// Request number `index` of the scan, going round again beyond its end.
+fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
+    let plan = job.scan_plan();
+    let angles = plan.angle_deg.len().max(1);
+    let place = index % plan.frames().max(1);
+    FrameRequest {
+        frame_id: index as u64,
+        t_ns: (index as f64 * job.camera.frame_period_ms * 1e6) as u64,
+        z_mm: plan.field_z_mm.get(place / angles).copied().unwrap_or(0.0),
+        angle_deg: plan.angle_deg.get(place % angles).copied().unwrap_or(0.0),
+        noise: !args.no_noise,
+        roi: None,
+        seed: job.seed,
+        format: Some(args.format.pixel_format(job.sensor.format)),
+    }
+}
+
+// ---- frames to a folder
+
+fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
+    let scene = scene(job)?;
+    let count = args.frames.unwrap_or_else(|| job.scan_plan().frames());
+    for index in 0..count.min(job.scan_plan().frames()) {
+        scene.geometric_edges(&request(args, job, index)).map_err(Failure::refuse)?;
+    }
+    let staging = claim(out)?;
+    let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+    let written = write_frames(args, job, &scene, &renderer, &staging, count)
+        .and_then(|()| std::fs::rename(&staging, out).map_err(|e| disk(out, &e)));
+    if let Err(failure) = written {
+        let _ = std::fs::remove_dir_all(&staging);
+        return Err(failure);
+    }
+    println!(
+        "{count} frames by {} ({}) in {}",
+        renderer.backend_name(),
+        renderer.adapter_name(),
+        out.display()
+    );
+    Ok(Outcome::Done)
+}
+
+/// Refuses a folder that is taken, and makes one of a temporary name beside it.
+fn claim(out: &Path) -> Result<PathBuf, Failure> {
+    if let Ok(mut entries) = std::fs::read_dir(out) {
+        if entries.next().is_some() {
+            return Err(Failure::refuse(format!("{}: is not empty; give a new folder", out.display())));
+        }
+    } else if out.exists() {
+        return Err(Failure::refuse(format!("{}: is a file; give a new folder", out.display())));
+    }
+    let name = out.file_name().map(|n| n.to_string_lossy().into_owned());
+    let Some(name) = name else {
+        return Err(Failure::refuse(format!("{}: names no folder", out.display())));
+    };
+    let staging = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+    for folder in ["frames", "previews"] {
+        std::fs::create_dir_all(staging.join(folder)).map_err(|e| disk(out, &e))?;
+    }
+    Ok(staging)
+}
+
+fn write_frames(
+    args: &RenderArgs,
+    job: &Job,
+    scene: &Scene,
+    renderer: &Renderer,
+    folder: &Path,
+    count: usize,
+) -> Result<(), Failure> {
+    let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
+    let mut frames_csv = String::from("frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n");
+    let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
+    let mut spare = None;
+    for index in 0..count {
+        let request = request(args, job, index);
+        let frame = renderer.render(scene, &request, spare.take()).map_err(of_render)?;
+        let stem = format!("{index:06}");
+        let path = folder.join("frames").join(format!("{stem}.{}", args.format.extension()));
+        put(&path, encode(&frame, args.format, um_per_px))?;
+        put(&folder.join("previews").join(format!("{stem}.png")), preview(&frame, um_per_px))?;
+        describe(&mut frames_csv, &stem, &frame, um_per_px);
+        let edges = truth::true_edges(scene, &request).map_err(of_render)?;
+        for (column, e) in edges.iter().enumerate() {
+            let _ = writeln!(truth_csv, "{stem},{column},{:.6},{:.6}", e.top_px, e.bottom_px);
+        }
+        spare = Some(frame);
+    }
+    put(&folder.join("frames.csv"), Ok(frames_csv.into_bytes()))?;
+    put(&folder.join("truth.csv"), Ok(truth_csv.into_bytes()))?;
+    put(&folder.join("truth.json"), Ok(true_bench(scene).into_bytes()))
+}
+
+fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
+    let meta = &frame.meta;
+    let _ = writeln!(
+        csv,
+        "{stem},{},{:.6},{:.6},{},{},{um_per_px:.6}",
+        meta.t_ns,
+        meta.z_mm,
+        meta.angle_deg,
+        meta.exposure_us,
+        frame.view().format().bit_depth()
+    );
+}
+
+/// The true bench: what only truth may know.
+fn true_bench(scene: &Scene) -> String {
+    let bench = scene.bench();
+    let json = serde_json::json!({
+        "um_per_px": bench.pixel_mm * 1e3,
+        "esf": bench.esf,
+        "electrons_per_count": bench.electrons_per_count,
+    });
+    format!("{json:#}\n")
+}
+
+fn put(path: &Path, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
+    bytes.and_then(|b| std::fs::write(path, b)).map_err(|e| disk(path, &e))
+}
+
+fn disk(path: &Path, error: &IoError) -> Failure {
+    Failure::fail(format!("{}: cannot be written: {error}", path.display()))
+}
+
+fn of_render(error: RenderError) -> Failure {
+    match error {
+        RenderError::Device { .. } | RenderError::NoAdapter { .. } => Failure::fail(error),
+        _ => Failure::refuse(error),
+    }
+}
+
+// ---- how long a frame takes
+
+fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
+    let scene = scene(job)?;
+    let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+    let (mut times, mut floors) = (Vec::new(), Vec::new());
+    let mut spare: Option<Frame> = None;
+    let mut floor_buffer = None;
+    for index in 0..frames + WARM_UP {
+        let request = request(args, job, index);
+        let start = Instant::now();
+        let frame = renderer.render(&scene, &request, spare.take()).map_err(of_render)?;
+        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        let job = scene.job(&request).map_err(of_render)?;
+        let start = Instant::now();
+        floor_buffer = Some(renderer.draw_constant(&job, floor_buffer.take()).map_err(of_render)?);
+        let floor_ms = start.elapsed().as_secs_f64() * 1e3;
+        if index >= WARM_UP {
+            times.push(frame_ms);
+            floors.push(floor_ms);
+        }
+        spare = Some(frame);
+    }
+    times.sort_by(f64::total_cmp);
+    floors.sort_by(f64::total_cmp);
+    let (median, floor) = (times[times.len() / 2], floors[floors.len() / 2]);
+    if args.json {
+        let report = serde_json::json!({
+            "ms_per_frame_min": times[0],
+            "ms_per_frame_median": median,
+            "floor_ms_median": floor,
+            "ratio": median / floor,
+            "backend": renderer.backend_name(),
+            "adapter": renderer.adapter_name(),
+            "width": job.camera.columns,
+            "height": job.camera.rows,
+            "frames": frames,
+            "threads": rayon::current_num_threads(),
+        });
+        println!("{report}");
+    } else {
+        println!(
+            "{} x {} by {} ({}): {median:.2} ms a frame (best {:.2}), write floor {floor:.2} ms, ratio {:.2}",
+            job.camera.columns,
+            job.camera.rows,
+            renderer.backend_name(),
+            renderer.adapter_name(),
+            times[0],
+            median / floor
+        );
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,67 @@
+//! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the offsets in force.
+
+use super::{Law, Proposal, Seen, independent_u, y};
+use crate::control::fit::{self, Fit};
+use crate::control::{ApplyTo, ControlError, Estimator, LsqSettings};
+use nalgebra::{DMatrix, DVector};
+
+/// Least-squares law.
+#[derive(Clone, Debug)]
+pub(crate) struct LsqLaw {
+    settings: LsqSettings,
+    design: DMatrix<f64>,
+}
+
+impl LsqLaw {
+    pub(crate) fn new(settings: &LsqSettings, station_z_mm: &[f64]) -> Result<Self, ControlError> {
+        let design = settings.shapes.design(station_z_mm)?;
+        Ok(Self { settings: settings.clone(), design })
+    }
+
+    fn fit(&self, seen: &Seen<'_>) -> Option<Fit> {
+        let u = if self.settings.weighted {
+            independent_u(seen.errors)
+        } else {
+            let mean = independent_u(seen.errors).mean();
+            DVector::from_element(self.design.nrows(), mean)
+        };
+        match self.settings.estimator {
+            Estimator::LeastSquares => fit::weighted(&self.design, &y(seen.errors), &u),
+            Estimator::Huber => fit::huber(&self.design, &y(seen.errors), &u),
+        }
+    }
+
+    fn note(&self, fit: &Fit) -> String {
+        let terms: Vec<String> = self
+            .settings
+            .shapes
+            .names()
+            .iter()
+            .zip(fit.coefficients.iter())
+            .zip(fit.covariance.diagonal().iter())
+            .map(|((name, c), v)| format!("{name} {:.2} ± {:.2} µm", c * 1e3, v.sqrt() * 1e3))
+            .collect();
+        let largest = fit.residuals.amax() * 1e3;
+        format!("fitted {}; largest residual {largest:.2} µm", terms.join(", "))
+    }
+}
+
+impl Law for LsqLaw {
+    fn begin(&mut self, _stock_mm: Option<Vec<f64>>) {}
+
+    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+        let waits =
+            self.settings.apply_to == ApplyTo::FinishingPass && !seen.next.is_some_and(|n| n.finishing);
+        if waits {
+            let notes = vec!["the finishing pass alone is compensated".to_owned()];
+            return Proposal { o_mm: seen.in_force().to_vec(), notes };
+        }
+        let Some(fit) = self.fit(seen) else {
+            let notes = vec!["no fit: the shapes are not independent at these stations".to_owned()];
+            return Proposal { o_mm: seen.in_force().to_vec(), notes };
+        };
+        let shape = &self.design * &fit.coefficients;
+        let corrected = seen.in_force().iter().zip(shape.iter()).map(|(o, e)| o + self.settings.gain * e);
+        Proposal { o_mm: corrected.collect(), notes: vec![self.note(&fit)] }
+    }
+}

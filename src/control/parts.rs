@@ -1,0 +1,114 @@
+//! The loop from part to part: what every pass should have been offset by, carried to the next part.
+//!
+//! Per station and pass, Holt's level and trend of the ideal offset i = o + e/g over the parts. A new insert or a cold
+//! start sets the level back to what the first part after the last such event needed; the trend (wear per part,
+//! warming per part) stays. The loop from pass to pass then corrects what is left.
+
+use super::PartsSettings;
+use super::context::PartEvent;
+
+/// One pass number across the parts.
+#[derive(Clone, Debug, Default)]
+struct PassMemory {
+    level: Vec<f64>,
+    trend: Vec<f64>,
+    /// Ideal offsets of the first part after each kind of event.
+    after_insert: Option<Vec<f64>>,
+    after_cold: Option<Vec<f64>>,
+    /// Parts seen since the last event.
+    since: u32,
+}
+
+impl PassMemory {
+    fn forecast(&self) -> Vec<f64> {
+        self.level.iter().zip(&self.trend).map(|(l, t)| l + t).collect()
+    }
+
+    fn restart(&mut self, event: PartEvent) {
+        let known = match event {
+            PartEvent::Continued => return,
+            PartEvent::InsertChanged => &self.after_insert,
+            PartEvent::ColdStart => &self.after_cold,
+        };
+        let parts = f64::from(self.since);
+        self.level = match known {
+            Some(first) => first.iter().zip(&self.trend).map(|(f, t)| f - t).collect(),
+            None => self.level.iter().zip(&self.trend).map(|(l, t)| l - parts * t).collect(),
+        };
+        self.since = 0;
+    }
+
+    fn record(&mut self, ideal: &[f64], event: PartEvent, settings: &PartsSettings) {
+        if self.level.is_empty() {
+            self.level = ideal.to_vec();
+            self.trend = vec![0.0; ideal.len()];
+            // the first part of all stands for both events until one is seen
+            self.after_insert = Some(ideal.to_vec());
+            self.after_cold = Some(ideal.to_vec());
+            self.since = 1;
+            return;
+        }
+        match event {
+            PartEvent::Continued => {}
+            PartEvent::InsertChanged => self.after_insert = Some(ideal.to_vec()),
+            PartEvent::ColdStart => self.after_cold = Some(ideal.to_vec()),
+        }
+        // the jump of an event says nothing of the trend
+        let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
+        for ((level, trend), i) in self.level.iter_mut().zip(&mut self.trend).zip(ideal) {
+            let forecast = *level + *trend;
+            let next = forecast + settings.level_weight * (i - forecast);
+            *trend += trend_weight * (next - *level - *trend);
+            *level = next;
+        }
+        self.since += 1;
+    }
+}
+
+/// Memory of all passes across the parts.
+#[derive(Clone, Debug)]
+pub(crate) struct PartLoop {
+    settings: PartsSettings,
+    passes: Vec<PassMemory>,
+    /// Forecast for the part under way, by pass.
+    forecast: Vec<Vec<f64>>,
+    event: PartEvent,
+}
+
+impl PartLoop {
+    pub(crate) fn new(settings: &PartsSettings) -> Self {
+        Self {
+            settings: settings.clone(),
+            passes: Vec::new(),
+            forecast: Vec::new(),
+            event: PartEvent::default(),
+        }
+    }
+
+    /// A new part begins; forecasts its passes.
+    pub(crate) fn begin(&mut self, event: PartEvent) {
+        self.event = event;
+        if self.settings.enabled {
+            self.passes.iter_mut().for_each(|p| p.restart(event));
+            self.forecast = self.passes.iter().map(PassMemory::forecast).collect();
+        }
+    }
+
+    /// Offsets forecast for a pass (from 1), where earlier parts had it.
+    pub(crate) fn forecast(&self, pass: u32) -> Option<&[f64]> {
+        let index = (pass as usize).checked_sub(1)?;
+        self.forecast.get(index).filter(|f| !f.is_empty()).map(Vec::as_slice)
+    }
+
+    /// Remembers what a pass should have been offset by.
+    pub(crate) fn record(&mut self, pass: u32, in_force: &[f64], errors: &[f64], gain: f64) {
+        let Some(index) = (pass as usize).checked_sub(1).filter(|_| self.settings.enabled) else {
+            return;
+        };
+        if self.passes.len() <= index {
+            self.passes.resize_with(index + 1, PassMemory::default);
+        }
+        let ideal: Vec<f64> = in_force.iter().zip(errors).map(|(o, e)| o + e / gain).collect();
+        self.passes[index].record(&ideal, self.event, &self.settings);
+    }
+}

@@ -1,0 +1,198 @@
+//! The blur of a frame, from the frame: the edge-spread function's width by pooled scoring over many columns.
+//!
+//! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
+//! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
+
+use super::levels::LevelCurve;
+use super::model::column_sigma;
+use super::score::{dot, locate, normalise};
+use super::table::Table;
+use super::window::Windows;
+
+/// Blocks along the shaft.
+pub(crate) const BLOCKS: usize = 8;
+/// Columns looked at per block.
+const PER_BLOCK: usize = 32;
+/// Bounds of a believable blur, px.
+pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
+
+/// Sums for the blur of one block.
+#[derive(Clone, Copy, Debug, Default)]
+struct BlurSums {
+    score: f64,
+    information: f64,
+    residual: f64,
+    count: f64,
+}
+
+/// Blur of one side in each block, px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BlurEstimate {
+    pub(crate) sigma: [f64; BLOCKS],
+}
+
+impl BlurEstimate {
+    pub(crate) fn uniform(sigma: f64) -> Self {
+        Self { sigma: [sigma; BLOCKS] }
+    }
+
+    /// Block of a column.
+    pub(crate) fn block(column: usize, columns: usize) -> usize {
+        (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.sigma.iter().sum::<f64>() / BLOCKS as f64
+    }
+}
+
+/// Columns of a block that are looked at.
+fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+    let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
+    let step = (to - from).div_ceil(PER_BLOCK).max(1);
+    (from..to).step_by(step)
+}
+
+/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast.
+pub(crate) fn rough(windows: &Windows, columns: usize, pool: &mut Vec<f32>) -> Option<f64> {
+    pool.clear();
+    for column in (0..BLOCKS).flat_map(|b| sample(b, columns)) {
+        if windows.centre[column].is_err() {
+            continue;
+        }
+        let (dark, light) = (windows.dark[column], windows.light[column]);
+        let window = windows.of(column);
+        let flat = windows.flat;
+        let n = |m: &f32| (m - dark) / (light - dark);
+        let spread = |part: &[f32]| part.iter().map(|m| n(m) * (1.0 - n(m))).sum::<f32>();
+        let used = window.len() - 1;
+        // What the flat ends sum to is noise (−σ_n² a pixel): scaled to the window, it is taken off.
+        let ends = spread(&window[..flat]) + spread(&window[used - flat..used]);
+        let middle = spread(&window[flat..used - flat]);
+        pool.push(middle - ends * (used - 2 * flat) as f32 / (2 * flat) as f32);
+    }
+    if pool.len() < 4 {
+        return None;
+    }
+    let middle = pool.len() / 2;
+    let (_, median, _) = pool.select_nth_unstable_by(middle, f32::total_cmp);
+    let total = f64::from(*median) * std::f64::consts::PI.sqrt();
+    Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
+}
+
+/// What a refinement needs beside the windows.
+pub(crate) struct BlurContext<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) dark: &'a LevelCurve,
+    pub(crate) light: &'a LevelCurve,
+    pub(crate) slope: &'a [f32],
+    pub(crate) kappa: f64,
+    /// Noise variance at mid-edge over contrast².
+    pub(crate) relative_variance: f64,
+}
+
+/// Refines the blur of one side from `start`, px.
+pub(crate) fn refine(context: &BlurContext<'_>, start: f64) -> BlurEstimate {
+    let columns = context.windows.centre.len();
+    let mut sigma = start;
+    let mut sums = [BlurSums::default(); BLOCKS];
+    let mut normalised = vec![0.0; context.windows.width];
+    for _ in 0..8 {
+        let table = Table::new(sigma, context.kappa, context.windows.width, false);
+        for (block, sum) in sums.iter_mut().enumerate() {
+            *sum = block_sums(context, &table, sample(block, columns), &mut normalised);
+        }
+        let score: f64 = sums.iter().map(|s| s.score).sum();
+        let information: f64 = sums.iter().map(|s| s.information).sum();
+        if !(information > 0.0) {
+            return BlurEstimate::uniform(sigma);
+        }
+        let step = (score / information).clamp(-0.3 * sigma, 0.5 * sigma);
+        let last = sigma;
+        sigma = (sigma + step).clamp(SIGMA_RANGE.0, SIGMA_RANGE.1);
+        if (sigma - last).abs() < 5e-4 * sigma {
+            break;
+        }
+    }
+    join(context, sigma, &sums)
+}
+
+fn block_sums(
+    context: &BlurContext<'_>,
+    table: &Table,
+    columns: impl Iterator<Item = usize>,
+    normalised: &mut [f32],
+) -> BlurSums {
+    let mut sums = BlurSums::default();
+    for column in columns {
+        if context.windows.centre[column].is_err() || context.slope[column].abs() > 0.3 {
+            continue;
+        }
+        let (dark, light) = (context.dark.level[column], context.light.level[column]);
+        normalise(context.windows.of(column), dark, light - dark, normalised);
+        let Some(found) = locate(normalised, table, context.windows.start[column]) else { continue };
+        let scalars = found.phase.scalars;
+        let score = dot(found.phase.blur_scores, normalised)
+            - dot(found.phase.blur_scores, found.phase.values)
+            - found.step * scalars.blur_position;
+        let lost = scalars.blur_position * scalars.blur_position / scalars.information.max(1e-9);
+        sums.score += f64::from(score);
+        sums.information += f64::from(scalars.blur_information - lost);
+        sums.residual += f64::from(found.residual) / f64::from(table.freedom);
+        sums.count += 1.0;
+    }
+    sums
+}
+
+/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them.
+fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
+    let slope2 = mean_square_slope(context);
+    let plain = |s: f64| ((s * s - slope2 / 12.0).max(0.04) / (1.0 + slope2)).sqrt();
+    let residual: f64 =
+        sums.iter().map(|s| s.residual).sum::<f64>() / sums.iter().map(|s| s.count).sum::<f64>().max(1.0);
+    let variance = residual.max(context.relative_variance).max(1e-12);
+    let good = |s: &&BlurSums| s.information > 0.0;
+    let chi2: f64 = sums.iter().filter(good).map(|s| s.score * s.score / s.information / variance).sum();
+    let spread = sums.iter().filter(good).map(|s| (s.score / s.information).abs()).fold(0.0, f64::max);
+    if chi2 < 26.0 || spread < 0.01 * sigma {
+        return BlurEstimate::uniform(plain(sigma));
+    }
+    let Some(parabola) = parabola(sums) else { return BlurEstimate::uniform(plain(sigma)) };
+    let mut estimate = BlurEstimate::uniform(plain(sigma));
+    for (block, value) in estimate.sigma.iter_mut().enumerate() {
+        let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
+        let delta = parabola[0] + parabola[1] * t + parabola[2] * t * t;
+        *value = plain((sigma + delta).clamp(0.5 * sigma, 2.0 * sigma)).max(SIGMA_RANGE.0);
+    }
+    estimate
+}
+
+fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
+    let columns = context.windows.centre.len();
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for column in (0..BLOCKS).flat_map(|b| sample(b, columns)) {
+        let slope = f64::from(context.slope[column]);
+        if slope.is_finite() && slope.abs() <= 0.3 {
+            sum += slope * slope;
+            count += 1.0;
+        }
+    }
+    sum / count.max(1.0)
+}
+
+fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
+    let mut normal = nalgebra::Matrix3::<f64>::zeros();
+    let mut right = nalgebra::Vector3::<f64>::zeros();
+    for (block, sum) in sums.iter().enumerate() {
+        let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
+        let basis = nalgebra::Vector3::new(1.0, t, t * t);
+        normal += basis * basis.transpose() * sum.information;
+        right += basis * sum.score;
+    }
+    normal.try_inverse().map(|inverse| inverse * right)
+}
+
+/// Blur along a column of slope `slope` in a block.
+pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
+    if slope.abs() < 0.05 { sigma } else { column_sigma(sigma, f64::from(slope)) }
+}

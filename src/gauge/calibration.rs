@@ -1,0 +1,379 @@
+//! From pixels to millimetres: scale and edge offset from master pins of certified diameter.
+//!
+//! ```text
+//! D = s·w + o        w  shadow width across the axis, px;  s  scale, mm/px;  o  offset of both edges together, mm
+//! ```
+//!
+//! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s, o) travels with the
+//! result, so that u_common² = w²·var(s) + 2w·cov(s, o) + var(o) grows towards diameters that no master backs.
+
+use std::io::Read;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::diameter::{ColumnDiameters, column_diameters, mean_width};
+use super::edges::FrameEdges;
+
+/// Version of the file format.
+pub const CALIBRATION_VERSION: u32 = 1;
+/// Masters must differ by this much, px, for scale and offset to be told apart.
+const LEAST_SPREAD_PX: f64 = 8.0;
+
+/// What a master's certificate says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MasterCertificate {
+    /// Certified diameter at 20 °C, mm.
+    pub diameter_mm: f64,
+    /// Expanded uncertainty U, mm.
+    pub expanded_u_mm: f64,
+    /// Coverage factor k of U.
+    pub coverage_factor: f64,
+}
+
+impl MasterCertificate {
+    /// Standard uncertainty U/k, mm.
+    pub fn u_mm(&self) -> f64 {
+        self.expanded_u_mm / self.coverage_factor
+    }
+
+    fn check(&self, master: usize) -> Result<(), CalibrationError> {
+        let fine = |v: f64| v.is_finite() && v > 0.0;
+        if fine(self.diameter_mm) && fine(self.expanded_u_mm) && fine(self.coverage_factor) {
+            Ok(())
+        } else {
+            Err(CalibrationError::Certificate { master: master + 1 })
+        }
+    }
+}
+
+/// A master and the frames that show it (angles, positions).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MasterMeasurement {
+    /// Its certificate.
+    pub certificate: MasterCertificate,
+    /// Edges of its frames.
+    pub frames: Vec<FrameEdges>,
+}
+
+/// A master as the calibration keeps it: certificate and mean shadow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MasterFigure {
+    /// Its certificate.
+    pub certificate: MasterCertificate,
+    /// Mean shadow width across its axis, px.
+    pub width_px: f64,
+    /// Standard uncertainty of that mean, px.
+    pub u_width_px: f64,
+}
+
+impl MasterFigure {
+    /// Mean over the columns of frames of one master (angles, positions): the uncertainty is the larger one of what the
+    /// edges state and what the frames scatter.
+    ///
+    /// # Errors
+    /// Where no frame shows the master.
+    pub fn from_edges(
+        certificate: MasterCertificate,
+        frames: &[FrameEdges],
+    ) -> Result<Self, CalibrationError> {
+        let means: Vec<(f64, f64)> = frames.iter().filter_map(mean_width).collect();
+        if means.is_empty() {
+            return Err(CalibrationError::Unseen { diameter_mm: certificate.diameter_mm });
+        }
+        let n = means.len() as f64;
+        let width_px = means.iter().map(|m| m.0).sum::<f64>() / n;
+        let stated = means.iter().map(|m| m.1 * m.1).sum::<f64>().sqrt() / n;
+        let scatter = if means.len() > 1 {
+            let square: f64 = means.iter().map(|m| (m.0 - width_px).powi(2)).sum();
+            (square / (n - 1.0) / n).sqrt()
+        } else {
+            0.0
+        };
+        Ok(Self { certificate, width_px, u_width_px: stated.max(scatter) })
+    }
+}
+
+/// Why there is no calibration.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// A certificate that says nothing.
+    #[error("master {master}: diameter, U and k of a certificate must be finite and above 0")]
+    Certificate {
+        /// Number of the master, from 1.
+        master: usize,
+    },
+    /// Too few masters.
+    #[error("{found} masters; scale and edge offset need two or more")]
+    TooFew {
+        /// Masters given.
+        found: usize,
+    },
+    /// Masters of one size.
+    #[error(
+        "the masters' shadows differ by {spread_px:.1} px; {LEAST_SPREAD_PX} px or more are needed to tell scale from edge offset"
+    )]
+    SameSize {
+        /// Largest minus smallest width, px.
+        spread_px: f64,
+    },
+    /// No frame shows the master.
+    #[error("no frame shows the master of {diameter_mm} mm with both edges")]
+    Unseen {
+        /// Certified diameter, mm.
+        diameter_mm: f64,
+    },
+    /// The file is no calibration.
+    #[error("not a calibration: {0}")]
+    Parse(#[from] serde_json::Error),
+    /// The file is of another version.
+    #[error("calibration version {found}; this program reads version {CALIBRATION_VERSION}")]
+    Version {
+        /// Version in the file.
+        found: u32,
+    },
+    /// The calibration belongs to other optics.
+    #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
+    OtherOptics {
+        /// Optics id in the file.
+        found: String,
+        /// Optics in use.
+        expected: String,
+    },
+    /// A number that cannot be.
+    #[error("calibration key {key} = {value} is impossible; right would be {right}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+}
+
+/// Scale and edge offset with their covariance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Version of the format.
+    pub version: u32,
+    /// What was calibrated: camera, lens, light and their setting.
+    pub optics_id: String,
+    /// Scale s, mm/px.
+    pub scale_mm_per_px: f64,
+    /// Offset o of both edges together, mm, added to s·w.
+    pub offset_mm: f64,
+    /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
+    pub covariance: [f64; 3],
+    /// The masters it was made from.
+    pub masters: Vec<MasterFigure>,
+}
+
+impl Calibration {
+    /// Weighted least squares over two masters or more and all their frames.
+    ///
+    /// # Errors
+    /// Refuses fewer than two masters, masters of one size or not seen, and impossible certificates.
+    pub fn fit(masters: &[MasterMeasurement]) -> Result<Self, CalibrationError> {
+        let figures: Result<Vec<MasterFigure>, CalibrationError> =
+            masters.iter().map(|m| MasterFigure::from_edges(m.certificate, &m.frames)).collect();
+        Self::fit_figures(&figures?)
+    }
+
+    /// As [`Self::fit`], from mean shadows.
+    ///
+    /// # Errors
+    /// As [`Self::fit`].
+    pub fn fit_figures(masters: &[MasterFigure]) -> Result<Self, CalibrationError> {
+        if masters.len() < 2 {
+            return Err(CalibrationError::TooFew { found: masters.len() });
+        }
+        for (index, master) in masters.iter().enumerate() {
+            master.certificate.check(index)?;
+        }
+        let widths = || masters.iter().map(|m| m.width_px);
+        let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
+        if !(spread_px >= LEAST_SPREAD_PX) {
+            return Err(CalibrationError::SameSize { spread_px });
+        }
+        let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
+        let mut fit = LineFit::default();
+        // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
+        for _ in 0..3 {
+            fit = LineFit::through(masters, scale);
+            scale = fit.scale;
+        }
+        Ok(Self {
+            version: CALIBRATION_VERSION,
+            optics_id: String::new(),
+            scale_mm_per_px: fit.scale,
+            offset_mm: fit.offset,
+            covariance: fit.covariance,
+            masters: masters.to_vec(),
+        })
+    }
+
+    /// Names the optics it belongs to.
+    #[must_use]
+    pub fn with_optics_id(self, optics_id: &str) -> Self {
+        Self { optics_id: optics_id.to_owned(), ..self }
+    }
+
+    /// A bare scale without offset and uncertainty, as `--um-per-px` gives it.
+    pub fn from_scale(um_per_px: f64) -> Self {
+        Self {
+            version: CALIBRATION_VERSION,
+            optics_id: String::new(),
+            scale_mm_per_px: um_per_px * 1e-3,
+            offset_mm: 0.0,
+            covariance: [0.0; 3],
+            masters: Vec::new(),
+        }
+    }
+
+    /// Reads and checks a calibration file.
+    ///
+    /// # Errors
+    /// Refuses what is no JSON of this version and what has impossible values.
+    pub fn read(from: impl Read) -> Result<Self, CalibrationError> {
+        let calibration: Self = serde_json::from_reader(from.take(16 << 20))?;
+        if calibration.version != CALIBRATION_VERSION {
+            return Err(CalibrationError::Version { found: calibration.version });
+        }
+        let positive = "a scale above 0 in mm/px";
+        let scale = calibration.scale_mm_per_px;
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(CalibrationError::Value { key: "scale_mm_per_px", value: scale, right: positive });
+        }
+        let offset = calibration.offset_mm;
+        if !offset.is_finite() {
+            return Err(CalibrationError::Value {
+                key: "offset_mm",
+                value: offset,
+                right: "a finite length",
+            });
+        }
+        let [vs, c, vo] = calibration.covariance;
+        if !(vs >= 0.0 && vo >= 0.0 && c * c <= vs * vo * (1.0 + 1e-9)) {
+            return Err(CalibrationError::Value {
+                key: "covariance",
+                value: c,
+                right: "a positive semidefinite matrix",
+            });
+        }
+        Ok(calibration)
+    }
+
+    /// Refuses frames of other optics.
+    ///
+    /// # Errors
+    /// Where the ids differ.
+    pub fn check_optics(&self, optics_id: &str) -> Result<(), CalibrationError> {
+        if self.optics_id == optics_id {
+            Ok(())
+        } else {
+            Err(CalibrationError::OtherOptics {
+                found: self.optics_id.clone(),
+                expected: optics_id.to_owned(),
+            })
+        }
+    }
+
+    /// Diameter of a width across the axis, mm.
+    pub fn diameter_mm(&self, width_px: f64) -> f64 {
+        self.scale_mm_per_px * width_px + self.offset_mm
+    }
+
+    /// Standard uncertainty that every reading of this width shares, mm.
+    pub fn u_common_mm(&self, width_px: f64) -> f64 {
+        let [vs, c, vo] = self.covariance;
+        (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
+    }
+
+    /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before the fit.
+    pub fn residual_mm(&self, master: &MasterFigure) -> (f64, f64) {
+        let residual = master.certificate.diameter_mm - self.diameter_mm(master.width_px);
+        (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
+    }
+
+    /// Diameters of a frame's columns, corrected for the axis' tilt; gaps stay gaps.
+    pub fn diameters(&self, edges: &FrameEdges) -> ColumnDiameters {
+        column_diameters(self, edges)
+    }
+}
+
+#[derive(Default)]
+struct LineFit {
+    scale: f64,
+    offset: f64,
+    covariance: [f64; 3],
+}
+
+impl LineFit {
+    fn through(masters: &[MasterFigure], scale: f64) -> Self {
+        let weight = |m: &MasterFigure| 1.0 / (m.certificate.u_mm().powi(2) + (scale * m.u_width_px).powi(2));
+        let total: f64 = masters.iter().map(weight).sum();
+        let mean_w = masters.iter().map(|m| weight(m) * m.width_px).sum::<f64>() / total;
+        let mean_d = masters.iter().map(|m| weight(m) * m.certificate.diameter_mm).sum::<f64>() / total;
+        let square: f64 = masters.iter().map(|m| weight(m) * (m.width_px - mean_w).powi(2)).sum();
+        let cross: f64 = masters
+            .iter()
+            .map(|m| weight(m) * (m.width_px - mean_w) * (m.certificate.diameter_mm - mean_d))
+            .sum();
+        let scale = cross / square;
+        let variance = 1.0 / square;
+        Self {
+            scale,
+            offset: mean_d - scale * mean_w,
+            covariance: [variance, -mean_w * variance, 1.0 / total + mean_w * mean_w * variance],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn master(diameter_mm: f64, width_px: f64, u: f64) -> MasterFigure {
+        let certificate = MasterCertificate { diameter_mm, expanded_u_mm: 2.0 * u, coverage_factor: 2.0 };
+        MasterFigure { certificate, width_px, u_width_px: 0.0 }
+    }
+
+    #[test]
+    fn two_masters_are_met_exactly_and_uncertainty_is_theirs() {
+        let (a, b) = (master(20.0, 1000.5, 3e-4), master(30.0, 1500.3, 4e-4));
+        let calibration = Calibration::fit_figures(&[a, b]).unwrap();
+        assert!((calibration.diameter_mm(1000.5) - 20.0).abs() < 1e-12);
+        assert!((calibration.u_common_mm(1000.5) - 3e-4).abs() < 1e-10);
+        assert!((calibration.u_common_mm(1500.3) - 4e-4).abs() < 1e-10);
+        // Half-way between two independent masters.
+        let half = 0.5 * (1000.5 + 1500.3);
+        assert!((calibration.u_common_mm(half) - 2.5e-4).abs() < 1e-10);
+    }
+
+    #[test]
+    fn bad_calibrations_are_refused_by_name() {
+        let a = master(20.0, 1000.0, 3e-4);
+        assert!(matches!(Calibration::fit_figures(&[a]), Err(CalibrationError::TooFew { found: 1 })));
+        assert!(matches!(Calibration::fit_figures(&[a, a]), Err(CalibrationError::SameSize { .. })));
+        let b = master(30.0, 1500.0, f64::NAN);
+        assert!(matches!(
+            Calibration::fit_figures(&[a, b]),
+            Err(CalibrationError::Certificate { master: 2 })
+        ));
+        let good = Calibration::fit_figures(&[a, master(30.0, 1500.0, 3e-4)]).unwrap();
+        let text = serde_json::to_string(&good).unwrap();
+        let read = Calibration::read(text.as_bytes()).unwrap();
+        assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);
+        assert!((read.u_common_mm(1200.0) - good.u_common_mm(1200.0)).abs() < 1e-12);
+        let newer = text.replace("\"version\":1", "\"version\":9");
+        assert!(matches!(Calibration::read(newer.as_bytes()), Err(CalibrationError::Version { found: 9 })));
+        assert!(Calibration::read(&b"{"[..]).is_err());
+        assert!(good.check_optics("y").is_err());
+    }
+}

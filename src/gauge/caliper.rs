@@ -1,0 +1,162 @@
+//! The largest caliper diameter of a frame, without the upward bias that the largest of many noisy widths has.
+//!
+//! A round part seen end-on has widths w² = D² − 4·(c − c0)²: w² is a parabola over the columns, exactly for a circle and
+//! an ellipse. It is fitted robustly around the widest place and its vertex is D. A shaft has no such vertex; there the largest median
+//! of 65 columns stands for the largest diameter.
+
+use super::edges::FrameEdges;
+
+/// Columns of a running median.
+const RUN: usize = 65;
+/// −d²(w²)/dc²/2 of a circle is 4; between these it is taken for a round part seen end-on.
+const ROUND: (f64, f64) = (2.0, 8.0);
+/// Half width of the vertex fit, as a fraction of the diameter: 12 % either side, 7 % of the radius deep.
+const VERTEX_FRACTION: f64 = 0.12;
+
+/// The largest caliper diameter of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LargestCaliper {
+    /// Diameter, px.
+    pub diameter_px: f64,
+    /// Standard uncertainty of it (noise, levels and scatter of the edge about the fit), px.
+    pub u_px: f64,
+    /// Whether it is the vertex of a round part seen end-on.
+    pub end_on: bool,
+}
+
+/// Finds it; `None` where no column has both edges.
+pub fn largest_caliper(edges: &FrameEdges) -> Option<LargestCaliper> {
+    let widths: Vec<(f64, f64)> =
+        (0..edges.columns()).filter_map(|c| edges.width_px(c).map(|w| (c as f64, w))).collect();
+    if widths.is_empty() {
+        return None;
+    }
+    let run = widest_run(&widths);
+    vertex(&widths, run.0, run.1).or_else(|| {
+        let u = scatter_of_run(&widths, run.0);
+        Some(LargestCaliper { diameter_px: run.1, u_px: u, end_on: false })
+    })
+}
+
+/// Column and value of the largest running median.
+fn widest_run(widths: &[(f64, f64)]) -> (f64, f64) {
+    let size = RUN.min(widths.len());
+    let mut best = (0.0, f64::NEG_INFINITY);
+    for start in (0..=widths.len() - size).step_by((size / 8).max(1)) {
+        let mut run: Vec<f64> = widths[start..start + size].iter().map(|w| w.1).collect();
+        run.sort_by(f64::total_cmp);
+        let median = run[size / 2];
+        if median > best.1 {
+            best = (widths[start + size / 2].0, median);
+        }
+    }
+    best
+}
+
+/// Standard uncertainty of a run's median from its scatter (π/2 of a mean's variance).
+fn scatter_of_run(widths: &[(f64, f64)], column: f64) -> f64 {
+    let run: Vec<f64> =
+        widths.iter().filter(|w| (w.0 - column).abs() <= RUN as f64 / 2.0).map(|w| w.1).collect();
+    let n = run.len() as f64;
+    let mean = run.iter().sum::<f64>() / n;
+    let variance = run.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (std::f64::consts::FRAC_PI_2 * variance / n).sqrt()
+}
+
+/// Vertex of the robust parabola through w² around `centre`; `None` where the part is not round or its vertex not seen.
+fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCaliper> {
+    let reach = VERTEX_FRACTION * widest;
+    let mut centre = centre;
+    let mut found = None;
+    for _ in 0..3 {
+        let near: Vec<(f64, f64)> = widths
+            .iter()
+            .filter(|w| (w.0 - centre).abs() <= reach)
+            .map(|w| ((w.0 - centre) / reach, w.1 * w.1))
+            .collect();
+        let sides = (near.iter().any(|p| p.0 < -0.5), near.iter().any(|p| p.0 > 0.5));
+        if near.len() < 24 || sides != (true, true) {
+            return None;
+        }
+        let (p, u) = robust_parabola(&near)?;
+        let curvature = -p[2] / (reach * reach);
+        if !(ROUND.0..=ROUND.1).contains(&curvature) {
+            return None;
+        }
+        let at = -0.5 * p[1] / p[2];
+        let diameter_px = (p[0] + 0.5 * p[1] * at).max(0.0).sqrt();
+        found = Some(LargestCaliper { diameter_px, u_px: u / (2.0 * diameter_px), end_on: true });
+        if at.abs() < 0.02 {
+            break;
+        }
+        centre += at.clamp(-1.0, 1.0) * reach;
+    }
+    found
+}
+
+/// Parabola by least squares with Tukey's weights; gives the coefficients and the standard uncertainty at the middle.
+fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64)> {
+    let mut weights = vec![1.0; points.len()];
+    let mut last = None;
+    for _ in 0..8 {
+        let mut normal = nalgebra::Matrix3::<f64>::zeros();
+        let mut right = nalgebra::Vector3::<f64>::zeros();
+        for ((t, y), weight) in points.iter().zip(&weights) {
+            let basis = nalgebra::Vector3::new(1.0, *t, t * t);
+            normal += basis * basis.transpose() * *weight;
+            right += basis * (*weight * y);
+        }
+        let inverse = normal.try_inverse()?;
+        let p = inverse * right;
+        let residual = |t: f64, y: f64| y - (p[0] + p[1] * t + p[2] * t * t);
+        let mut sizes: Vec<f64> = points.iter().map(|(t, y)| residual(*t, *y).abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let scale = 1.4826 * sizes[sizes.len() / 2] + 1e-9;
+        for ((t, y), weight) in points.iter().zip(&mut weights) {
+            let q = residual(*t, *y) / (4.685 * scale);
+            *weight = if q.abs() < 1.0 { (1.0 - q * q).powi(2) } else { 0.0 };
+        }
+        last = Some((p, scale * inverse[(0, 0)].sqrt()));
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::edges::{Edge, EdgeState};
+    use super::*;
+
+    fn edges(width: impl Fn(f64) -> f64, columns: usize) -> FrameEdges {
+        let edge = |row_px: f64| {
+            if row_px.is_finite() {
+                Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good }
+            } else {
+                Edge::gap(crate::profile::Reason::NoEdge)
+            }
+        };
+        let half = |c: usize| 0.5 * width(c as f64);
+        FrameEdges {
+            top: (0..columns).map(|c| edge(700.0 - half(c))).collect(),
+            bottom: (0..columns).map(|c| edge(700.0 + half(c))).collect(),
+            ..FrameEdges::default()
+        }
+    }
+
+    #[test]
+    fn a_disc_gives_its_diameter_and_a_speck_does_not_count() {
+        let width = |c: f64| {
+            2.0 * (500.25_f64.powi(2) - (c - 600.4).powi(2)).sqrt() + if c == 610.0 { 9.0 } else { 0.0 }
+        };
+        let found = largest_caliper(&edges(width, 1300)).unwrap();
+        assert!(found.end_on);
+        assert!((found.diameter_px - 1000.5).abs() < 1e-6, "{}", found.diameter_px);
+    }
+
+    #[test]
+    fn a_tapered_shaft_gives_its_thick_end() {
+        let found = largest_caliper(&edges(|c| 500.0 + 0.01 * c, 1000)).unwrap();
+        assert!(!found.end_on);
+        assert!((found.diameter_px - 509.6).abs() < 0.1);
+        assert!(largest_caliper(&edges(|_| f64::NAN, 10)).is_none());
+    }
+}

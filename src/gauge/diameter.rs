@@ -1,0 +1,207 @@
+//! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
+//!
+//! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
+//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder.
+
+use super::calibration::Calibration;
+use super::edges::{Edge, FrameEdges};
+use crate::frame::FrameMeta;
+use crate::profile::{Diameter, Reading, Reason};
+
+/// Diameters of a frame's columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColumnDiameters {
+    /// One reading a column; `u_random_mm` is that of this one column.
+    pub readings: Vec<Reading>,
+    /// Part of each `u_random_mm` that the columns nearby share, mm.
+    pub shared_mm: Vec<f64>,
+    /// Columns over which it is shared.
+    pub shared_length: f64,
+    /// Scale along z, mm per column.
+    pub pitch_mm: f64,
+    /// Shadow width of each column across the axis, px; NaN in a gap.
+    pub width_px: Vec<f64>,
+}
+
+impl ColumnDiameters {
+    /// Machine z of a column of the frame with this metadata, mm.
+    pub fn z_mm(&self, meta: &FrameMeta, column: usize) -> f64 {
+        meta.z_mm + (column as f64 - (self.readings.len() as f64 - 1.0) / 2.0) * self.pitch_mm
+    }
+
+    /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's middle, reading). An
+    /// interval without a good column is a gap with its most frequent reason.
+    pub fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
+        let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.readings.len().max(1));
+        (0..self.readings.len())
+            .step_by(size)
+            .map(|from| {
+                let to = (from + size).min(self.readings.len());
+                let z_mm = 0.5 * (self.z_mm(meta, from) + self.z_mm(meta, to - 1));
+                (z_mm, self.mean(from..to))
+            })
+            .collect()
+    }
+
+    /// Mean over columns; the shared part of the uncertainty does not shrink, which is right for spans up to `shared_length`
+    /// and cautious beyond.
+    pub fn mean(&self, columns: std::ops::Range<usize>) -> Reading {
+        let (mut n, mut d, mut own, mut shared, mut common) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for column in columns.clone() {
+            if let Some(Reading::Value(value)) = self.readings.get(column) {
+                let own_share = self.shared_mm[column].powi(2);
+                n += 1.0;
+                d += value.d_mm;
+                own += (value.u_random_mm.powi(2) - own_share).max(0.0);
+                shared += own_share;
+                common += value.u_common_mm;
+            }
+        }
+        if n == 0.0 {
+            return Reading::Gap(self.frequent_reason(columns));
+        }
+        Reading::Value(Diameter {
+            d_mm: d / n,
+            u_random_mm: (own / (n * n) + shared / n).sqrt(),
+            u_common_mm: common / n,
+        })
+    }
+
+    fn frequent_reason(&self, columns: std::ops::Range<usize>) -> Reason {
+        let mut counts = std::collections::BTreeMap::<Reason, usize>::new();
+        for column in columns {
+            if let Some(Reading::Gap(reason)) = self.readings.get(column) {
+                *counts.entry(*reason).or_default() += 1;
+            }
+        }
+        counts.into_iter().max_by_key(|(_, n)| *n).map_or(Reason::NoEdge, |(reason, _)| reason)
+    }
+}
+
+/// Slopes of the axis and of the flanks in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Slope tan τ of the axis, rows per column.
+    pub tan_tilt: f64,
+    /// Slope tan α of the flanks, rows per column.
+    pub tan_taper: f64,
+}
+
+impl Pose {
+    /// Robust lines through middles and half widths; level where there are too few columns.
+    pub fn of(edges: &FrameEdges) -> Self {
+        let pairs: Vec<(f64, f64, f64)> = edges
+            .top
+            .iter()
+            .zip(&edges.bottom)
+            .enumerate()
+            .filter(|(_, (t, b))| t.is_usable() && b.is_usable())
+            .map(|(c, (t, b))| (c as f64, 0.5 * (t.row_px + b.row_px), 0.5 * (b.row_px - t.row_px)))
+            .collect();
+        let slope = |pick: fn(&(f64, f64, f64)) -> f64| {
+            robust_slope(&pairs.iter().map(|p| (p.0, pick(p))).collect::<Vec<_>>())
+        };
+        Self { tan_tilt: slope(|p| p.1), tan_taper: slope(|p| p.2) }
+    }
+
+    /// D/w of the module's formula.
+    pub fn chord_factor(&self) -> f64 {
+        let cos2 = 1.0 / (1.0 + self.tan_tilt * self.tan_tilt);
+        let sin2 = 1.0 - cos2;
+        ((cos2 - sin2 * self.tan_taper * self.tan_taper) / cos2.sqrt()).max(0.0)
+    }
+}
+
+/// Least-squares slope, three times with points beyond three standard deviations left out.
+fn robust_slope(points: &[(f64, f64)]) -> f64 {
+    if points.len() < 16 {
+        return 0.0;
+    }
+    let mut limit = f64::INFINITY;
+    let (mut intercept, mut slope) = (0.0, 0.0);
+    for _ in 0..3 {
+        let kept = || points.iter().filter(|p| (p.1 - intercept - slope * p.0).abs() <= limit);
+        let n = kept().count() as f64;
+        if n < 8.0 {
+            break;
+        }
+        let (mx, my) = (kept().map(|p| p.0).sum::<f64>() / n, kept().map(|p| p.1).sum::<f64>() / n);
+        let square: f64 = kept().map(|p| (p.0 - mx).powi(2)).sum();
+        let cross: f64 = kept().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+        let next = if square > 0.0 { cross / square } else { 0.0 };
+        let start = my - next * mx;
+        let rest: f64 = kept().map(|p| (p.1 - start - next * p.0).powi(2)).sum();
+        (intercept, slope) = (start, next);
+        limit = 3.0 * (rest / n).sqrt() + 1e-9;
+    }
+    slope
+}
+
+pub(crate) fn column_diameters(calibration: &Calibration, edges: &FrameEdges) -> ColumnDiameters {
+    let factor = Pose::of(edges).chord_factor();
+    let scale = calibration.scale_mm_per_px * factor;
+    let mut out = ColumnDiameters {
+        shared_length: f64::from(edges.shared_length[0].min(edges.shared_length[1])),
+        pitch_mm: calibration.scale_mm_per_px,
+        ..ColumnDiameters::default()
+    };
+    for (top, bottom) in edges.top.iter().zip(&edges.bottom) {
+        if let Some(reason) = gap(top, bottom) {
+            out.readings.push(Reading::Gap(reason));
+            out.shared_mm.push(f64::NAN);
+            out.width_px.push(f64::NAN);
+            continue;
+        }
+        let width_px = (bottom.row_px - top.row_px) * factor;
+        out.readings.push(Reading::Value(Diameter {
+            d_mm: calibration.diameter_mm(width_px),
+            u_random_mm: scale * top.u_px().hypot(bottom.u_px()),
+            u_common_mm: calibration.u_common_mm(width_px),
+        }));
+        out.shared_mm.push(scale * f64::from(top.u_shared_px).hypot(f64::from(bottom.u_shared_px)));
+        out.width_px.push(width_px);
+    }
+    out
+}
+
+fn gap(top: &Edge, bottom: &Edge) -> Option<Reason> {
+    [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason)
+}
+
+/// Mean width across the axis over a frame and its standard uncertainty, px; `None` without a usable column.
+pub(crate) fn mean_width(edges: &FrameEdges) -> Option<(f64, f64)> {
+    let factor = Pose::of(edges).chord_factor();
+    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    if both.is_empty() {
+        return None;
+    }
+    let n = both.len() as f64;
+    let width = both.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / n;
+    let u = |line: &[Edge], side: usize| {
+        FrameEdges::mean(line, edges.shared_length[side], 0..line.len()).map_or(f64::NAN, |m| m.u_px)
+    };
+    Some((width * factor, factor * u(&edges.top, 0).hypot(u(&edges.bottom, 1))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chord of a tilted cone by geometry: intersect the column with the two flanks.
+    #[test]
+    fn chord_factor_is_that_of_a_tilted_cone() {
+        let (tilt, taper, diameter) = (0.05_f64, 0.03_f64, 100.0_f64);
+        // Flanks: points q(s, ±) = s·a ± (D/2 + s·tan α)·n along the axis a = (cos τ, sin τ), normal n.
+        let flank = |sign: f64| {
+            // Solve x = 0 for s, then y.
+            let s = sign * 0.5 * diameter * tilt.sin() / (tilt.cos() - sign * taper.tan() * tilt.sin());
+            s * tilt.sin() + sign * (0.5 * diameter + s * taper.tan()) * tilt.cos()
+        };
+        let chord = flank(1.0) - flank(-1.0);
+        // Slopes of middle and half width as the image shows them.
+        let slope = |sign: f64| (tilt + sign * taper).tan();
+        let pose = Pose { tan_tilt: tilt.tan(), tan_taper: taper.tan() };
+        assert!((0.5 * (slope(1.0) + slope(-1.0)) - tilt.tan()).abs() < 1e-4);
+        assert!((chord * pose.chord_factor() / diameter - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,164 @@
+//! What the edge finder gives: both edges of every column, each with its uncertainty, or a gap with its reason.
+
+use thiserror::Error;
+
+use crate::profile::Reason;
+
+/// Whether an edge may be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeState {
+    /// Trusted.
+    Good,
+    /// Usable with the larger uncertainty stated; the reason says what impairs it.
+    Impaired(Reason),
+    /// Refused.
+    Gap(Reason),
+}
+
+/// One edge of one column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Row of the edge, px, pixel centres at integers; NaN in a gap.
+    pub row_px: f64,
+    /// Standard uncertainty that this column has for itself, px.
+    pub u_own_px: f32,
+    /// Standard uncertainty shared with the columns nearby (pooled levels), px.
+    pub u_shared_px: f32,
+    /// Residual χ² over its degrees of freedom, with the frame's noise.
+    pub chi2: f32,
+    /// Whether it may be used.
+    pub state: EdgeState,
+}
+
+impl Edge {
+    /// A refused edge.
+    pub fn gap(reason: Reason) -> Self {
+        Self {
+            row_px: f64::NAN,
+            u_own_px: f32::NAN,
+            u_shared_px: f32::NAN,
+            chi2: f32::NAN,
+            state: EdgeState::Gap(reason),
+        }
+    }
+
+    /// Whether the edge has a value.
+    pub fn is_usable(&self) -> bool {
+        !matches!(self.state, EdgeState::Gap(_))
+    }
+
+    /// Combined standard uncertainty of this one edge, px.
+    pub fn u_px(&self) -> f64 {
+        f64::from(self.u_own_px).hypot(f64::from(self.u_shared_px))
+    }
+
+    /// The reason of a gap or an impairment.
+    pub fn reason(&self) -> Option<Reason> {
+        match self.state {
+            EdgeState::Good => None,
+            EdgeState::Impaired(reason) | EdgeState::Gap(reason) => Some(reason),
+        }
+    }
+}
+
+/// What the gauge found out about the frame on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct FrameFigures {
+    /// Blur at the upper and lower edge, px (standard deviation without the pixel's own area).
+    pub sigma_px: [f64; 2],
+    /// Mean dark level at the upper and lower edge, counts.
+    pub dark: [f64; 2],
+    /// Mean light level at the upper and lower edge, counts.
+    pub light: [f64; 2],
+    /// Noise (standard deviation) in the dark and in the light, counts.
+    pub noise: [f64; 2],
+    /// Contrast over noise at mid-edge.
+    pub snr: f64,
+    /// Median residual χ² over its expectation: 1 where model and noise describe the frame. Uncertainties are
+    /// multiplied by its root where it exceeds 1.2.
+    pub misfit: f64,
+}
+
+/// Both edges of every column of a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameEdges {
+    /// Upper edges, one a column.
+    pub top: Vec<Edge>,
+    /// Lower edges, one a column.
+    pub bottom: Vec<Edge>,
+    /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
+    pub shared_length: [f32; 2],
+    /// The frame's own figures.
+    pub figures: FrameFigures,
+}
+
+/// Mean edge (or width) over columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mean {
+    /// Mean, px.
+    pub value_px: f64,
+    /// Standard uncertainty with the shared part carried, px.
+    pub u_px: f64,
+    /// Columns in it.
+    pub columns: usize,
+}
+
+impl FrameEdges {
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.top.len()
+    }
+
+    /// Columns in which both edges are usable.
+    pub fn valid(&self) -> usize {
+        self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_usable() && b.is_usable()).count()
+    }
+
+    /// Shadow width (bottom − top) of a column, px, where both edges are usable.
+    pub fn width_px(&self, column: usize) -> Option<f64> {
+        let (top, bottom) = (self.top.get(column)?, self.bottom.get(column)?);
+        (top.is_usable() && bottom.is_usable()).then_some(bottom.row_px - top.row_px)
+    }
+
+    /// Unweighted mean of one line's usable edges over `columns`; `None` without any.
+    pub fn mean(line: &[Edge], shared_length: f32, columns: std::ops::Range<usize>) -> Option<Mean> {
+        let used: Vec<(usize, &Edge)> = columns
+            .filter_map(|c| line.get(c).map(|edge| (c, edge)))
+            .filter(|(_, edge)| edge.is_usable())
+            .collect();
+        if used.is_empty() {
+            return None;
+        }
+        let n = used.len() as f64;
+        let value_px = used.iter().map(|(_, e)| e.row_px).sum::<f64>() / n;
+        let own: f64 = used.iter().map(|(_, e)| f64::from(e.u_own_px).powi(2)).sum::<f64>() / (n * n);
+        let shared = shared_variance(&used, shared_length);
+        Some(Mean { value_px, u_px: (own + shared).sqrt(), columns: used.len() })
+    }
+}
+
+/// Variance of the shared part of a mean: errors of two columns correlate by a triangle of twice the knots' distance.
+fn shared_variance(used: &[(usize, &Edge)], length: f32) -> f64 {
+    let n = used.len() as f64;
+    let reach = 1.5 * f64::from(length.max(1.0));
+    let mean_square = used.iter().map(|(_, e)| f64::from(e.u_shared_px).powi(2)).sum::<f64>() / n;
+    // Mean over all pairs of max(0, 1 − |i − j|/reach), from the spread of the columns alone.
+    let span = (used[used.len() - 1].0 - used[0].0) as f64;
+    let correlation = if span <= reach {
+        1.0 - span / (3.0 * reach)
+    } else {
+        let q = reach / span;
+        q - q * q / 3.0
+    };
+    mean_square * correlation
+}
+
+/// A frame that gives no diameter.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("no diameter from this frame ({reason}): {detail}")]
+pub struct FrameRefused {
+    /// Why.
+    pub reason: Reason,
+    /// What was seen and what would be right.
+    pub detail: String,
+}

@@ -1,0 +1,59 @@
+//! The noise of a frame, from the frame: variance in the light and in the shadow, linear in between.
+//!
+//! Differences of horizontally neighbouring flat pixels carry twice the variance of one pixel, temporal noise and
+//! pixel-to-pixel response alike, and none of the light's slow variation.
+
+use super::settings::Noise;
+
+/// Noise variance as a function of the grey level: `offset + gain·level`, at least `floor`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NoiseModel {
+    offset: f64,
+    gain: f64,
+    floor: f64,
+}
+
+impl NoiseModel {
+    /// The line through the variances at two levels.
+    pub(crate) fn through(dark: (f64, f64), light: (f64, f64), floor: f64) -> Self {
+        let gain = (light.1 - dark.1) / (light.0 - dark.0).max(1e-9);
+        Self { offset: dark.1 - gain * dark.0, gain, floor }
+    }
+
+    /// Photon transfer as given, or `None` where the frame itself shall tell.
+    pub(crate) fn given(noise: Noise, sign: f32, floor: f64) -> Option<Self> {
+        match noise {
+            Noise::Estimated {} => None,
+            Noise::PhotonTransfer { gain_counts_per_electron: k, read_noise_counts: read, black_counts } => {
+                Some(Self { offset: read * read - k * black_counts, gain: f64::from(sign) * k, floor })
+            }
+        }
+    }
+
+    /// Variance at a grey level, counts².
+    pub(crate) fn variance(&self, level: f64) -> f64 {
+        (self.offset + self.gain * level).max(self.floor)
+    }
+
+    /// κ of the scoring tables: (v_light − v_dark)/v_mid, kept where weights stay finite.
+    pub(crate) fn kappa(&self, dark: f64, light: f64) -> f64 {
+        let (low, high) = (self.variance(dark), self.variance(light));
+        (2.0 * (high - low) / (high + low)).clamp(-1.9, 1.9)
+    }
+}
+
+/// Robust variance of one pixel from differences of two; `least` is the smallest scale taken seriously, counts.
+pub(crate) fn variance_of_differences(differences: &mut [f32], least: f32) -> Option<f64> {
+    if differences.len() < 16 {
+        return None;
+    }
+    let middle = differences.len() / 2;
+    let (_, median, _) = differences.select_nth_unstable_by(middle, |a, b| a.abs().total_cmp(&b.abs()));
+    let scale = (1.4826 * median.abs()).max(least);
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for difference in differences.iter().filter(|d| d.abs() < 6.0 * scale) {
+        sum += f64::from(*difference).powi(2);
+        count += 1.0;
+    }
+    (count > 0.0).then_some(0.5 * sum / count)
+}

@@ -1,0 +1,270 @@
+//! From the frames of a scan to one diameter a station.
+//!
+//! Every column lies at z = z_frame + (column − c0)·p. For each spindle angle the columns of a station are averaged, over
+//! overlapping fields too; over the angles φ_i a least-squares fit of
+//!
+//! ```text
+//! D_i = D + Σ_{k = 2, 4} a_k cos kφ_i + b_k sin kφ_i
+//! ```
+//!
+//! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface texture and noise; its
+//! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. A station that scatters far more than
+//! the others keeps its own, larger value.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::diameter::ColumnDiameters;
+use super::settings::StationSettings;
+use crate::frame::FrameMeta;
+use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
+
+/// Sums of one station at one angle.
+#[derive(Clone, Copy, Debug, Default)]
+struct AngleSums {
+    columns: usize,
+    gaps: usize,
+    d_mm: f64,
+    common_mm: f64,
+    /// Σ own variance, mm².
+    own: f64,
+    /// Σ shared variance, mm².
+    shared: f64,
+    length: f64,
+}
+
+impl AngleSums {
+    fn mean_mm(&self) -> f64 {
+        self.d_mm / self.columns as f64
+    }
+
+    /// Variance of the mean from the edges' own statements, mm².
+    fn noise(&self) -> f64 {
+        let n = self.columns as f64;
+        let span_over_reach = n / (1.5 * self.length.max(1.0));
+        let correlation = if span_over_reach <= 1.0 {
+            1.0 - span_over_reach / 3.0
+        } else {
+            1.0 / span_over_reach - 1.0 / (3.0 * span_over_reach * span_over_reach)
+        };
+        self.own / (n * n) + correlation * self.shared / n
+    }
+}
+
+/// Averages a scan's frames into stations.
+#[derive(Clone, Debug)]
+pub struct StationAverager {
+    z_mm: Vec<f64>,
+    station_mm: f64,
+    settings: StationSettings,
+    /// Per station: sums by angle in microdegrees.
+    sums: Vec<BTreeMap<i64, AngleSums>>,
+    pitch_mm: f64,
+}
+
+/// Mean over the angles of one station before its uncertainty is known.
+struct AngleFit {
+    mean_mm: f64,
+    /// Variance of the mean over variance of one angle.
+    gain: f64,
+    /// Residual variance of one angle, mm², and its degrees of freedom.
+    residual: f64,
+    freedom: f64,
+    /// Variance of the mean by noise alone, mm².
+    noise: f64,
+    common_mm: f64,
+}
+
+impl StationAverager {
+    /// Stations by their middles, ascending, and their common length.
+    pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
+        let sums = vec![BTreeMap::new(); z_mm.len()];
+        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0 }
+    }
+
+    /// Adds a frame's diameters.
+    pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+        self.pitch_mm = diameters.pitch_mm;
+        let angle = (meta.angle_deg * 1e6).round() as i64;
+        for (column, reading) in diameters.readings.iter().enumerate() {
+            let z_mm = diameters.z_mm(meta, column);
+            let Some(station) = self.station_at(z_mm) else { continue };
+            let sums = self.sums[station].entry(angle).or_default();
+            match reading {
+                Reading::Gap(_) => sums.gaps += 1,
+                Reading::Value(d) => {
+                    let shared = diameters.shared_mm[column].powi(2);
+                    sums.columns += 1;
+                    sums.d_mm += d.d_mm;
+                    sums.common_mm += d.u_common_mm;
+                    sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
+                    sums.shared += shared;
+                    sums.length = diameters.shared_length;
+                }
+            }
+        }
+    }
+
+    fn station_at(&self, z_mm: f64) -> Option<usize> {
+        let half = 0.5 * self.station_mm;
+        let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
+        (after < self.z_mm.len() && z_mm >= self.z_mm[after] - half).then_some(after)
+    }
+
+    /// Ends the scan: one reading a station.
+    pub fn finish(&self, pass: u32) -> DiameterProfile {
+        let fits: Vec<Result<AngleFit, Reason>> = self.sums.iter().map(|sums| self.fit(sums)).collect();
+        let pooled = pooled_variance(fits.iter().flatten());
+        let stations = self
+            .z_mm
+            .iter()
+            .zip(&fits)
+            .map(|(z_mm, fit)| Station { z_mm: *z_mm, reading: reading(fit, pooled) })
+            .collect();
+        DiameterProfile { pass, stations }
+    }
+
+    fn fit(&self, sums: &BTreeMap<i64, AngleSums>) -> Result<AngleFit, Reason> {
+        if sums.is_empty() {
+            return Err(Reason::NotScanned);
+        }
+        let whole = self.station_mm / self.pitch_mm.max(1e-12);
+        let least = (self.settings.min_fill * whole).max(1.0);
+        let good: Vec<(f64, AngleSums)> = sums
+            .iter()
+            .filter(|(_, s)| s.columns as f64 >= least)
+            .map(|(angle, s)| ((*angle as f64 * 1e-6).to_radians(), *s))
+            .collect();
+        if good.len() < self.settings.min_angles.max(1) {
+            return Err(Reason::TooFewColumns);
+        }
+        let n = good.len() as f64;
+        let noise = good.iter().map(|(_, s)| s.noise()).sum::<f64>() / (n * n);
+        let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
+        let angles: Vec<(f64, f64)> = good.iter().map(|(angle, s)| (*angle, s.mean_mm())).collect();
+        let (mean_mm, gain, residual, freedom) = fit_lobes(&angles);
+        Ok(AngleFit { mean_mm, gain, residual, freedom, noise, common_mm })
+    }
+}
+
+/// Mean with the even lobes 2 and 4 taken out as far as the angles allow: (mean, variance factor, residual variance, freedom).
+fn fit_lobes(angles: &[(f64, f64)]) -> (f64, f64, f64, f64) {
+    let n = angles.len();
+    let lobes = n.saturating_sub(2).min(4) / 2;
+    for lobes in (0..=lobes).rev() {
+        let parameters = 1 + 2 * lobes;
+        let design = DMatrix::from_fn(n, parameters, |i, j| match j {
+            0 => 1.0,
+            j if j % 2 == 1 => (f64::from(j as u32 + 1) * angles[i].0).cos(),
+            j => (f64::from(j as u32) * angles[i].0).sin(),
+        });
+        let observed = DVector::from_iterator(n, angles.iter().map(|a| a.1));
+        let Some(inverse) = (design.transpose() * &design).try_inverse() else { continue };
+        // Badly spread angles would buy the lobes with the mean's variance.
+        if inverse[(0, 0)] > 1.5 / n as f64 {
+            continue;
+        }
+        let solution = &inverse * design.transpose() * &observed;
+        let square = (&observed - &design * &solution).norm_squared();
+        let freedom = (n - parameters) as f64;
+        let residual = if freedom > 0.0 { square / freedom } else { 0.0 };
+        return (solution[0], inverse[(0, 0)], residual, freedom);
+    }
+    (angles.iter().map(|a| a.1).sum::<f64>() / n as f64, 1.0 / n as f64, 0.0, 0.0)
+}
+
+/// Variance of one angle pooled over the stations: those beyond seven times the median's estimate are left out (below 0.1 % of
+/// good ones with three degrees of freedom). `None` without freedom.
+fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<f64> {
+    let mut all: Vec<(f64, f64)> =
+        fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (median, freedom) = *all.get(all.len() / 2)?;
+    let limit = 7.0 * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let kept = || all.iter().filter(|v| v.0 <= limit);
+    let total: f64 = kept().map(|v| v.1).sum();
+    (total > 0.0).then(|| kept().map(|v| v.0 * v.1).sum::<f64>() / total)
+}
+
+fn reading(fit: &Result<AngleFit, Reason>, pooled: Option<f64>) -> Reading {
+    let fit = match fit {
+        Ok(fit) => fit,
+        Err(reason) => return Reading::Gap(*reason),
+    };
+    let one_angle = match pooled {
+        Some(pooled) if fit.residual > 7.0 * pooled => fit.residual,
+        Some(pooled) => pooled,
+        None => 0.0,
+    };
+    Reading::Value(Diameter {
+        d_mm: fit.mean_mm,
+        u_random_mm: (fit.gain * one_angle).max(fit.noise).sqrt(),
+        u_common_mm: fit.common_mm,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+    use rand_pcg::Pcg64;
+
+    fn frame(angle_deg: f64, z_mm: f64, d: impl Fn(f64) -> f64) -> (FrameMeta, ColumnDiameters) {
+        let (columns, pitch_mm) = (400, 0.05);
+        let readings = (0..columns)
+            .map(|c| {
+                let z = z_mm + (f64::from(c) - 199.5) * pitch_mm;
+                Reading::Value(Diameter { d_mm: d(z), u_random_mm: 1e-4, u_common_mm: 2e-4 })
+            })
+            .collect();
+        let meta = FrameMeta { angle_deg, z_mm, ..FrameMeta::default() };
+        let diameters = ColumnDiameters {
+            readings,
+            shared_mm: vec![0.0; 400],
+            shared_length: 400.0,
+            pitch_mm,
+            width_px: vec![500.0; 400],
+        };
+        (meta, diameters)
+    }
+
+    #[test]
+    fn lobes_cancel_and_uncertainty_is_that_of_the_texture() {
+        let mut rng = Pcg64::seed_from_u64(5);
+        let texture = Normal::new(0.0, 1e-3).unwrap();
+        let z: Vec<f64> = (0..400).map(|k| 2.5 + 5.0 * f64::from(k)).collect();
+        let mut averager = StationAverager::new(&StationSettings::default(), z, 5.0);
+        for field in 0..101 {
+            for i in 0..8 {
+                let angle = 22.5 * f64::from(i);
+                let lobe = 5e-3 * (2.0 * angle.to_radians() + 0.3).cos();
+                let draws: Vec<f64> = (0..600).map(|_| texture.sample(&mut rng)).collect();
+                let d = |z: f64| 25.0 + 1e-4 * z + lobe + draws[(z / 5.0).clamp(0.0, 599.0) as usize];
+                let (meta, diameters) = frame(angle, 20.0 * f64::from(field), d);
+                averager.add(&meta, &diameters);
+            }
+        }
+        let profile = averager.finish(1);
+        let (mut square, mut u_square) = (0.0, 0.0);
+        for station in &profile.stations {
+            let d = station.reading.value().unwrap();
+            square += (d.d_mm - 25.0 - 1e-4 * station.z_mm).powi(2);
+            u_square += d.u_random_mm.powi(2);
+        }
+        let ratio: f64 = (square / u_square).sqrt();
+        assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn stations_without_frames_or_columns_are_gaps() {
+        let mut averager = StationAverager::new(&StationSettings::default(), vec![5.0, 500.0], 5.0);
+        let (meta, mut diameters) = frame(0.0, 5.0, |_| 25.0);
+        diameters.readings.iter_mut().for_each(|r| *r = Reading::Gap(Reason::Outlier));
+        averager.add(&meta, &diameters);
+        let profile = averager.finish(1);
+        assert_eq!(profile.stations[0].reading, Reading::Gap(Reason::TooFewColumns));
+        assert_eq!(profile.stations[1].reading, Reading::Gap(Reason::NotScanned));
+    }
+}

@@ -1,0 +1,154 @@
+//! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry run.
+
+use super::{Dialect, NcError, NcSettings};
+use crate::plan::{DiameterOffset, PassPlan};
+
+/// A path from the tailstock to the chuck.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// (Z, X) of every knot in the order of cutting, as they stand in the program, mm.
+    pub knots: Vec<(f64, f64)>,
+    /// What the wear register adds to X, mm of diameter (−ō, rounded; 0 without one).
+    pub wear_mm: f64,
+    /// The offsets that are really in force at the plan's stations.
+    pub in_force: DiameterOffset,
+}
+
+impl Path {
+    /// Splits, samples and rounds the commanded diameters of a pass.
+    ///
+    /// # Errors
+    /// Offsets that are not the stations', too large, or a path that leaves its range.
+    pub fn new(plan: &PassPlan, settings: &NcSettings, dialect: Dialect) -> Result<Self, NcError> {
+        settings.validate()?;
+        check(plan, settings)?;
+        let decimals = dialect.x_decimals();
+        let wear_mm = if dialect.has_wear_register() {
+            let mean = plan.offset.o_mm.iter().sum::<f64>() / plan.offset.o_mm.len() as f64;
+            round(-mean, decimals)
+        } else {
+            0.0
+        };
+        let mut count = settings.least_knots;
+        loop {
+            let knots = sample(plan, settings, wear_mm, count, decimals);
+            let path = Self { in_force: in_force(plan, &knots, wear_mm), knots, wear_mm };
+            let rounding = 1.5 * 10f64.powi(-(decimals as i32));
+            let close = path.largest_departure(plan) <= settings.knot_tolerance_mm + rounding;
+            if close || count > 4 * plan.station_z_mm.len() {
+                return path.checked(plan, settings);
+            }
+            count = 2 * count - 1;
+        }
+    }
+
+    /// Largest difference between the offsets in force and those asked for, mm of diameter.
+    pub fn largest_departure(&self, plan: &PassPlan) -> f64 {
+        let differences = self.in_force.o_mm.iter().zip(&plan.offset.o_mm).map(|(a, b)| (a - b).abs());
+        differences.fold(0.0, f64::max)
+    }
+
+    fn checked(self, plan: &PassPlan, settings: &NcSettings) -> Result<Self, NcError> {
+        let limit = settings.correction_limit_mm;
+        let (low_mm, high_mm) = (plan.nominal_mm - limit, plan.nominal_mm + limit);
+        for &(z_mm, x) in &self.knots {
+            let x_mm = x + self.wear_mm;
+            if !(low_mm..=high_mm).contains(&x_mm) {
+                return Err(NcError::Range { x_mm, z_mm, low_mm, high_mm });
+            }
+        }
+        let least = self.knots.iter().map(|k| k.0).fold(f64::INFINITY, f64::min);
+        if least < settings.least_z_mm {
+            return Err(NcError::Plan(format!(
+                "the path would reach Z = {least} mm, nc.least_z_mm is {}: shorten nc.lead_out_mm",
+                settings.least_z_mm
+            )));
+        }
+        Ok(self)
+    }
+}
+
+fn check(plan: &PassPlan, settings: &NcSettings) -> Result<(), NcError> {
+    let (stations, offsets) = (plan.station_z_mm.len(), plan.offset.o_mm.len());
+    if stations < 2 || stations != offsets {
+        return Err(NcError::Plan(format!(
+            "{offsets} offsets for {stations} stations; a path needs two or more"
+        )));
+    }
+    if let Some(z) = plan.station_z_mm.windows(2).find(|w| w[0].is_nan() || w[1] <= w[0]) {
+        return Err(NcError::Plan(format!("stations at {} and {} mm do not ascend", z[0], z[1])));
+    }
+    if let Some(o) =
+        plan.offset.o_mm.iter().find(|o| !o.is_finite() || o.abs() > settings.correction_limit_mm)
+    {
+        return Err(NcError::Plan(format!(
+            "range check: an offset of {o} mm exceeds nc.correction_limit_mm = {}",
+            settings.correction_limit_mm
+        )));
+    }
+    let finite = plan.nominal_mm > 0.0 && plan.nominal_mm.is_finite() && plan.cutting.feed_mm_per_rev > 0.0;
+    if finite { Ok(()) } else { Err(NcError::Plan("nominal diameter and feed must be positive".into())) }
+}
+
+fn round(value: f64, decimals: usize) -> f64 {
+    let scale = 10f64.powi(decimals as i32);
+    (value * scale).round() / scale
+}
+
+/// Knots from beyond the last station to beyond the first; beyond the stations the path stays level.
+fn sample(
+    plan: &PassPlan,
+    settings: &NcSettings,
+    wear: f64,
+    count: usize,
+    decimals: usize,
+) -> Vec<(f64, f64)> {
+    let z = &plan.station_z_mm;
+    let (first, last) = (z[0], z[z.len() - 1]);
+    let x = |at: f64| round(plan.nominal_mm - interpolate(z, &plan.offset.o_mm, at) - wear, decimals);
+    let mut knots = vec![(round(last + settings.lead_in_mm, 3), x(last))];
+    knots.extend((0..count).rev().map(|i| {
+        let at = round(first + (last - first) * i as f64 / (count - 1) as f64, 3);
+        (at, x(at))
+    }));
+    knots.push((round(first - settings.lead_out_mm, 3), x(first)));
+    knots
+}
+
+/// Linear in z, level beyond the ends.
+fn interpolate(z: &[f64], values: &[f64], at: f64) -> f64 {
+    let right = z.partition_point(|&s| s < at);
+    if right == 0 {
+        return values[0];
+    }
+    if right == z.len() {
+        return values[z.len() - 1];
+    }
+    let share = (at - z[right - 1]) / (z[right] - z[right - 1]);
+    values[right - 1] * (1.0 - share) + values[right] * share
+}
+
+fn in_force(plan: &PassPlan, knots: &[(f64, f64)], wear: f64) -> DiameterOffset {
+    let (z, x): (Vec<f64>, Vec<f64>) = knots.iter().rev().copied().unzip();
+    let at = |s: &f64| plan.nominal_mm - (interpolate(&z, &x, *s) + wear);
+    DiameterOffset { o_mm: plan.station_z_mm.iter().map(at).collect() }
+}
+
+/// What a dry run lists: every station's old and new offset, and why.
+pub fn dry_run(old: &DiameterOffset, plan: &PassPlan, path: &Path, reason: &str) -> String {
+    let mut text = format!(
+        "pass {}: {} knots, wear register {:+.4} mm, largest departure from the offsets asked for {:.5} mm\n\
+         reason: {reason}\n       z/mm     old/mm   asked/mm  program/mm  commanded/mm\n",
+        plan.pass,
+        path.knots.len(),
+        path.wear_mm,
+        path.largest_departure(plan),
+    );
+    for (i, z) in plan.station_z_mm.iter().enumerate() {
+        let before = old.o_mm.get(i).copied().unwrap_or(0.0);
+        let (asked, real) = (plan.offset.o_mm[i], path.in_force.o_mm[i]);
+        let commanded = plan.nominal_mm - real;
+        text += &format!("{z:11.3} {before:10.5} {asked:10.5}  {real:10.5}  {commanded:12.5}\n");
+    }
+    text
+}

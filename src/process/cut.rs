@@ -1,0 +1,108 @@
+//! The cut itself: from commanded diameters to diameters that remain, node by node along the feed.
+
+use super::beam::{Part, SteadyRest, Supports, compliance_at_joint, left_parts};
+use super::force::DepthLaw;
+use super::geometry::tangential_error_mm;
+use super::material::Material;
+use super::section::Section;
+
+/// What the cut of a pass looked like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutSummary {
+    /// Number of the pass.
+    pub pass: u32,
+    /// Smallest depth really cut, mm.
+    pub min_depth_mm: f64,
+    /// Largest depth really cut, mm.
+    pub max_depth_mm: f64,
+    /// Largest radial force, N.
+    pub max_force_n: f64,
+    /// Largest radial deflection at the tool, mm.
+    pub max_deflection_mm: f64,
+    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected in the pass.
+    pub tangential_error_um: f64,
+    /// Height of the feed marks f²/8r, µm.
+    pub feed_mark_um: f64,
+    /// Where the models were used outside their range; empty if nowhere.
+    pub notes: Vec<String>,
+}
+
+/// Everything a pass needs; borrowed, so that an error leaves the workpiece alone.
+pub(super) struct Cut<'a> {
+    pub before: &'a [f64],
+    pub commanded: &'a [f64],
+    pub law: DepthLaw,
+    pub step_mm: f64,
+    pub supports: Supports,
+    pub material: &'a Material,
+}
+
+impl Cut<'_> {
+    /// Diameters after the pass, the tool travelling from the last node to the first, and what it met.
+    pub(super) fn towards_first(&self) -> (Vec<f64>, CutSummary) {
+        let lefts = self.uncut_left_parts();
+        let mut right = self.supports.tailstock;
+        let mut after = self.before.to_vec();
+        let mut softest = 0.0;
+        let mut summary = CutSummary { min_depth_mm: f64::INFINITY, ..CutSummary::default() };
+        for node in (0..after.len()).rev() {
+            let behind = after.get(node + 1).copied();
+            // The element behind the tool: its near end is only known once this node is cut.
+            let probe = behind.map_or(right, |d| self.extended(right, d));
+            let compliance = compliance_at_joint(&lefts[node], &probe);
+            let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
+            after[node] = self.before[node] - 2.0 * depth;
+            summary.include(depth, self.law.force_n(depth), compliance);
+            softest = f64::max(softest, compliance);
+            if let Some(behind) = behind {
+                right = self.extended(right, 0.5 * (behind + after[node]));
+            }
+            self.supports.rests_at(node, self.step_mm).for_each(|rest| right.support(rest));
+        }
+        // The largest of both factors bounds the largest product from above.
+        let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
+        let thinnest = after.iter().copied().fold(f64::INFINITY, f64::min);
+        summary.tangential_error_um = 1e3 * tangential_error_mm(thinnest, tangential);
+        (after, summary)
+    }
+
+    /// The same with the tool travelling from the first node to the last: the mirror image.
+    pub(super) fn towards_last(&self) -> (Vec<f64>, CutSummary) {
+        let mirrored = |values: &[f64]| values.iter().rev().copied().collect::<Vec<f64>>();
+        let length = self.step_mm * (self.before.len() - 1) as f64;
+        let rest = |rest: &SteadyRest| SteadyRest { z_mm: length - rest.z_mm, ..*rest };
+        let (before, commanded) = (mirrored(self.before), mirrored(self.commanded));
+        let image = Cut {
+            before: &before,
+            commanded: &commanded,
+            supports: Supports {
+                chuck: self.supports.tailstock,
+                tailstock: self.supports.chuck,
+                steady_rests: self.supports.steady_rests.iter().map(rest).collect(),
+            },
+            ..*self
+        };
+        let (after, summary) = image.towards_first();
+        (mirrored(&after), summary)
+    }
+
+    fn extended(&self, mut part: Part, diameter_mm: f64) -> Part {
+        part.extend(self.step_mm, &Section::circular(diameter_mm, self.material));
+        part
+    }
+
+    fn uncut_left_parts(&self) -> Vec<Part> {
+        let element = |pair: &[f64]| Section::circular(0.5 * (pair[0] + pair[1]), self.material);
+        let sections: Vec<Section> = self.before.windows(2).map(element).collect();
+        left_parts(self.step_mm, &sections, &self.supports)
+    }
+}
+
+impl CutSummary {
+    fn include(&mut self, depth_mm: f64, force_n: f64, compliance_mm_per_n: f64) {
+        self.min_depth_mm = self.min_depth_mm.min(depth_mm);
+        self.max_depth_mm = self.max_depth_mm.max(depth_mm);
+        self.max_force_n = self.max_force_n.max(force_n);
+        self.max_deflection_mm = self.max_deflection_mm.max(force_n * compliance_mm_per_n);
+    }
+}

@@ -1,0 +1,154 @@
+//! From the silhouette to what the kernel needs of every column.
+//!
+//! A pixel sees the edge through its own area and the blur, K = box ∗ g_σ along the row. To second order a curved or
+//! rough edge e(x) looks like a straight one at the K-weighted mean of e, widened by the K-weighted variance about
+//! the tangent: for a straight edge that is σ²/cos²β + (1 + tan²β)/12 in rows, exactly. Truth stays e itself.
+//!
+//! Positions go to the kernel as integer + fraction: f32 rows would lose 1e-4 px above row 2048.
+
+use super::esf::EsfTable;
+
+/// Both edges of a column in pixels of the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColumnEdges {
+    /// Row of the upper edge.
+    pub top_px: f64,
+    /// Row of the lower edge.
+    pub bottom_px: f64,
+}
+
+/// One edge of one column as the kernel reads it: u = sign·(((row - whole) - part)·across) and its slope's share.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Edge {
+    /// Integer part of the edge's row.
+    pub whole: i32,
+    /// The rest, -1/2..1/2.
+    pub part: f32,
+    /// -cos β / scale for an upper edge, +cos β / scale for a lower one: units of the table a row.
+    pub across: f32,
+    /// ±sin β / scale with the opposite sign: units of the table a column.
+    pub along: f32,
+}
+
+/// Both edges of a column as the kernel reads them.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Column {
+    /// Light above it.
+    pub top: Edge,
+    /// Light below it.
+    pub bottom: Edge,
+}
+
+/// The weights K over neighbouring columns.
+#[derive(Clone, Debug)]
+pub struct RowBlur {
+    weights: Vec<f64>,
+    /// Σ w i², the discrete variance.
+    variance: f64,
+}
+
+/// Straight-edge equivalent of an edge about a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Straight {
+    row: f64,
+    slope: f64,
+    excess_variance: f64,
+}
+
+impl RowBlur {
+    /// K for a blur of `scale_px`.
+    pub fn new(scale_px: f64) -> Self {
+        let variance = scale_px * scale_px + 1.0 / 12.0;
+        let reach = (4.0 * variance.sqrt()).ceil() as i64;
+        let raw: Vec<f64> = (-reach..=reach).map(|i| (-0.5 * (i * i) as f64 / variance).exp()).collect();
+        let sum: f64 = raw.iter().sum();
+        let weights: Vec<f64> = raw.iter().map(|w| w / sum).collect();
+        let variance = weights.iter().zip(-reach..=reach).map(|(w, i)| w * (i * i) as f64).sum();
+        Self { weights, variance }
+    }
+
+    /// Columns needed beyond either end of the frame.
+    pub fn reach(&self) -> usize {
+        self.weights.len() / 2
+    }
+
+    /// The straight equivalent of `edges`, the window of `2·reach + 1` rows about a column.
+    fn straight(&self, edges: impl Iterator<Item = f64> + Clone) -> Straight {
+        let reach = self.reach() as f64;
+        let row: f64 = self.weights.iter().zip(edges.clone()).map(|(w, e)| w * e).sum();
+        let (mut moment, mut variance) = (0.0, 0.0);
+        for ((i, w), e) in self.weights.iter().enumerate().zip(edges) {
+            let departure = e - row;
+            moment += w * (i as f64 - reach) * departure;
+            variance += w * departure * departure;
+        }
+        let slope = moment / self.variance;
+        Straight { row, slope, excess_variance: (variance - slope * slope * self.variance).max(0.0) }
+    }
+}
+
+/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end.
+pub fn kernel_columns(edges: &[ColumnEdges], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
+    edges
+        .windows(2 * blur.reach() + 1)
+        .map(|window| Column {
+            top: edge(blur.straight(window.iter().map(|e| e.top_px)), esf, -1.0),
+            bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), esf, 1.0),
+        })
+        .collect()
+}
+
+fn edge(straight: Straight, esf: &EsfTable, sign: f64) -> Edge {
+    let cos = 1.0 / straight.slope.hypot(1.0);
+    let extra = if esf.widens { straight.excess_variance * cos * cos } else { 0.0 };
+    let scale = (esf.scale_px * esf.scale_px + extra).sqrt();
+    let whole = straight.row.round();
+    Edge {
+        whole: whole as i32,
+        part: (straight.row - whole) as f32,
+        across: (sign * cos / scale) as f32,
+        along: (-sign * cos * straight.slope / scale) as f32,
+    }
+}
+
+/// Largest |sin β|, and the smallest cos β/scale, over all columns.
+pub fn extremes(columns: &[Column], scale_px: f64) -> (f64, f64) {
+    columns.iter().flat_map(|c| [c.top, c.bottom]).fold((0.0, f64::INFINITY), |(sin, across), e| {
+        (f64::max(sin, f64::from(e.along.abs()) * scale_px), across.min(f64::from(e.across.abs())))
+    })
+}
+
+/// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a band.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bands {
+    /// First row of the upper and the lower band of every group, in rows of the frame (may be negative).
+    pub start: Vec<[i32; 2]>,
+    /// Rows of every band.
+    pub rows: u32,
+    /// Whether an upper and a lower band share rows: a pixel there sees both edges.
+    pub overlap: bool,
+}
+
+/// Bands that hold every pixel where an edge is neither full light nor full shadow.
+pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
+    let mut rows = 1;
+    let mut start = Vec::with_capacity(columns.len().div_ceil(group));
+    for members in columns.chunks(group) {
+        let mut first = [i32::MAX; 2];
+        let mut last = [i32::MIN; 2];
+        for column in members {
+            for (side, e) in [column.top, column.bottom].iter().enumerate() {
+                let half =
+                    (esf.reach / e.across.abs() + 0.5 * (1.0 + (e.along / e.across).abs())).ceil() as i32;
+                first[side] = first[side].min(e.whole - half);
+                last[side] = last[side].max(e.whole + half);
+            }
+        }
+        rows = rows.max((0..2).map(|s| last[s] - first[s] + 1).max().unwrap_or(1));
+        start.push(first);
+    }
+    let overlap = start.iter().any(|[upper, lower]| lower.saturating_sub(*upper) < rows);
+    Bands { start, rows: rows as u32, overlap }
+}

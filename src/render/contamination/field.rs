@@ -1,0 +1,353 @@
+//! Draws the contamination of a field of view and lays its shades over the pixels.
+
+use std::f64::consts::{PI, TAU};
+
+use rand_distr::{Distribution, Poisson, StandardNormal, Uniform};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+
+use super::map::TransmissionMap;
+use super::mask;
+use super::settings::{Contamination, SizeDistribution};
+use super::shapes::{clear_radius_of_ball, clear_radius_of_cap, disc, half_plane, into_polygon, line};
+use crate::render::error::RenderError;
+
+/// Streams of the generator: what stays, and what flies.
+const WINDOW_STREAM: u64 = 0x0077_696e_646f_7700;
+const AIR_STREAM: u64 = 0x0061_6972_0000_0000;
+
+/// Most things of one kind.
+const MOST: f64 = 1e5;
+
+/// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
+const CLOUD_REACH: f64 = 4.8;
+
+/// How a field of view lies over the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldGeometry {
+    /// Rows of the full sensor.
+    pub rows: usize,
+    /// Columns of the full sensor.
+    pub columns: usize,
+    /// Size of a pixel on the object, µm.
+    pub pixel_um: f64,
+    /// Effective numerical aperture, the smaller one of lens and light: blurs what lies out of focus.
+    pub effective_na: f64,
+    /// Standard deviation of the blur in focus, µm on the object.
+    pub sigma_um: f64,
+}
+
+impl FieldGeometry {
+    /// Radius of the disc of confusion at `distance_mm` from the plane of focus, in pixels; the blur in focus is taken
+    /// as a disc of the same variance (2σ), the pixel's own area as one of 1/√3.
+    fn blur_px(&self, distance_mm: f64) -> f64 {
+        let defocus = distance_mm * 1e3 * self.effective_na / self.pixel_um;
+        (defocus.powi(2) + (2.0 * self.sigma_um / self.pixel_um).powi(2) + 1.0 / 3.0).sqrt()
+    }
+
+    fn px(&self, um: f64) -> f64 {
+        um / self.pixel_um
+    }
+}
+
+/// One thing in the beam, in pixels of the full sensor.
+#[derive(Clone, Debug, PartialEq)]
+enum Shade {
+    /// Optical depth and standard deviation.
+    Cloud {
+        at: [f64; 2],
+        depth: f64,
+        sigma: f64,
+    },
+    /// Dark disc with a clear one in its middle.
+    Disc {
+        at: [f64; 2],
+        radius: f64,
+        clear: f64,
+        opacity: f64,
+        blur: f64,
+    },
+    Polygon {
+        corners: Vec<[f64; 2]>,
+        blur: f64,
+    },
+    /// From one end to the other.
+    Line {
+        from: [f64; 2],
+        to: [f64; 2],
+        width: f64,
+        opacity: f64,
+        blur: f64,
+    },
+}
+
+/// The contamination of a field of view: the window's once, the air's for every frame.
+#[derive(Clone, Debug)]
+pub struct ContaminationField {
+    settings: Contamination,
+    geometry: FieldGeometry,
+    seed: u64,
+    window: Vec<(u8, Shade)>,
+}
+
+/// Poisson number with mean `mean`.
+pub(super) fn poisson(key: &'static str, mean: f64, random: &mut Pcg64) -> Result<usize, RenderError> {
+    if mean == 0.0 {
+        return Ok(0);
+    }
+    if mean.is_nan() || mean > MOST {
+        let right = format!("draws {mean:.0} of them; lower it until there are fewer than {MOST:.0}");
+        return Err(RenderError::setting(key, &format!("{mean:.0} in the field"), right));
+    }
+    let draw = Poisson::new(mean).map_err(|e| RenderError::setting(key, &mean, e.to_string()))?;
+    Ok(draw.sample(random) as usize)
+}
+
+/// A size in µm, cut at the largest.
+pub(super) fn draw_size(sizes: &SizeDistribution, random: &mut Pcg64) -> f64 {
+    let normal: f64 = StandardNormal.sample(random);
+    (sizes.median_um * (sizes.geometric_sd.ln() * normal).exp()).min(sizes.largest_um)
+}
+
+/// Uniform draws over the field and around it.
+struct Draw<'a> {
+    geometry: &'a FieldGeometry,
+    random: Pcg64,
+    unit: Uniform<f64>,
+}
+
+impl Draw<'_> {
+    fn unit(&mut self) -> f64 {
+        self.unit.sample(&mut self.random)
+    }
+
+    /// Number of things over the field widened by `margin_px` at every side.
+    fn count(&mut self, key: &'static str, per_cm2: f64, margin_px: f64) -> Result<usize, RenderError> {
+        let side = |pixels: usize| (pixels as f64 + 2.0 * margin_px) * self.geometry.pixel_um * 1e-4;
+        let mean = per_cm2 * side(self.geometry.rows) * side(self.geometry.columns);
+        poisson(key, mean, &mut self.random)
+    }
+
+    /// A place (row, column) in the widened field.
+    fn place(&mut self, margin_px: f64) -> [f64; 2] {
+        let (rows, columns) = (self.geometry.rows as f64, self.geometry.columns as f64);
+        let mut along = |pixels: f64| -margin_px + (pixels + 2.0 * margin_px) * self.unit() - 0.5;
+        [along(rows), along(columns)]
+    }
+}
+
+impl ContaminationField {
+    /// Draws what lies on the window.
+    ///
+    /// # Errors
+    /// Refuses settings outside their ranges and more than a hundred thousand things of a kind, naming the key.
+    pub fn new(settings: &Contamination, geometry: FieldGeometry, seed: u64) -> Result<Self, RenderError> {
+        settings.check()?;
+        let mut field = Self { settings: settings.clone(), geometry, seed, window: Vec::new() };
+        field.window = field.draw_window()?;
+        Ok(field)
+    }
+
+    fn draw_with(&self, seed: u64) -> Result<Draw<'_>, RenderError> {
+        let unit = Uniform::new(0.0, 1.0)
+            .map_err(|e| RenderError::setting("contamination", "a uniform draw", e.to_string()))?;
+        Ok(Draw { geometry: &self.geometry, random: Pcg64::seed_from_u64(seed), unit })
+    }
+
+    fn draw_window(&self) -> Result<Vec<(u8, Shade)>, RenderError> {
+        let (s, g) = (&self.settings, &self.geometry);
+        let blur = g.blur_px(s.window_distance_mm);
+        let angle = s.acceptance_half_angle_deg.to_radians();
+        let mut draw = self.draw_with(self.seed ^ WINDOW_STREAM)?;
+        let mut shades = Vec::new();
+        let drops = &s.window_droplets;
+        let margin = g.px(drops.radius_um.largest_um) + blur;
+        for _ in 0..draw.count("contamination.window_droplets.per_cm2", drops.per_cm2, margin)? {
+            let radius = g.px(draw_size(&drops.radius_um, &mut draw.random));
+            let contact = drops.contact_angle_deg.to_radians();
+            let clear = clear_radius_of_cap(radius, contact, drops.refractive_index, angle);
+            let at = draw.place(margin);
+            shades.push((mask::WINDOW_DROPLET, Shade::Disc { at, radius, clear, opacity: 1.0, blur }));
+        }
+        let margin = g.px(s.dirt.radius_um.largest_um) + blur;
+        for _ in 0..draw.count("contamination.dirt.per_cm2", s.dirt.per_cm2, margin)? {
+            let radius = g.px(draw_size(&s.dirt.radius_um, &mut draw.random));
+            let at = draw.place(margin);
+            let opacity = s.dirt.opacity;
+            shades.push((mask::DIRT, Shade::Disc { at, radius, clear: 0.0, opacity, blur }));
+        }
+        let half = 0.5 * g.px(s.scratches.length_mm * 1e3);
+        for _ in 0..draw.count("contamination.scratches.per_cm2", s.scratches.per_cm2, half + blur)? {
+            let width = g.px(draw_size(&s.scratches.width_um, &mut draw.random));
+            let (at, angle) = (draw.place(half + blur), PI * draw.unit());
+            let along = [half * angle.sin(), half * angle.cos()];
+            let (from, to) = ([at[0] - along[0], at[1] - along[1]], [at[0] + along[0], at[1] + along[1]]);
+            let opacity = s.scratches.opacity;
+            shades.push((mask::SCRATCH, Shade::Line { from, to, width, opacity, blur }));
+        }
+        Ok(shades)
+    }
+
+    fn draw_air(&self, frame_id: u64) -> Result<Vec<(u8, Shade)>, RenderError> {
+        let (s, g) = (&self.settings, &self.geometry);
+        let angle = s.acceptance_half_angle_deg.to_radians();
+        // Frames are apart by an odd multiple of the golden ratio, so that none repeats another's seed.
+        let key = frame_id.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mut draw = self.draw_with(self.seed ^ AIR_STREAM ^ key)?;
+        let mut shades = Vec::new();
+        let margin = CLOUD_REACH * g.px(s.mist.size_um.largest_um);
+        for _ in 0..draw.count("contamination.mist.clouds_per_cm2", s.mist.clouds_per_cm2, margin)? {
+            let sigma = g.px(draw_size(&s.mist.size_um, &mut draw.random));
+            let at = draw.place(margin);
+            shades.push((mask::MIST, Shade::Cloud { at, depth: s.mist.optical_depth, sigma }));
+        }
+        let deepest = g.blur_px(0.5 * s.beam_depth_mm);
+        let drops = &s.air_droplets;
+        let margin = g.px(drops.radius_um.largest_um) + deepest;
+        for _ in 0..draw.count("contamination.air_droplets.per_cm2", drops.per_cm2, margin)? {
+            let radius = g.px(draw_size(&drops.radius_um, &mut draw.random));
+            let at = draw.place(margin);
+            let blur = g.blur_px(s.beam_depth_mm * (draw.unit() - 0.5));
+            let clear = clear_radius_of_ball(radius, drops.refractive_index, angle);
+            shades.push((mask::AIR_DROPLET, Shade::Disc { at, radius, clear, opacity: 1.0, blur }));
+        }
+        let margin = g.px(s.chips.half_length_um.largest_um) + deepest;
+        for _ in 0..draw.count("contamination.chips.per_cm2", s.chips.per_cm2, margin)? {
+            let half = g.px(draw_size(&s.chips.half_length_um, &mut draw.random));
+            let at = draw.place(margin);
+            let blur = g.blur_px(s.beam_depth_mm * (draw.unit() - 0.5));
+            let corners = self.chip(at, half, &mut draw);
+            shades.push((mask::CHIP, Shade::Polygon { corners, blur }));
+        }
+        Ok(shades)
+    }
+
+    /// Corners on an ellipse, each drawn towards its middle by up to 40 %.
+    fn chip(&self, at: [f64; 2], half: f64, draw: &mut Draw<'_>) -> Vec<[f64; 2]> {
+        let count = self.settings.chips.corners;
+        let (sin, cos) = (TAU * draw.unit()).sin_cos();
+        (0..count)
+            .map(|i| {
+                let angle = TAU * (f64::from(i) + 0.8 * (draw.unit() - 0.5)) / f64::from(count);
+                let radius = half * (1.0 - 0.4 * draw.unit());
+                let (u, v) = (radius * angle.cos(), radius * self.settings.chips.aspect * angle.sin());
+                [at[0] + u * sin + v * cos, at[1] + u * cos - v * sin]
+            })
+            .collect()
+    }
+
+    /// Lays the window's shades over a map whose first pixel is (`row0`, `column0`) of the sensor: once for a stream.
+    pub fn draw_on_window(&self, row0: usize, column0: usize, map: &mut TransmissionMap) {
+        lay_all(&self.window, row0, column0, map);
+    }
+
+    /// Lays what flies during frame `frame_id` over a map, on top of what it holds.
+    ///
+    /// # Errors
+    /// Refuses more than a hundred thousand things of a kind.
+    pub fn draw_in_air(
+        &self,
+        frame_id: u64,
+        row0: usize,
+        column0: usize,
+        map: &mut TransmissionMap,
+    ) -> Result<(), RenderError> {
+        let haze = (-self.settings.mist.haze_depth).exp();
+        if haze < 1.0 {
+            map.multiply(0..map.rows() as i64, 0..map.columns() as i64, mask::MIST, |_, _| haze);
+        }
+        lay_all(&self.draw_air(frame_id)?, row0, column0, map);
+        Ok(())
+    }
+
+    /// Window and air of a frame on a clean map.
+    ///
+    /// # Errors
+    /// As [`Self::draw_in_air`].
+    pub fn frame(
+        &self,
+        frame_id: u64,
+        row0: usize,
+        column0: usize,
+        rows: usize,
+        columns: usize,
+    ) -> Result<TransmissionMap, RenderError> {
+        let mut map = TransmissionMap::new(rows, columns);
+        self.draw_on_window(row0, column0, &mut map);
+        self.draw_in_air(frame_id, row0, column0, &mut map)?;
+        Ok(map)
+    }
+}
+
+fn lay_all(shades: &[(u8, Shade)], row0: usize, column0: usize, map: &mut TransmissionMap) {
+    for (kind, shade) in shades {
+        lay(shade, *kind, [row0 as f64, column0 as f64], map);
+    }
+}
+
+/// Pixels from `low` to `high`, in the map's own coordinates.
+fn span(low: f64, high: f64, first: f64) -> std::ops::Range<i64> {
+    (low - first).floor() as i64..(high - first).ceil() as i64 + 1
+}
+
+fn lay(shade: &Shade, kind: u8, first: [f64; 2], map: &mut TransmissionMap) {
+    let around = |at: &[f64; 2], reach: f64| {
+        (span(at[0] - reach, at[0] + reach, first[0]), span(at[1] - reach, at[1] + reach, first[1]))
+    };
+    let sensor = |row: i64, column: i64| [row as f64 + first[0], column as f64 + first[1]];
+    match shade {
+        Shade::Cloud { at, depth, sigma } => {
+            let (rows, columns) = around(at, CLOUD_REACH * sigma);
+            map.multiply(rows, columns, kind, |row, column| {
+                let p = sensor(row, column);
+                let r2 = ((p[0] - at[0]).powi(2) + (p[1] - at[1]).powi(2)) / (sigma * sigma);
+                if r2 > CLOUD_REACH * CLOUD_REACH { 1.0 } else { (-depth * (-0.5 * r2).exp()).exp() }
+            });
+        }
+        Shade::Disc { at, radius, clear, opacity, blur } => {
+            let (rows, columns) = around(at, radius + blur);
+            map.multiply(rows, columns, kind, |row, column| {
+                let p = sensor(row, column);
+                let r = (p[0] - at[0]).hypot(p[1] - at[1]);
+                1.0 - opacity * (disc(r, *radius, *blur) - disc(r, *clear, *blur))
+            });
+        }
+        Shade::Polygon { corners, blur } => {
+            let extent = |axis: usize| {
+                let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
+                let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+                span(low - blur, high + blur, first[axis])
+            };
+            map.multiply(extent(0), extent(1), kind, |row, column| {
+                1.0 - half_plane(into_polygon(sensor(row, column), corners), *blur)
+            });
+        }
+        Shade::Line { from, to, width, opacity, blur } => {
+            lay_line((from, to), (*width, *opacity, *blur), kind, first, map);
+        }
+    }
+}
+
+fn lay_line(
+    (from, to): (&[f64; 2], &[f64; 2]),
+    (width, opacity, blur): (f64, f64, f64),
+    kind: u8,
+    first: [f64; 2],
+    map: &mut TransmissionMap,
+) {
+    let reach = 0.5 * width + blur;
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]).max(f64::MIN_POSITIVE);
+    let along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+    let extent =
+        |axis: usize| span(from[axis].min(to[axis]) - reach, from[axis].max(to[axis]) + reach, first[axis]);
+    map.multiply(extent(0), extent(1), kind, |row, column| {
+        let p = [row as f64 + first[0] - from[0], column as f64 + first[1] - from[1]];
+        let across = p[0] * along[1] - p[1] * along[0];
+        if across.abs() >= reach {
+            return 1.0;
+        }
+        let s = p[0] * along[0] + p[1] * along[1];
+        let ends = half_plane(s, blur) * half_plane(length - s, blur);
+        1.0 - opacity * line(across, width, blur) * ends
+    });
+}

@@ -1,0 +1,126 @@
+//! The transmission over a window of the sensor, and what touches each pixel.
+//!
+//! Only tiles that something touches are ever written, cleared or need to be read: a clean tile is 1 throughout.
+
+use super::mask::THRESHOLD;
+
+/// Side of a tile, pixels.
+pub const TILE: usize = 32;
+
+/// Factors that multiply the light of every pixel, row-major, and their mask.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransmissionMap {
+    rows: usize,
+    columns: usize,
+    values: Vec<f32>,
+    mask: Vec<u8>,
+    touched: Vec<bool>,
+}
+
+impl TransmissionMap {
+    /// A clean window.
+    pub fn new(rows: usize, columns: usize) -> Self {
+        let tiles = rows.div_ceil(TILE) * columns.div_ceil(TILE);
+        Self {
+            rows,
+            columns,
+            values: vec![1.0; rows * columns],
+            mask: vec![0; rows * columns],
+            touched: vec![false; tiles],
+        }
+    }
+
+    /// Rows of the window.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the window.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Factor of every pixel, row-major; 1 is clear.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// What touches every pixel: bits of [`super::mask`].
+    pub fn mask(&self) -> &[u8] {
+        &self.mask
+    }
+
+    /// Tiles a row of tiles holds.
+    pub fn tile_columns(&self) -> usize {
+        self.columns.div_ceil(TILE)
+    }
+
+    /// Whether each tile of 32 x 32 pixels is touched, row-major.
+    pub fn touched(&self) -> &[bool] {
+        &self.touched
+    }
+
+    /// Multiplies the pixels of `rows` x `columns` (clipped to the window) by `factor(row, column)`; `kind` enters the
+    /// mask where the factor departs from 1 by more than the threshold.
+    pub fn multiply(
+        &mut self,
+        rows: std::ops::Range<i64>,
+        columns: std::ops::Range<i64>,
+        kind: u8,
+        factor: impl Fn(i64, i64) -> f64,
+    ) {
+        let clip = |range: std::ops::Range<i64>, end: usize| range.start.max(0)..range.end.min(end as i64);
+        let (rows, columns) = (clip(rows, self.rows), clip(columns, self.columns));
+        for row in rows {
+            for column in columns.clone() {
+                let f = factor(row, column) as f32;
+                if f != 1.0 {
+                    self.multiply_pixel(row as usize, column as usize, kind, f);
+                }
+            }
+        }
+    }
+
+    fn multiply_pixel(&mut self, row: usize, column: usize, kind: u8, factor: f32) {
+        let at = row * self.columns + column;
+        self.values[at] *= factor;
+        if (factor - 1.0).abs() > THRESHOLD {
+            self.mask[at] |= kind;
+        }
+        let tile = row / TILE * self.tile_columns() + column / TILE;
+        self.touched[tile] = true;
+    }
+
+    /// Marks pixels without dimming them: a film's rise of the edge.
+    pub fn mark(&mut self, column: usize, rows: std::ops::Range<i64>, kind: u8) {
+        if column < self.columns {
+            for row in rows.start.max(0)..rows.end.min(self.rows as i64) {
+                self.mask[row as usize * self.columns + column] |= kind;
+            }
+        }
+    }
+
+    /// Makes this window a copy of `other`, writing only tiles that either of them touches.
+    ///
+    /// Windows of different sizes are copied whole.
+    pub fn copy_from(&mut self, other: &Self) {
+        if (self.rows, self.columns) != (other.rows, other.columns) {
+            self.clone_from(other);
+            return;
+        }
+        self.mask.copy_from_slice(&other.mask);
+        let across = self.tile_columns();
+        for tile in 0..self.touched.len() {
+            if !self.touched[tile] && !other.touched[tile] {
+                continue;
+            }
+            let (row, column) = (tile / across * TILE, tile % across * TILE);
+            let last = (column + TILE).min(self.columns);
+            for r in row..(row + TILE).min(self.rows) {
+                let range = r * self.columns + column..r * self.columns + last;
+                self.values[range.clone()].copy_from_slice(&other.values[range]);
+            }
+        }
+        self.touched.copy_from_slice(&other.touched);
+    }
+}

@@ -1,0 +1,113 @@
+//! Where the edge stands: a distribution of shifts with weights.
+//!
+//! During an exposure the edge moves; before a broad source it is cast from many directions; a reflecting strip adds
+//! a second edge. The light is the mean over all of them, F̄(d) = Σ w_i F(d - s_i). Smooth distributions come as
+//! quadrature nodes fit to them: a box as Gauss-Legendre, an arcsine as Chebyshev nodes of the first kind, a disc as
+//! those of the second kind, a Gaussian as the trapezoidal rule, which converges faster than any power there.
+
+use std::f64::consts::PI;
+
+use super::quadrature::gauss_legendre;
+
+/// Reach of the trapezoidal rule over a Gaussian, standard deviations: the rest weighs 4e-10.
+const GAUSSIAN_REACH: f64 = 6.25;
+
+/// Shifts of the edge towards the light, µm, and their weights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shifts {
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Shifts {
+    /// Shifts (µm, positive moves the edge into the light) with weights, which are scaled to add up to one.
+    pub fn new(nodes: Vec<(f64, f64)>) -> Self {
+        let sum: f64 = nodes.iter().map(|(_, w)| w).sum();
+        if nodes.is_empty() || sum == 0.0 {
+            return Self::none();
+        }
+        Self { nodes: nodes.into_iter().map(|(s, w)| (s, w / sum)).collect() }
+    }
+
+    /// An edge that stands still.
+    pub fn none() -> Self {
+        Self { nodes: vec![(0.0, 1.0)] }
+    }
+
+    /// Uniform over ±`width_um`/2: steady motion.
+    pub fn uniform(width_um: f64, nodes: usize) -> Self {
+        Self::new(gauss_legendre(nodes.max(1)).iter().map(|(x, w)| (0.5 * width_um * x, *w)).collect())
+    }
+
+    /// Arcsine over ±`amplitude_um`: many periods of a sinusoidal vibration.
+    pub fn arcsine(amplitude_um: f64, nodes: usize) -> Self {
+        let n = nodes.max(1);
+        Self::new((0..n).map(|i| (amplitude_um * (PI * (i as f64 + 0.5) / n as f64).cos(), 1.0)).collect())
+    }
+
+    /// A uniform disc of radius `radius_um` projected on the normal: a round source out of focus.
+    pub fn disc(radius_um: f64, nodes: usize) -> Self {
+        let n = nodes.max(1) as f64;
+        let node = |i: usize| {
+            let angle = PI * (i as f64 + 1.0) / (n + 1.0);
+            (radius_um * angle.cos(), angle.sin().powi(2))
+        };
+        Self::new((0..nodes.max(1)).map(node).collect())
+    }
+
+    /// Normal with standard deviation `sigma_um`.
+    pub fn gaussian(sigma_um: f64, nodes: usize) -> Self {
+        let n = nodes.max(3);
+        let node = |i: usize| {
+            let u = GAUSSIAN_REACH * (2.0 * i as f64 / (n - 1) as f64 - 1.0);
+            (sigma_um * u, (-0.5 * u * u).exp())
+        };
+        Self::new((0..n).map(node).collect())
+    }
+
+    /// The same distribution folded with another one.
+    #[must_use]
+    pub fn folded(&self, other: &Self) -> Self {
+        let pairs = |(s, w): &(f64, f64)| {
+            let (s, w) = (*s, *w);
+            other.nodes.iter().map(move |(t, v)| (s + t, w * v))
+        };
+        Self::new(self.nodes.iter().flat_map(pairs).collect())
+    }
+
+    /// The same distribution about its mean.
+    #[must_use]
+    pub fn centred(&self) -> Self {
+        let mean = self.mean_um();
+        Self { nodes: self.nodes.iter().map(|(s, w)| (s - mean, *w)).collect() }
+    }
+
+    /// The same distribution the other way round: an edge that moves up in the image moves into the light where it is an
+    /// upper one, into the shadow where it is a lower one.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self { nodes: self.nodes.iter().map(|(s, w)| (-s, *w)).collect() }
+    }
+
+    /// Shifts (µm) and weights.
+    pub fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.nodes.iter().copied()
+    }
+
+    /// Mean shift, µm.
+    pub fn mean_um(&self) -> f64 {
+        self.nodes.iter().map(|(s, w)| s * w).sum()
+    }
+
+    /// Variance about the mean, µm²: what a Gaussian blur would have to grow by.
+    pub fn variance_um2(&self) -> f64 {
+        let mean = self.mean_um();
+        self.nodes.iter().map(|(s, w)| w * (s - mean).powi(2)).sum()
+    }
+
+    /// Smallest and largest shift, µm.
+    pub fn range_um(&self) -> (f64, f64) {
+        self.nodes
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (s, _)| (low.min(*s), high.max(*s)))
+    }
+}

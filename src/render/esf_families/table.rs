@@ -1,0 +1,390 @@
+//! The table: an edge-spread function over the signed distance into the light.
+//!
+//! Between equidistant knots F is the cubic that takes F and dF/dd from both ends; it errs by at most
+//! h⁴/384·max|F''''|. Beyond the ends F is 0 and 1. With F1 = ∫F and F2 = ∬F, which a piecewise cubic gives exactly, a
+//! square pixel of side p over a straight edge of slope tan β sees
+//!
+//! ```text
+//! I(d) = [F2(d+a+b) - F2(d+a-b) - F2(d-a+b) + F2(d-a-b)] / 4ab,   a = p|cos β|/2,   b = p|sin β|/2
+//! ```
+//!
+//! with d the perpendicular distance of its centre, since the pixel's projection on the normal is two boxes folded.
+
+use rayon::prelude::*;
+
+use super::shifts::Shifts;
+use crate::render::error::RenderError;
+
+/// Most knots of a table; 64 MB with its integrals.
+const MOST_KNOTS: usize = 1 << 21;
+
+/// Fewest intervals a table starts from before it is refined.
+const FIRST_INTERVALS: usize = 256;
+
+/// Share of the reach, at either end, over which a table fades to 0 and 1.
+const FADE: f64 = 0.2;
+
+/// Below this half width, in steps of the table, a box is taken as a point: errs by b²F''/6.
+const NARROW_STEPS: f64 = 1e-3;
+
+/// An edge-spread function F(d): 0 in the shadow, 1 in the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeSpread {
+    low_um: f64,
+    step_um: f64,
+    values: Vec<f64>,
+    /// dF/dd at the knots, 1/µm.
+    slopes: Vec<f64>,
+    /// ∫F at the knots.
+    first: Vec<f64>,
+    /// ∬F at the knots.
+    second: Vec<f64>,
+    interpolation_error: f64,
+    truncation: f64,
+}
+
+impl EdgeSpread {
+    /// Tabulates a function that gives F and dF/dd (1/µm) over `low_um..=high_um`.
+    ///
+    /// The step is halved until the cubic differs from the function by at most `tolerance` in the middle of every
+    /// interval. Over the outer fifth at either end the difference to 0 or 1 fades out, so that a family with long
+    /// tails joins the flat field without a step; how much was faded is [`Self::truncation`].
+    ///
+    /// # Errors
+    /// Refuses an empty range and a function that needs more than two million knots.
+    pub fn tabulate(
+        low_um: f64,
+        high_um: f64,
+        tolerance: f64,
+        f: impl Fn(f64) -> (f64, f64) + Sync,
+    ) -> Result<Self, RenderError> {
+        if !(low_um < 0.0 && high_um > 0.0 && low_um.is_finite() && high_um.is_finite()) {
+            let found = format!("{low_um} to {high_um} µm");
+            return Err(RenderError::setting(
+                "optics.esf",
+                &found,
+                "a table's range must hold the edge at 0",
+            ));
+        }
+        let faded = |d: f64| fade(d, low_um, high_um, f(d));
+        let mut intervals = FIRST_INTERVALS;
+        let mut knots = sample(low_um, high_um, intervals, &faded);
+        loop {
+            let step = (high_um - low_um) / intervals as f64;
+            let mut middles = sample(low_um + 0.5 * step, high_um - 0.5 * step, intervals - 1, &faded);
+            let error = largest_error(&knots, &middles, step);
+            if error <= tolerance {
+                let truncation = [1.0 - f(high_um * (1.0 - FADE)).0, f(low_um * (1.0 - FADE)).0]
+                    .iter()
+                    .fold(0.0, |most: f64, t| most.max(t.abs()));
+                return Ok(Self::from_knots(low_um, step, &knots, error, truncation));
+            }
+            intervals *= 2;
+            if intervals > MOST_KNOTS {
+                let found = format!("{low_um} to {high_um} µm");
+                return Err(RenderError::setting(
+                    "optics.esf",
+                    &found,
+                    format!("a table of {MOST_KNOTS} knots still errs by {error:.1e}: shorten its reach"),
+                ));
+            }
+            middles.push((0.0, 0.0));
+            knots = knots.into_iter().zip(middles).flat_map(|(k, m)| [k, m]).collect();
+            knots.pop();
+        }
+    }
+
+    /// A table from knots (F, dF/dd) at `low_um + i·step_um`.
+    pub(super) fn from_knots(
+        low_um: f64,
+        step_um: f64,
+        knots: &[(f64, f64)],
+        interpolation_error: f64,
+        truncation: f64,
+    ) -> Self {
+        let (values, slopes): (Vec<f64>, Vec<f64>) = knots.iter().copied().unzip();
+        let mut first = vec![0.0; values.len()];
+        let mut second = vec![0.0; values.len()];
+        for i in 1..values.len() {
+            let c = hermite(knots[i - 1], knots[i], step_um);
+            first[i] = first[i - 1] + step_um * (c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0);
+            let inner = c[0] / 2.0 + c[1] / 6.0 + c[2] / 12.0 + c[3] / 20.0;
+            second[i] = second[i - 1] + step_um * (first[i - 1] + step_um * inner);
+        }
+        Self { low_um, step_um, values, slopes, first, second, interpolation_error, truncation }
+    }
+
+    /// First and last distance of the table, µm; F is 0 before and 1 after.
+    pub fn range_um(&self) -> (f64, f64) {
+        (self.low_um, self.low_um + self.step_um * (self.values.len() - 1) as f64)
+    }
+
+    /// Distance of the knots, µm.
+    pub fn step_um(&self) -> f64 {
+        self.step_um
+    }
+
+    /// F and dF/dd (1/µm) at the knots.
+    pub fn knots(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
+        self.values.iter().copied().zip(self.slopes.iter().copied())
+    }
+
+    /// Largest difference between the table and its function, as a share of full intensity.
+    pub fn interpolation_error(&self) -> f64 {
+        self.interpolation_error
+    }
+
+    /// Largest difference to 0 or 1 that was faded out at the ends, as a share of full intensity.
+    pub fn truncation(&self) -> f64 {
+        self.truncation
+    }
+
+    /// F at a distance of `d_um` into the light.
+    pub fn value(&self, d_um: f64) -> f64 {
+        match self.place(d_um) {
+            Place::Shadow => 0.0,
+            Place::Light => 1.0,
+            Place::Segment(i, t) => {
+                let c = self.segment(i);
+                c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+            }
+        }
+    }
+
+    /// dF/dd, the line-spread function, 1/µm.
+    pub fn slope(&self, d_um: f64) -> f64 {
+        match self.place(d_um) {
+            Place::Shadow | Place::Light => 0.0,
+            Place::Segment(i, t) => {
+                let c = self.segment(i);
+                (c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])) / self.step_um
+            }
+        }
+    }
+
+    /// ∫F from the shadow to `d_um`, µm.
+    pub fn integral(&self, d_um: f64) -> f64 {
+        match self.place(d_um) {
+            Place::Shadow => 0.0,
+            Place::Light => self.first[self.first.len() - 1] + d_um - self.range_um().1,
+            Place::Segment(i, t) => {
+                let c = self.segment(i);
+                let part = t * (c[0] + t * (c[1] / 2.0 + t * (c[2] / 3.0 + t * c[3] / 4.0)));
+                self.first[i] + self.step_um * part
+            }
+        }
+    }
+
+    /// ∬F from the shadow to `d_um`, µm².
+    pub fn second_integral(&self, d_um: f64) -> f64 {
+        let last = self.first.len() - 1;
+        match self.place(d_um) {
+            Place::Shadow => 0.0,
+            Place::Light => {
+                let beyond = d_um - self.range_um().1;
+                self.second[last] + beyond * (self.first[last] + 0.5 * beyond)
+            }
+            Place::Segment(i, t) => {
+                let c = self.segment(i);
+                let part = t * t * (c[0] / 2.0 + t * (c[1] / 6.0 + t * (c[2] / 12.0 + t * c[3] / 20.0)));
+                self.second[i] + self.step_um * (self.first[i] * t + self.step_um * part)
+            }
+        }
+    }
+
+    /// Light on a square pixel of side `pixel_um` whose centre lies `d_um` into the light, measured across an edge that
+    /// makes the angle `slope_rad` with the pixel's rows. Exact for the table.
+    pub fn over_pixel(&self, d_um: f64, pixel_um: f64, slope_rad: f64) -> f64 {
+        let (sin, cos) = slope_rad.sin_cos();
+        let (x, y) = (0.5 * pixel_um * cos.abs(), 0.5 * pixel_um * sin.abs());
+        let (wide, narrow) = if x > y { (x, y) } else { (y, x) };
+        if wide < NARROW_STEPS * self.step_um {
+            return self.value(d_um);
+        }
+        if narrow < NARROW_STEPS * self.step_um {
+            return (self.integral(d_um + wide) - self.integral(d_um - wide)) / (2.0 * wide);
+        }
+        let outer = self.second_integral(d_um + wide + narrow) + self.second_integral(d_um - wide - narrow);
+        let inner = self.second_integral(d_um + wide - narrow) + self.second_integral(d_um - wide + narrow);
+        (outer - inner) / (4.0 * wide * narrow)
+    }
+
+    /// The table averaged over a box of full width `width_um`: a level edge with the pixel's height folded in.
+    ///
+    /// # Errors
+    /// As [`Self::tabulate`].
+    pub fn averaged(&self, width_um: f64, tolerance: f64) -> Result<Self, RenderError> {
+        let half = 0.5 * width_um;
+        let (low, high) = self.range_um();
+        if half < NARROW_STEPS * self.step_um {
+            return Ok(self.clone());
+        }
+        self.again(low - half, high + half, tolerance, |d| {
+            let mean = (self.integral(d + half) - self.integral(d - half)) / width_um;
+            (mean, (self.value(d + half) - self.value(d - half)) / width_um)
+        })
+    }
+
+    /// The table of an edge that stands at every one of `shifts` with its weight: motion, reflections, a broad source.
+    ///
+    /// # Errors
+    /// As [`Self::tabulate`].
+    pub fn spread(&self, shifts: &Shifts, tolerance: f64) -> Result<Self, RenderError> {
+        let (low, high) = self.range_um();
+        let (nearest, farthest) = shifts.range_um();
+        self.again(low + nearest.min(0.0), high + farthest.max(0.0), tolerance, |d| {
+            shifts.iter().fold((0.0, 0.0), |(value, slope), (s, w)| {
+                (value + w * self.value(d - s), slope + w * self.slope(d - s))
+            })
+        })
+    }
+
+    /// Tabulates what was made from this table and already ends in 0 and 1.
+    fn again(
+        &self,
+        low_um: f64,
+        high_um: f64,
+        tolerance: f64,
+        f: impl Fn(f64) -> (f64, f64) + Sync,
+    ) -> Result<Self, RenderError> {
+        // Room for the fade, which then only sees zeros and ones.
+        let (low, high) = (low_um / (1.0 - FADE), high_um / (1.0 - FADE));
+        let made = Self::tabulate(low, high, tolerance, f)?;
+        let interpolation_error = made.interpolation_error + self.interpolation_error;
+        Ok(Self { interpolation_error, truncation: self.truncation, ..made })
+    }
+
+    /// Distance at which F first reaches `level` (0 < level < 1), coming from the shadow; `None` where it never does.
+    pub fn position_um(&self, level: f64) -> Option<f64> {
+        let i = self.values.windows(2).position(|v| v[0] < level && v[1] >= level)?;
+        let (mut a, mut b) =
+            (self.low_um + i as f64 * self.step_um, self.low_um + (i + 1) as f64 * self.step_um);
+        for _ in 0..60 {
+            let middle = 0.5 * (a + b);
+            if self.value(middle) < level { a = middle } else { b = middle }
+        }
+        Some(0.5 * (a + b))
+    }
+
+    /// Distance from the first 10 % point to the first 90 % point, µm.
+    pub fn width_10_90_um(&self) -> Option<f64> {
+        Some(self.position_um(0.9)? - self.position_um(0.1)?)
+    }
+
+    /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what a quadrature over the
+    /// pixel has to resolve. Equals σ for the Gaussian; about a sixth of the finest period for rings.
+    pub fn sharpness_um(&self) -> f64 {
+        let steepest = self.slopes.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
+        (steepest / third.fold(f64::MIN_POSITIVE, f64::max)).sqrt()
+    }
+
+    /// The table as a kernel reads it: cubics in f32 over equal segments of pixels, the same reach to both sides.
+    pub fn kernel_table(&self, pixel_um: f64) -> KernelTable {
+        let (low, high) = self.range_um();
+        let reach_um = high.max(-low);
+        let segments = (2.0 * reach_um / self.step_um).ceil().max(1.0);
+        let step = 2.0 * reach_um / segments;
+        let knot = |i: usize| {
+            let d = -reach_um + i as f64 * step;
+            // The last knot belongs to the light, whatever its rounding.
+            if i as f64 >= segments { (1.0, 0.0) } else { (self.value(d), self.slope(d)) }
+        };
+        let cubics: Vec<[f64; 4]> =
+            (0..segments as usize).map(|i| hermite(knot(i), knot(i + 1), step)).collect();
+        let middle = |(i, c): (usize, &[f64; 4])| {
+            let found = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
+            (found - self.value(-reach_um + (i as f64 + 0.5) * step)).abs()
+        };
+        let error = cubics.iter().enumerate().map(middle).fold(0.0, f64::max);
+        KernelTable {
+            segments: cubics.iter().map(|c| c.map(|v| v as f32)).collect(),
+            reach_px: reach_um / pixel_um,
+            per_px: pixel_um / step,
+            sharpness_px: self.sharpness_um() / pixel_um,
+            error: error + self.interpolation_error + f64::from(f32::EPSILON),
+        }
+    }
+
+    fn place(&self, d_um: f64) -> Place {
+        let at = (d_um - self.low_um) / self.step_um;
+        let segments = self.values.len() - 1;
+        if at.is_nan() || at < 0.0 {
+            Place::Shadow
+        } else if at >= segments as f64 {
+            Place::Light
+        } else {
+            Place::Segment(at as usize, at.fract())
+        }
+    }
+
+    /// Coefficients c0..c3 of segment `i` over its fraction 0..1.
+    pub fn segment(&self, i: usize) -> [f64; 4] {
+        hermite((self.values[i], self.slopes[i]), (self.values[i + 1], self.slopes[i + 1]), self.step_um)
+    }
+
+    /// Number of segments.
+    pub fn segments(&self) -> usize {
+        self.values.len() - 1
+    }
+}
+
+/// A table for a kernel: F(d) over d = -reach..=reach pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelTable {
+    /// Coefficients c0..c3 of every segment in its own fraction 0..1.
+    pub segments: Vec<[f32; 4]>,
+    /// Distance of the first knot (in the shadow) and the last (in the light) from the edge, px.
+    pub reach_px: f64,
+    /// Segments a pixel.
+    pub per_px: f64,
+    /// [`EdgeSpread::sharpness_um`] in pixels: scale for the quadrature over a pixel.
+    pub sharpness_px: f64,
+    /// Largest error against the family, share of full intensity, f32 included.
+    pub error: f64,
+}
+
+enum Place {
+    Shadow,
+    Light,
+    Segment(usize, f64),
+}
+
+/// Cubic over 0..1 from values and slopes at both ends of a step.
+fn hermite((a, da): (f64, f64), (b, db): (f64, f64), step: f64) -> [f64; 4] {
+    let (da, db) = (da * step, db * step);
+    [a, da, 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db]
+}
+
+/// `intervals + 1` equidistant samples; every one by itself, so that threads cannot change the result.
+fn sample(low: f64, high: f64, intervals: usize, f: &(impl Fn(f64) -> (f64, f64) + Sync)) -> Vec<(f64, f64)> {
+    let step = (high - low) / intervals.max(1) as f64;
+    (0..=intervals).into_par_iter().map(|i| f(low + i as f64 * step)).collect()
+}
+
+/// Largest difference in the middle of the intervals, where the cubic errs most; the slope is checked too, lest an
+/// edge hidden inside one interval pass by symmetry.
+fn largest_error(knots: &[(f64, f64)], middles: &[(f64, f64)], step: f64) -> f64 {
+    knots
+        .windows(2)
+        .zip(middles)
+        .map(|(k, m)| {
+            let guess = 0.5 * (k[0].0 + k[1].0) + step * (k[0].1 - k[1].1) / 8.0;
+            let slope = 1.5 * (k[1].0 - k[0].0) / step - 0.25 * (k[0].1 + k[1].1);
+            (guess - m.0).abs().max(0.25 * step * (slope - m.1).abs())
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Fades the difference to 0 or 1 over the outer fifth with a cubic step.
+fn fade(d: f64, low: f64, high: f64, (value, slope): (f64, f64)) -> (f64, f64) {
+    let (end, level) = if d < 0.0 { (low, 0.0) } else { (high, 1.0) };
+    let t = (d / end - (1.0 - FADE)) / FADE;
+    if t <= 0.0 {
+        return (value, slope);
+    }
+    let t = t.min(1.0);
+    let weight = 1.0 - t * t * (3.0 - 2.0 * t);
+    let weight_slope = -6.0 * t * (1.0 - t) / (FADE * end);
+    (level + weight * (value - level), weight * slope + weight_slope * (value - level))
+}

@@ -1,0 +1,154 @@
+//! Buffers of a frame size, in the order of the shader's bindings.
+
+use std::sync::mpsc;
+
+use bytemuck::cast_slice;
+
+use super::super::error::RenderError;
+use super::super::params::{Job, Params};
+
+/// Most nodes of the quadrature over a pixel, 8 × 8.
+const MOST_NODES: u64 = 64;
+
+/// Buffers kept while the frame size stays the same.
+pub(super) struct Buffers {
+    pub(super) group: wgpu::BindGroup,
+    size: Size,
+    inputs: [wgpu::Buffer; 6],
+    image: wgpu::Buffer,
+    readback: Option<wgpu::Buffer>,
+}
+
+/// Bytes of every binding.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Size([u64; 7]);
+
+impl Size {
+    fn of(job: &Job<'_>) -> Self {
+        let bytes = |count: usize, each: usize| (count * each) as u64;
+        Self([
+            size_of::<Params>() as u64,
+            bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
+            bytes(job.bands.start.len(), 8),
+            bytes(job.row_keys.len(), 8),
+            bytes(job.esf.segments.len(), 16),
+            MOST_NODES * 16,
+            u64::from(job.params.words) * u64::from(job.params.rows) * 4,
+        ])
+    }
+}
+
+/// The bind-group layout: a uniform, five read-only buffers, the image.
+pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match binding {
+                0 => wgpu::BufferBindingType::Uniform,
+                6 => wgpu::BufferBindingType::Storage { read_only: false },
+                _ => wgpu::BufferBindingType::Storage { read_only: true },
+            },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("shadowgraph"),
+        entries: &std::array::from_fn::<_, 7, _>(|i| entry(i as u32)),
+    })
+}
+
+impl Buffers {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        job: &Job<'_>,
+        mappable: bool,
+    ) -> Self {
+        use wgpu::BufferUsages as Use;
+        let size = Size::of(job);
+        let buffer = |size: u64, usage: Use| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let inputs = std::array::from_fn(|i| {
+            let usage = if i == 0 { Use::UNIFORM } else { Use::STORAGE };
+            buffer(size.0[i], usage | Use::COPY_DST)
+        });
+        let image_use = if mappable { Use::STORAGE | Use::MAP_READ } else { Use::STORAGE | Use::COPY_SRC };
+        let image = buffer(size.0[6], image_use);
+        let readback = (!mappable).then(|| buffer(size.0[6], Use::MAP_READ | Use::COPY_DST));
+        let entries: Vec<_> = inputs
+            .iter()
+            .chain([&image])
+            .enumerate()
+            .map(|(i, b): (usize, &wgpu::Buffer)| wgpu::BindGroupEntry {
+                binding: i as u32,
+                resource: b.as_entire_binding(),
+            })
+            .collect();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shadowgraph"),
+            layout,
+            entries: &entries,
+        });
+        Self { group, size, inputs, image, readback }
+    }
+
+    /// Whether the job has exactly this size.
+    pub(super) fn fits(&self, job: &Job<'_>) -> bool {
+        self.size == Size::of(job)
+    }
+
+    pub(super) fn upload(&self, queue: &wgpu::Queue, job: &Job<'_>) {
+        let parts: [&[u8]; 6] = [
+            bytemuck::bytes_of(&job.params),
+            cast_slice(&job.columns),
+            cast_slice(&job.bands.start),
+            cast_slice(&job.row_keys),
+            cast_slice(&job.esf.segments),
+            cast_slice(&job.quadrature),
+        ];
+        for (buffer, bytes) in self.inputs.iter().zip(parts) {
+            queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+
+    pub(super) fn copy_out(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(readback) = &self.readback {
+            encoder.copy_buffer_to_buffer(&self.image, 0, readback, 0, self.size.0[6]);
+        }
+    }
+
+    /// Waits for the image and hands its words to `read`.
+    pub(super) fn read<R>(
+        &self,
+        device: &wgpu::Device,
+        read: impl FnOnce(&[u32]) -> R,
+    ) -> Result<R, RenderError> {
+        let failed = |what: String| RenderError::Device { what };
+        let source = self.readback.as_ref().unwrap_or(&self.image);
+        let (sender, receiver) = mpsc::channel();
+        source.map_async(wgpu::MapMode::Read, .., move |result| {
+            let _ = sender.send(result);
+        });
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(e.to_string()))?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(failed(e.to_string())),
+            Err(_) => return Err(failed("the image was never delivered".into())),
+        }
+        let result = {
+            let view = source.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
+            read(cast_slice(&view))
+        };
+        source.unmap();
+        Ok(result)
+    }
+}

@@ -1,0 +1,225 @@
+//! The kernels on a wgpu device: one device for the process, buffers kept between frames.
+
+mod adapters;
+mod buffers;
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub use adapters::{AdapterReport, adapter_reports};
+
+use self::buffers::Buffers;
+use super::error::RenderError;
+use super::params::{Job, pixels_per_word};
+
+/// The shader, one file for all kernels of a shadowgraph.
+pub const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");
+
+/// Invocations of a workgroup along a row, as in the shader.
+const GROUP: u32 = 64;
+
+/// Which kernels to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// A frame: flat fields, then edges.
+    Frame,
+    /// One constant in every word: the write floor.
+    Constant,
+}
+
+/// A device with its kernels.
+pub struct Gpu {
+    info: wgpu::AdapterInfo,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    module: wgpu::ShaderModule,
+    bindings: wgpu::BindGroupLayout,
+    layout: wgpu::PipelineLayout,
+    mappable: bool,
+    pipelines: BTreeMap<u32, Pipelines>,
+    buffers: Option<Buffers>,
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+struct Pipelines {
+    fill: wgpu::ComputePipeline,
+    band: wgpu::ComputePipeline,
+    constant: wgpu::ComputePipeline,
+}
+
+impl std::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gpu").field("adapter", &self.info.name).finish_non_exhaustive()
+    }
+}
+
+/// The graphics interfaces a device is looked for under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Api {
+    /// Vulkan before OpenGL.
+    Any,
+    /// Vulkan alone.
+    Vulkan,
+    /// OpenGL (ES) alone.
+    Gl,
+}
+
+impl Api {
+    fn backends(self) -> (wgpu::Backends, &'static str) {
+        match self {
+            Self::Any => (wgpu::Backends::VULKAN | wgpu::Backends::GL, "Vulkan or GL"),
+            Self::Vulkan => (wgpu::Backends::VULKAN, "Vulkan"),
+            Self::Gl => (wgpu::Backends::GL, "GL"),
+        }
+    }
+}
+
+impl Gpu {
+    /// Opens the best adapter of the interface given, hardware before software.
+    ///
+    /// # Errors
+    /// When there is none, or the device cannot be had or refuses the kernels.
+    pub fn open(api: Api) -> Result<Self, RenderError> {
+        let (backends, wanted) = api.backends();
+        let adapter = adapters::best(backends, wanted)?;
+        let info = adapter.get_info();
+        // A processor's memory is the device's memory: reading the image in place saves a copy of it.
+        let unified = matches!(info.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu);
+        let mappable = unified && adapter.features().contains(wgpu::Features::MAPPABLE_PRIMARY_BUFFERS);
+        let features =
+            if mappable { wgpu::Features::MAPPABLE_PRIMARY_BUFFERS } else { wgpu::Features::empty() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("shadowgauge"),
+            required_features: features,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .map_err(|e| RenderError::Device { what: e.to_string() })?;
+        let failure = Arc::new(Mutex::new(None));
+        watch(&device, &failure);
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("shadowgraph"),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        });
+        let bindings = buffers::layout(&device);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("shadowgraph"),
+            bind_group_layouts: &[Some(&bindings)],
+            immediate_size: 0,
+        });
+        if let Some(e) = pollster::block_on(scope.pop()) {
+            return Err(RenderError::Device { what: e.to_string() });
+        }
+        let (pipelines, buffers) = (BTreeMap::new(), None);
+        Ok(Self { info, device, queue, module, bindings, layout, mappable, pipelines, buffers, failure })
+    }
+
+    /// The adapter in use.
+    pub fn info(&self) -> &wgpu::AdapterInfo {
+        &self.info
+    }
+
+    /// Runs the job's kernels and hands the packed words to `read`.
+    ///
+    /// # Errors
+    /// When the device refuses the job or is lost.
+    pub fn run<R>(
+        &mut self,
+        job: &Job<'_>,
+        work: Work,
+        read: impl FnOnce(&[u32]) -> R,
+    ) -> Result<R, RenderError> {
+        self.prepare(job)?;
+        let Some(buffers) = &self.buffers else {
+            return Err(RenderError::Device { what: "no buffers".into() });
+        };
+        buffers.upload(&self.queue, job);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.encode(&mut encoder, buffers, job, work);
+        buffers.copy_out(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+        let result = buffers.read(&self.device, read);
+        self.check_device()?;
+        result
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, buffers: &Buffers, job: &Job<'_>, work: Work) {
+        let Some(pipelines) = self.pipelines.get(&pixels_per_word(job.format)) else { return };
+        let groups = job.params.words.div_ceil(GROUP);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_bind_group(0, &buffers.group, &[]);
+        match work {
+            Work::Constant => {
+                pass.set_pipeline(&pipelines.constant);
+                pass.dispatch_workgroups(groups, job.params.rows, 1);
+            }
+            Work::Frame => {
+                pass.set_pipeline(&pipelines.fill);
+                pass.dispatch_workgroups(groups, job.params.rows, 1);
+                pass.set_pipeline(&pipelines.band);
+                pass.dispatch_workgroups(groups, 2 * job.params.band_rows, 1);
+            }
+        }
+    }
+
+    /// Kernels for the job's packing, buffers for its size.
+    fn prepare(&mut self, job: &Job<'_>) -> Result<(), RenderError> {
+        let packing = pixels_per_word(job.format);
+        let fits = self.buffers.as_ref().is_some_and(|b| b.fits(job));
+        if fits && self.pipelines.contains_key(&packing) {
+            return Ok(());
+        }
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        if !fits {
+            self.buffers = Some(Buffers::new(&self.device, &self.bindings, job, self.mappable));
+        }
+        let pipelines = Pipelines {
+            fill: self.pipeline("fill", packing),
+            band: self.pipeline("band", packing),
+            constant: self.pipeline("constant", packing),
+        };
+        self.pipelines.insert(packing, pipelines);
+        let errors = [pollster::block_on(memory.pop()), pollster::block_on(scope.pop())];
+        if let Some(e) = errors.into_iter().flatten().next() {
+            self.buffers = None;
+            return Err(RenderError::Device { what: e.to_string() });
+        }
+        Ok(())
+    }
+
+    fn pipeline(&self, entry: &str, packing: u32) -> wgpu::ComputePipeline {
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&self.layout),
+            module: &self.module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("pixels_per_word", f64::from(packing))],
+                ..Default::default()
+            },
+            cache: None,
+        })
+    }
+
+    fn check_device(&self) -> Result<(), RenderError> {
+        let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner).take();
+        failure.map_or(Ok(()), |what| Err(RenderError::Device { what }))
+    }
+}
+
+/// Keeps what goes wrong outside error scopes, so that it becomes an error and not a panic.
+fn watch(device: &wgpu::Device, failure: &Arc<Mutex<Option<String>>>) {
+    let keep = |slot: &Mutex<Option<String>>, what: String| {
+        slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(what);
+    };
+    let slot = Arc::clone(failure);
+    device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&slot, e.to_string())));
+    let slot = Arc::clone(failure);
+    device.set_device_lost_callback(move |reason, what| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            keep(&slot, format!("device lost: {what}"));
+        }
+    });
+}

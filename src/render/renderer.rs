@@ -1,0 +1,182 @@
+//! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is asked for.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::error::RenderError;
+use super::gpu::{Api, Gpu, Work};
+use super::params::Job;
+use super::scene::{FrameRequest, Scene};
+use super::shadowgraph;
+use crate::frame::{Buffer, Frame, PixelFormat};
+
+/// What renders.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum BackendChoice {
+    /// Any adapter, hardware first; the CPU twin where there is none.
+    #[default]
+    Auto,
+    /// A Vulkan adapter or an error.
+    Vulkan,
+    /// An OpenGL (ES) adapter or an error.
+    Gl,
+    /// The CPU twin.
+    Cpu,
+}
+
+/// A renderer; may be shared between threads, draws one frame at a time on a device.
+#[derive(Debug)]
+pub struct Renderer {
+    engine: Engine,
+    backend: String,
+    adapter: String,
+}
+
+#[derive(Debug)]
+enum Engine {
+    Device(Box<Mutex<Gpu>>),
+    Twin,
+}
+
+impl Renderer {
+    /// Opens the backend asked for and logs which adapter it is.
+    ///
+    /// # Errors
+    /// When Vulkan or GL is asked for and offers no adapter. `auto` then takes the CPU twin and says so.
+    pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
+        let api = match choice {
+            BackendChoice::Auto => Api::Any,
+            BackendChoice::Vulkan => Api::Vulkan,
+            BackendChoice::Gl => Api::Gl,
+            BackendChoice::Cpu => return Ok(Self::twin()),
+        };
+        let renderer = match Gpu::open(api) {
+            Ok(gpu) => Self::device(gpu),
+            Err(e) if choice == BackendChoice::Auto => {
+                tracing::warn!("rendering on the CPU: {e}");
+                Self::twin()
+            }
+            Err(e) => return Err(e),
+        };
+        tracing::info!("rendering with {} on {}", renderer.backend, renderer.adapter);
+        Ok(renderer)
+    }
+
+    fn twin() -> Self {
+        Self { engine: Engine::Twin, backend: "cpu".into(), adapter: "CPU twin".into() }
+    }
+
+    fn device(gpu: Gpu) -> Self {
+        let (backend, adapter) = (gpu.info().backend.to_string(), gpu.info().name.clone());
+        Self { engine: Engine::Device(Box::new(Mutex::new(gpu))), backend, adapter }
+    }
+
+    /// `vulkan`, `gl` or `cpu`.
+    pub fn backend_name(&self) -> &str {
+        &self.backend
+    }
+
+    /// The adapter's name, or `CPU twin`.
+    pub fn adapter_name(&self) -> &str {
+        &self.adapter
+    }
+
+    /// Renders a frame of a scene; `reuse` gives its allocation back.
+    ///
+    /// # Errors
+    /// Refuses windows outside the sensor and shafts outside the field; fails with the device.
+    pub fn render(
+        &self,
+        scene: &Scene,
+        request: &FrameRequest,
+        reuse: Option<Frame>,
+    ) -> Result<Frame, RenderError> {
+        let job = scene.job(request)?;
+        let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
+        let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
+        Frame::new(buffer, job.format, rows, columns, scene.meta(request))
+            .map_err(|e| RenderError::Device { what: e.to_string() })
+    }
+
+    /// Draws a job into a buffer of its format.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn draw(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
+        let mut buffer = fitting(job, reuse);
+        match &self.engine {
+            Engine::Twin => match &mut buffer {
+                Buffer::U8(p) => shadowgraph::render(job, p),
+                Buffer::U16(p) => shadowgraph::render(job, p),
+                Buffer::F32(p) => shadowgraph::render(job, p),
+            },
+            Engine::Device(gpu) => {
+                let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+                gpu.run(job, Work::Frame, |words| unpack(job, words, &mut buffer))?;
+            }
+        }
+        Ok(buffer)
+    }
+
+    /// Writes one constant instead of a frame: the floor that a frame's time is compared with.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn draw_constant(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
+        let mut buffer = fitting(job, reuse);
+        match &self.engine {
+            Engine::Twin => match &mut buffer {
+                Buffer::U8(p) => shadowgraph::constant(job, p),
+                Buffer::U16(p) => shadowgraph::constant(job, p),
+                Buffer::F32(p) => shadowgraph::constant(job, p),
+            },
+            Engine::Device(gpu) => {
+                let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+                gpu.run(job, Work::Constant, |words| unpack(job, words, &mut buffer))?;
+            }
+        }
+        Ok(buffer)
+    }
+}
+
+/// A buffer of the job's format and size, the old allocation where it fits.
+fn fitting(job: &Job<'_>, reuse: Option<Buffer>) -> Buffer {
+    let count = job.params.rows as usize * job.params.columns as usize;
+    match (job.format, reuse) {
+        (PixelFormat::Mono8, Some(Buffer::U8(mut p))) => {
+            p.resize(count, 0);
+            Buffer::U8(p)
+        }
+        (PixelFormat::F32, Some(Buffer::F32(mut p))) => {
+            p.resize(count, 0.0);
+            Buffer::F32(p)
+        }
+        (PixelFormat::Mono8, _) => Buffer::U8(vec![0; count]),
+        (PixelFormat::F32, _) => Buffer::F32(vec![0.0; count]),
+        (_, Some(Buffer::U16(mut p))) => {
+            p.resize(count, 0);
+            Buffer::U16(p)
+        }
+        (_, _) => Buffer::U16(vec![0; count]),
+    }
+}
+
+/// Copies packed rows into a frame's buffer, leaving out what fills up the last word of a row.
+fn unpack(job: &Job<'_>, words: &[u32], buffer: &mut Buffer) {
+    let columns = job.params.columns as usize;
+    let words_a_row = job.params.words as usize;
+    match buffer {
+        Buffer::U8(p) => unpack_rows(bytemuck::cast_slice(words), 4 * words_a_row, columns, p),
+        Buffer::U16(p) => unpack_rows(bytemuck::cast_slice(words), 2 * words_a_row, columns, p),
+        Buffer::F32(p) => unpack_rows(bytemuck::cast_slice(words), words_a_row, columns, p),
+    }
+}
+
+fn unpack_rows<T: Copy>(packed: &[T], stride: usize, columns: usize, out: &mut [T]) {
+    if stride == columns {
+        out.copy_from_slice(&packed[..out.len()]);
+        return;
+    }
+    for (line, source) in out.chunks_exact_mut(columns).zip(packed.chunks_exact(stride)) {
+        line.copy_from_slice(&source[..columns]);
+    }
+}

@@ -1,0 +1,246 @@
+//! CPU twin of `shaders/shadowgraph.wgsl`: same names, same order, same arithmetic in f32.
+//!
+//! Rust never fuses or reorders floating-point operations, so SSE2, AVX2 and AVX-512 give the same bits; the wider
+//! ones are chosen at run time.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::columns::Edge;
+use super::noise::{DENOMINATOR, NUMERATOR};
+use super::params::{Job, Params};
+
+/// Columns treated together: their counts stay in the first-level cache.
+const BLOCK: usize = 256;
+
+/// Rows a task of the thread pool.
+const TASK_ROWS: usize = 32;
+
+/// 32 random bits of a pixel.
+#[inline(always)]
+fn hash(key: [u32; 2], column: u32) -> u32 {
+    let mut x = column.wrapping_mul(0x9e37_79b9) ^ key[0];
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = x.wrapping_add(key[1]);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is bent.
+#[inline(always)]
+pub fn standard_normal(bits: u32) -> f32 {
+    let [p0, p1, p2, p3, p4] = NUMERATOR;
+    let [q1, q2, q3] = DENOMINATOR;
+    let v = (bits >> 16) as i32 + (bits & 0xffff) as i32 - 65535;
+    let x = v as f32 * 1.525_878_9e-5;
+    let u = 1.0 - x.abs();
+    let p = p0 + u * (p1 + u * (p2 + u * (p3 + u * p4)));
+    let q = 1.0 + u * (q1 + u * (q2 + u * q3));
+    x * (p / q)
+}
+
+/// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
+#[inline(always)]
+pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
+    let electrons = ((mean - params.black) * params.electrons_per_count).max(0.0);
+    let variance = (params.read_variance + electrons).max(1e-6);
+    let sd = params.noise * variance.sqrt() / params.electrons_per_count;
+    let ratio = electrons / variance;
+    let kurtosis = ratio / variance;
+    let skew2 = ratio * kurtosis;
+    let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
+    let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_9);
+    let k3 = sd * (kurtosis * 0.041_666_668 - skew2 * 0.055_555_556);
+    [mean - k2, k1, k2, k3]
+}
+
+#[inline(always)]
+fn sample(k: [f32; 4], z: f32) -> f32 {
+    k[0] + z * (k[1] + z * (k[2] + z * k[3]))
+}
+
+/// Counts as bits: rounded half to even by adding 2^23.
+#[inline(always)]
+fn quantise(params: &Params, counts: f32) -> u32 {
+    (counts.max(0.0).min(params.full_scale) + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
+/// Share of the light at u, by the tabulated edge-spread function.
+#[inline(always)]
+fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32) -> f32 {
+    let place = ((u + params.esf_reach) * params.esf_per_unit).max(0.0).min(params.esf_segments as f32);
+    let segment = (place as u32).min(params.esf_segments - 1);
+    let t = place - segment as f32;
+    let c = esf[segment as usize];
+    c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+}
+
+/// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
+#[inline(always)]
+fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
+    let centre = ((row - edge.whole) as f32 - edge.part) * edge.across;
+    let mut sum = 0.0;
+    for node in &job.quadrature {
+        let u = (centre + node.down * edge.across) + node.along * edge.along;
+        sum += node.weight * edge_spread(&job.params, &job.esf.segments, u);
+    }
+    sum
+}
+
+/// How counts become pixels of a container.
+pub trait Pixel: Copy + Send + Sync + Default {
+    /// One pixel from unquantised counts.
+    fn from_counts(params: &Params, counts: f32) -> Self;
+}
+
+impl Pixel for u8 {
+    #[inline(always)]
+    fn from_counts(params: &Params, counts: f32) -> Self {
+        quantise(params, counts) as u8
+    }
+}
+
+impl Pixel for u16 {
+    #[inline(always)]
+    fn from_counts(params: &Params, counts: f32) -> Self {
+        quantise(params, counts) as u16
+    }
+}
+
+impl Pixel for f32 {
+    #[inline(always)]
+    fn from_counts(_: &Params, counts: f32) -> Self {
+        counts
+    }
+}
+
+/// Standard normal deviates of a block of a row.
+#[inline(always)]
+fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
+    for (i, z) in z.iter_mut().enumerate() {
+        *z = standard_normal(hash(key, first.wrapping_add(i as u32)));
+    }
+}
+
+/// Counts of pixels far from the edges: one block of a row.
+#[inline(always)]
+fn flat_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let (bright, shadow) = (job.params.flat_bright, job.params.flat_shadow);
+    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
+    for ((out, z), c) in counts.iter_mut().zip(z).zip(columns) {
+        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
+        *out = sample(if inside { shadow } else { bright }, *z);
+    }
+}
+
+/// Counts where every column of the block is on the same side of its edges.
+#[inline(always)]
+fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    for i in 0..BLOCK {
+        counts[i] = sample(k, z[i]);
+    }
+}
+
+/// Counts of a pixel near an edge.
+#[inline(always)]
+fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
+    let c = &job.columns[at.column];
+    let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
+    if job.params.overlap != 0 {
+        light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
+    }
+    let k = shaped(&job.params, job.params.shadow + job.params.contrast * light);
+    sample(k, standard_normal(hash(at.key, job.params.column0 + at.column as u32)))
+}
+
+/// A place in the frame with its row's noise key.
+#[derive(Clone, Copy)]
+struct At {
+    row: i32,
+    column: usize,
+    key: [u32; 2],
+}
+
+/// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
+struct BlockExtent {
+    top: (i32, i32),
+    bottom: (i32, i32),
+}
+
+impl BlockExtent {
+    fn new(job: &Job<'_>, first: usize) -> Self {
+        let last = (first + BLOCK).min(job.columns.len());
+        let mut extent = Self { top: (i32::MAX, i32::MIN), bottom: (i32::MAX, i32::MIN) };
+        for c in &job.columns[first..last] {
+            extent.top = (extent.top.0.min(c.top.whole), extent.top.1.max(c.top.whole));
+            extent.bottom = (extent.bottom.0.min(c.bottom.whole), extent.bottom.1.max(c.bottom.whole));
+        }
+        extent
+    }
+
+    /// Coefficients that serve the whole block in this row, where there are such.
+    fn even(&self, params: &Params, row: i32) -> Option<[f32; 4]> {
+        if row <= self.top.0 || row >= self.bottom.1 {
+            return Some(params.flat_bright);
+        }
+        (row > self.top.1 && row < self.bottom.0).then_some(params.flat_shadow)
+    }
+}
+
+/// Renders a frame into `out`, row-major, `rows * columns` pixels, on the current thread pool.
+pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
+    let columns = job.params.columns as usize;
+    let extents: Vec<BlockExtent> =
+        (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
+    out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
+        fill_rows(job, &extents, task * TASK_ROWS, rows);
+    });
+}
+
+/// Rows `first..` of a frame, in the widest instruction set the machine has.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
+fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out: &mut [P]) {
+    let columns = job.params.columns as usize;
+    let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
+    for (r, line) in out.chunks_exact_mut(columns).enumerate() {
+        let row = (first + r) as i32;
+        let key = job.row_keys[first + r];
+        for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
+            let column = block * BLOCK;
+            deviates(key, job.params.column0 + column as u32, &mut z);
+            match extents[block].even(&job.params, row) {
+                Some(k) => even_pixels(k, &z, &mut counts),
+                None => flat_pixels(job, At { row, column, key }, &z, &mut counts),
+            }
+            for (pixel, c) in pixels.iter_mut().zip(&counts) {
+                *pixel = P::from_counts(&job.params, *c);
+            }
+        }
+    }
+    bands(job, first, out);
+}
+
+/// Overwrites the pixels that an edge touches.
+#[inline(always)]
+fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
+    let columns = job.params.columns as usize;
+    let group = columns.div_ceil(job.bands.start.len().max(1)).max(1);
+    let last = (first + out.len() / columns) as i32;
+    for column in 0..columns {
+        for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
+            let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
+            for row in rows {
+                let at = At { row, column, key: job.row_keys[row as usize] };
+                let counts = edge_pixel(job, at, side == 1);
+                out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
+            }
+        }
+    }
+}
+
+/// Writes one value into every pixel: the write floor.
+pub fn constant<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
+    let value = P::from_counts(&job.params, job.params.words as f32);
+    let columns = job.params.columns as usize;
+    out.par_chunks_mut(columns * TASK_ROWS).for_each(|rows| rows.fill(value));
+}

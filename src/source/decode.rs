@@ -1,0 +1,197 @@
+//! Image bytes to grey frames: PNG, TIFF (8, 16 bit and f32), JPEG, BMP, PGM.
+//!
+//! Grey values are taken as they stand; 10- and 12-bit values stand unshifted in 16-bit files. Without further knowledge a
+//! 16-bit file is 12-bit where no value exceeds 4095, else 16-bit.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use thiserror::Error;
+use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
+
+use crate::frame::{Buffer, Frame, FrameMeta, PixelFormat};
+
+/// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for all memory.
+const MOST_PIXELS: u64 = 1 << 28;
+/// Longest side of an image, px.
+const LONGEST_SIDE: u32 = 65_535;
+
+/// Why bytes are not a grey frame.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DecodeError {
+    /// No byte at all.
+    #[error("the file is empty; a grey PNG, TIFF, JPEG, BMP or PGM image is needed")]
+    Empty,
+    /// Not an image.
+    #[error("not an image in a known format; a grey PNG, TIFF, JPEG, BMP or PGM image is needed")]
+    NotAnImage,
+    /// An image that ends early or is damaged.
+    #[error("damaged or truncated image: {0}")]
+    Damaged(String),
+    /// A colour image or one with transparency.
+    #[error("a {0} image; one grey channel without transparency is needed")]
+    NotGrey(String),
+    /// An image too large to be a frame.
+    #[error(
+        "{columns} x {rows} pixels are more than a frame may have ({LONGEST_SIDE} a side, {MOST_PIXELS} in all)"
+    )]
+    TooLarge {
+        /// Pixels in a row.
+        columns: u32,
+        /// Rows.
+        rows: u32,
+    },
+    /// Values that the stated bit depth cannot carry.
+    #[error("a grey value of {found} in a frame said to have {bits} bits")]
+    BeyondDepth {
+        /// Largest value.
+        found: u16,
+        /// Stated bit depth.
+        bits: u8,
+    },
+}
+
+/// Decodes one image. `bit_depth` is what is known beside the file (`frames.csv`), 8 to 16.
+///
+/// # Errors
+/// Refuses what is empty, no image, damaged, coloured, too large or beyond its stated bit depth.
+pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Frame, DecodeError> {
+    if bytes.is_empty() {
+        return Err(DecodeError::Empty);
+    }
+    let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
+    let (buffer, columns, rows) = match format {
+        ImageFormat::Tiff => decode_tiff(bytes)?,
+        _ => decode_other(bytes, format)?,
+    };
+    let format = pixel_format(&buffer, bit_depth)?;
+    Frame::new(buffer, format, rows as usize, columns as usize, meta)
+        .map_err(|e| DecodeError::Damaged(e.to_string()))
+}
+
+fn check_size(columns: u32, rows: u32) -> Result<(), DecodeError> {
+    let fits = u64::from(columns) * u64::from(rows) <= MOST_PIXELS;
+    if fits && columns <= LONGEST_SIDE && rows <= LONGEST_SIDE {
+        Ok(())
+    } else {
+        Err(DecodeError::TooLarge { columns, rows })
+    }
+}
+
+fn damaged(error: impl std::fmt::Display) -> DecodeError {
+    DecodeError::Damaged(error.to_string())
+}
+
+fn decode_other(bytes: &[u8], format: ImageFormat) -> Result<(Buffer, u32, u32), DecodeError> {
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    let (columns, rows) = reader().into_dimensions().map_err(damaged)?;
+    check_size(columns, rows)?;
+    let mut limited = reader();
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(16 * MOST_PIXELS);
+    limited.limits(limits);
+    match limited.decode().map_err(damaged)? {
+        DynamicImage::ImageLuma8(image) => Ok((Buffer::U8(image.into_raw()), columns, rows)),
+        DynamicImage::ImageLuma16(image) => Ok((Buffer::U16(image.into_raw()), columns, rows)),
+        other => Err(DecodeError::NotGrey(format!("{:?}", other.color()))),
+    }
+}
+
+fn decode_tiff(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
+    let mut limits = TiffLimits::default();
+    limits.decoding_buffer_size = 4 * MOST_PIXELS as usize;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
+    let (columns, rows) = decoder.dimensions().map_err(damaged)?;
+    check_size(columns, rows)?;
+    let colour = decoder.colortype().map_err(damaged)?;
+    if !matches!(colour, tiff::ColorType::Gray(8 | 16 | 32)) {
+        return Err(DecodeError::NotGrey(format!("{colour:?}")));
+    }
+    match decoder.read_image().map_err(damaged)? {
+        DecodingResult::U8(values) => Ok((Buffer::U8(values), columns, rows)),
+        DecodingResult::U16(values) => Ok((Buffer::U16(values), columns, rows)),
+        DecodingResult::F32(values) => Ok((Buffer::F32(values), columns, rows)),
+        _ => Err(DecodeError::NotGrey("signed, 32-bit integer or 64-bit".to_owned())),
+    }
+}
+
+fn pixel_format(buffer: &Buffer, bit_depth: Option<u8>) -> Result<PixelFormat, DecodeError> {
+    let values = match buffer {
+        Buffer::U8(_) => return Ok(PixelFormat::Mono8),
+        Buffer::F32(_) => return Ok(PixelFormat::F32),
+        Buffer::U16(values) => values,
+    };
+    let largest = values.iter().copied().max().unwrap_or(0);
+    let format = match bit_depth {
+        Some(0..=10) => PixelFormat::Mono10,
+        Some(11..=12) => PixelFormat::Mono12,
+        Some(_) => PixelFormat::Mono16,
+        None if largest <= 4095 => PixelFormat::Mono12,
+        None => PixelFormat::Mono16,
+    };
+    match format.full_scale() {
+        Some(full) if largest > full => {
+            Err(DecodeError::BeyondDepth { found: largest, bits: format.bit_depth() })
+        }
+        _ => Ok(format),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(width: u32, height: u32, colour: image::ExtendedColorType, bytes: &[u8]) -> Vec<u8> {
+        let mut out = Vec::new();
+        image::write_buffer_with_format(
+            &mut Cursor::new(&mut out),
+            bytes,
+            width,
+            height,
+            colour,
+            ImageFormat::Png,
+        )
+        .unwrap();
+        out
+    }
+
+    fn refusal(bytes: &[u8]) -> DecodeError {
+        decode(bytes, None, FrameMeta::default()).unwrap_err()
+    }
+
+    #[test]
+    fn grey_is_taken_as_it_stands() {
+        let bytes = png(2, 1, image::ExtendedColorType::L8, &[7, 200]);
+        let frame = decode(&bytes, None, FrameMeta::default()).unwrap();
+        assert_eq!((frame.view().get(0, 1), frame.view().format()), (Some(200.0), PixelFormat::Mono8));
+        let values: Vec<u8> = [4095_u16, 3].iter().flat_map(|v| v.to_ne_bytes()).collect();
+        let bytes = png(2, 1, image::ExtendedColorType::L16, &values);
+        let frame = decode(&bytes, None, FrameMeta::default()).unwrap();
+        assert_eq!((frame.view().get(0, 0), frame.view().format()), (Some(4095.0), PixelFormat::Mono12));
+        assert!(matches!(
+            decode(&bytes, Some(10), FrameMeta::default()),
+            Err(DecodeError::BeyondDepth { found: 4095, bits: 10 })
+        ));
+    }
+
+    #[test]
+    fn what_is_no_grey_frame_is_refused_with_its_reason() {
+        assert_eq!(refusal(&[]), DecodeError::Empty);
+        assert_eq!(refusal(b"hello"), DecodeError::NotAnImage);
+        let colour = png(1, 1, image::ExtendedColorType::Rgb8, &[1, 2, 3]);
+        assert!(matches!(refusal(&colour), DecodeError::NotGrey(_)));
+        let whole = png(64, 64, image::ExtendedColorType::L8, &[9; 4096]);
+        assert!(matches!(refusal(&whole[..whole.len() / 2]), DecodeError::Damaged(_)));
+        assert!(matches!(refusal(&whole[..20]), DecodeError::Damaged(_)));
+    }
+
+    #[test]
+    fn a_few_bytes_cannot_ask_for_all_memory() {
+        // A PNG header that claims 60000 x 60000 pixels.
+        let mut bytes = png(1, 1, image::ExtendedColorType::L8, &[0]);
+        bytes[16..20].copy_from_slice(&60_000_u32.to_be_bytes());
+        bytes[20..24].copy_from_slice(&60_000_u32.to_be_bytes());
+        assert!(matches!(refusal(&bytes), DecodeError::TooLarge { .. } | DecodeError::Damaged(_)));
+    }
+}

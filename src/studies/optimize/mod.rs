@@ -1,0 +1,107 @@
+//! Choice of cutting data (equations 4 to 10 of the slender-shaft paper): the shortest machining time under limits
+//! of size error, roughness and machine.
+//!
+//! ```text
+//! min t = t_j + t_h·t_j/T + t_q          t_j = π·L·(D - 2·n·a_p)/(1000·f·v)       (4, 5)
+//! 2·w·F(a_p, f, v) ≤ ΔD - reserve        w: largest compliance of the held shaft  (6, 7)
+//! f²/8r ≤ R_a/1000,  bounds on a_p, f, v                                          (8, 9)
+//! T = (C_T/(v·f^y·a_p^x))^(1/m)          Taylor's tool life
+//! ```
+//!
+//! [`genetic`] is the paper's method, [`exact`] a branch and bound that proves how far any point is from the optimum,
+//! [`front`] the paper's next step: time against size error.
+
+mod config;
+pub mod exact;
+pub mod front;
+pub mod genetic;
+mod problem;
+
+pub use config::{
+    GeneticSettings, Limits, OptimizeConfig, OptimizeError, OptimizePart, Quality, Reference, TimeModel,
+    ToolLife,
+};
+pub use problem::{Conflict, Constraint, Point, Problem, Solution};
+
+use serde::Serialize;
+
+/// Everything a study of one problem found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    /// Whether any cutting data keep all limits.
+    pub feasible: bool,
+    /// Why not.
+    pub conflict: Option<Conflict>,
+    /// The optimum.
+    pub optimum: Option<Solution>,
+    /// Proven bound on how much shorter any other feasible point could be, relative.
+    pub proven_gap: Option<f64>,
+    /// What the genetic algorithm found.
+    pub genetic: Option<GeneticResult>,
+    /// Points given for comparison.
+    pub references: Vec<ReferenceResult>,
+    /// Time against size error.
+    pub front: Vec<Solution>,
+    /// Where the force law was used outside its data.
+    pub notes: Vec<String>,
+}
+
+/// The genetic algorithm's answer beside the optimum.
+#[derive(Clone, Debug, Serialize)]
+pub struct GeneticResult {
+    /// The best individual.
+    pub solution: Solution,
+    /// How much longer it takes than the optimum, relative.
+    pub gap: f64,
+    /// Evaluations of the model.
+    pub evaluations: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// A given point beside the optimum.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReferenceResult {
+    /// Its name.
+    pub name: String,
+    /// The point.
+    pub solution: Solution,
+    /// How much longer it takes than the optimum, relative.
+    pub gap: Option<f64>,
+    /// The limits that it breaks.
+    pub violated: Vec<Constraint>,
+}
+
+/// Solves a problem by both methods and draws its front.
+pub fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
+    let found = exact::minimise(problem, exact::DEFAULT_GAP);
+    let longer = |time: f64| found.as_ref().map(|f| time / f.solution.time_min - 1.0);
+    let genetic = genetic::minimise(problem, &config.genetic, config.genetic.seed);
+    let references = config.reference.iter().map(|reference| {
+        let point = reference.point();
+        let solution = problem.solution(point);
+        ReferenceResult {
+            name: reference.name.clone(),
+            gap: longer(solution.time_min),
+            violated: problem.violated(&point),
+            solution,
+        }
+    });
+    Study {
+        feasible: found.is_some(),
+        conflict: found.is_none().then(|| problem.conflict()),
+        optimum: found.as_ref().map(|f| f.solution.clone()),
+        proven_gap: found.as_ref().map(|f| f.proven_gap),
+        genetic: genetic.and_then(|g| {
+            longer(g.solution.time_min).map(|gap| GeneticResult {
+                solution: g.solution,
+                gap,
+                evaluations: g.evaluations,
+                seed: config.genetic.seed,
+            })
+        }),
+        references: references.collect(),
+        front: front::time_against_error(problem, config.front_points),
+        notes: found.as_ref().map_or(Vec::new(), |f| problem.notes(&f.solution.point)),
+    }
+}

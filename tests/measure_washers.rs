@@ -1,0 +1,103 @@
+//! Real input: back-lit washers whose outer diameters a coordinate-measuring machine knows. The images live outside the
+//! project (`SHADOWGAUGE_WASHERS`); without them the test says SKIPPED.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+fn folder() -> Option<PathBuf> {
+    let folder =
+        std::env::var_os("SHADOWGAUGE_WASHERS").map(PathBuf::from).filter(|f| f.join("cmm.csv").is_file());
+    if folder.is_none() {
+        eprintln!("SKIPPED: SHADOWGAUGE_WASHERS names no folder with cmm.csv; the washers are not tested");
+    }
+    folder
+}
+
+fn measure(folder: &Path) -> Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+        .args(["measure", "--json"])
+        .arg(folder)
+        .output()
+        .expect("the binary runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON on stdout")
+}
+
+/// Writes transposed copies, as a camera turned by 90° would deliver them.
+fn transposed(folder: &Path, into: &Path) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "png") {
+            let image = image::open(&path).unwrap().into_luma8();
+            let turned =
+                image::GrayImage::from_fn(image.height(), image.width(), |x, y| *image.get_pixel(y, x));
+            turned.save(into.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+}
+
+/// (part, outer_min_mm, outer_max_mm)
+fn machine_values(folder: &Path) -> Vec<(u32, f64, f64)> {
+    let mut csv = csv::Reader::from_path(folder.join("cmm.csv")).unwrap();
+    let headers = csv.headers().unwrap().clone();
+    let at = |name: &str| headers.iter().position(|h| h == name).unwrap();
+    let (part, low, high) = (at("part"), at("outer_min_mm"), at("outer_max_mm"));
+    csv.records()
+        .map(|row| {
+            let row = row.unwrap();
+            (row[part].parse().unwrap(), row[low].parse().unwrap(), row[high].parse().unwrap())
+        })
+        .collect()
+}
+
+fn largest_px(measured: &Value) -> Vec<(u32, f64)> {
+    measured["frames"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|f| (f["frame"].as_str().unwrap().parse().unwrap(), f["max_diameter_px"].as_f64().unwrap()))
+        .collect()
+}
+
+#[test]
+fn washers_agree_with_the_measuring_machine() {
+    let Some(folder) = folder() else { return };
+    let turned = tempfile::tempdir().unwrap();
+    transposed(&folder, turned.path());
+    let (as_is, upright) = (measure(&folder), measure(turned.path()));
+    for frame in as_is["frames"].as_array().unwrap().iter().chain(upright["frames"].as_array().unwrap()) {
+        // The clipped bright field is flagged and measured, columns without a part are gaps.
+        assert!(frame["flags"]["clipped"].as_u64().unwrap() > 500, "{frame}");
+        assert!(frame["flags"]["no_edge"].as_u64().unwrap() > 500, "{frame}");
+        assert_eq!(frame["valid"], frame["flags"]["clipped"], "{frame}");
+    }
+    let machine = machine_values(&folder);
+    let (a, b) = (largest_px(&as_is), largest_px(&upright));
+    assert_eq!((a.len(), b.len(), machine.len()), (15, 15, 15));
+    let largest: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a.1.max(b.1)).collect();
+    // One shared scale, from parts 1-22 alone: the middle of each part's band over its largest caliper.
+    let taught: Vec<f64> = machine
+        .iter()
+        .zip(&largest)
+        .filter(|(m, _)| m.0 <= 22)
+        .map(|((_, low, high), px)| 0.5 * (low + high) / px)
+        .collect();
+    let scale = taught.iter().sum::<f64>() / taught.len() as f64;
+    println!("scale {:.5} um/px from {} parts", scale * 1e3, taught.len());
+    let mut worst = f64::NEG_INFINITY;
+    for (index, (part, low, high)) in machine.iter().enumerate() {
+        let excess = |px: f64| 1e3 * (px * scale - high).max(low - px * scale);
+        println!(
+            "part {part:2}: largest {:.4} mm, beyond the machine's band by {:6.2} um (as it is {:6.2}, transposed {:6.2})",
+            largest[index] * scale,
+            excess(largest[index]),
+            excess(a[index].1),
+            excess(b[index].1)
+        );
+        worst = worst.max(excess(largest[index]));
+    }
+    println!("worst {worst:.2} um beyond the band");
+    assert!(worst <= 6.0, "{worst} um");
+}
