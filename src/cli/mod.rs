@@ -7,6 +7,7 @@ mod demo;
 mod doctor;
 mod frame_files;
 mod measure;
+pub mod measure_ring;
 mod nc;
 mod optimize;
 mod record;
