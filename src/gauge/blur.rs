@@ -41,6 +41,11 @@ impl BlurEstimate {
         (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
     }
 
+    /// Whether all blocks have the same blur.
+    pub(crate) fn is_uniform(&self) -> bool {
+        self.sigma.iter().all(|s| s.to_bits() == self.sigma[0].to_bits())
+    }
+
     pub(crate) fn mean(&self) -> f64 {
         self.sigma.iter().sum::<f64>() / BLOCKS as f64
     }
@@ -192,7 +197,10 @@ fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
     normal.try_inverse().map(|inverse| inverse * right)
 }
 
+/// Slope below which the blur along the column is that across the edge, to 0.2 %.
+pub(crate) const LEVEL: f32 = 0.05;
+
 /// Blur along a column of slope `slope` in a block.
 pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
-    if slope.abs() < 0.05 { sigma } else { column_sigma(sigma, f64::from(slope)) }
+    if slope.abs() < LEVEL { sigma } else { column_sigma(sigma, f64::from(slope)) }
 }

@@ -77,6 +77,10 @@ impl Bins {
         self.mean.clear();
         self.count.clear();
         for (index, chunk) in means.chunks(BIN).enumerate() {
+            if let Some(sum) = clean_sum(chunk, 8.0 * sd) {
+                self.push(index, chunk.len(), sum, BIN);
+                continue;
+            }
             let mut good = [0.0_f32; BIN];
             let mut n = 0;
             for value in chunk.iter().filter(|v| v.is_finite()) {
@@ -89,12 +93,33 @@ impl Bins {
             let outside = if high - low > 8.0 * sd { keep_central(good, sd) } else { 0..n };
             let good = &good[outside];
             if !good.is_empty() {
-                self.at.push((index * BIN) as f64 + 0.5 * (chunk.len() as f64 - 1.0));
-                self.mean.push(f64::from(good.iter().sum::<f32>()) / good.len() as f64);
-                self.count.push(good.len() as f64);
+                self.push(index, chunk.len(), good.iter().sum::<f32>(), good.len());
             }
         }
     }
+
+    fn push(&mut self, index: usize, length: usize, sum: f32, count: usize) {
+        self.at.push((index * BIN) as f64 + 0.5 * (length as f64 - 1.0));
+        self.mean.push(f64::from(sum) / count as f64);
+        self.count.push(count as f64);
+    }
+}
+
+/// Sum of a whole bin without a missing value or one far from the others; `None` where it needs a closer look.
+fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
+    let values: &[f32; BIN] = chunk.try_into().ok()?;
+    let (mut sums, mut low, mut high) = ([0.0_f32; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+    for four in values.as_chunks::<4>().0 {
+        for lane in 0..4 {
+            sums[lane] += four[lane];
+            low[lane] = if four[lane] < low[lane] { four[lane] } else { low[lane] };
+            high[lane] = if four[lane] > high[lane] { four[lane] } else { high[lane] };
+        }
+    }
+    let sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+    let least = low.iter().fold(f32::INFINITY, |l, v| if *v < l { *v } else { l });
+    let most = high.iter().fold(f32::NEG_INFINITY, |h, v| if *v > h { *v } else { h });
+    (sum.is_finite() && most - least <= widest).then_some(sum)
 }
 
 /// Sorts the values and keeps those within five standard deviations of the median.

@@ -8,7 +8,7 @@ use super::gate::{self, OutlierScratch};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample};
-use super::score::{locate, normalise};
+use super::score::{Place, locate, locate_core, normalise};
 use super::settings::{GaugeSettings, Levels};
 use super::table::{FINE, Table, window_width};
 use super::window::{Side, Windows};
@@ -221,10 +221,7 @@ impl SideState {
         let (mut from, mut freedom) = (0, 1.0);
         while from < columns {
             let sigma = self.sigma_at(from);
-            let mut to = from + 1;
-            while to < columns && (self.sigma_at(to) / sigma).ln().abs() < SAME_BLUR {
-                to += 1;
-            }
+            let to = self.end_of_run(from, sigma);
             let index = self.table(sigma, kappa, free);
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
@@ -239,6 +236,18 @@ impl SideState {
     fn sigma_at(&self, column: usize) -> f64 {
         let block = BlurEstimate::block(column, self.windows.centre.len());
         blur::at_slope(self.blur.sigma[block], self.slope[column])
+    }
+
+    /// End of the columns from `from` on that share a blur.
+    fn end_of_run(&self, from: usize, sigma: f64) -> usize {
+        let columns = self.windows.centre.len();
+        let level = |slope: &f32| slope.abs() < blur::LEVEL;
+        if self.blur.is_uniform() && self.slope.iter().all(level) {
+            return columns;
+        }
+        (from + 1..columns)
+            .find(|c| (self.sigma_at(*c) - sigma).abs() >= SAME_BLUR * sigma)
+            .unwrap_or(columns)
     }
 
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
@@ -270,17 +279,16 @@ fn score_columns(
     normalised: &mut [f32],
     line: &mut Vec<Edge>,
 ) {
-    // Windows of constant length let the compiler unroll; these are the widths for σ up to 2.9 px.
-    match job.table.width {
-        24 => line.extend(columns.map(|c| fit_column(job, c, &mut normalised[..24]))),
-        32 => line.extend(columns.map(|c| fit_column(job, c, &mut normalised[..32]))),
-        40 => line.extend(columns.map(|c| fit_column(job, c, &mut normalised[..40]))),
-        _ => line.extend(columns.map(|c| fit_column(job, c, normalised))),
+    // Cores of constant length let the compiler unroll; these are those for σ up to 2.5 px.
+    match job.table.core().1 {
+        16 => line.extend(columns.map(|c| fit_column::<2>(job, c, normalised))),
+        24 => line.extend(columns.map(|c| fit_column::<3>(job, c, normalised))),
+        _ => line.extend(columns.map(|c| fit_column::<0>(job, c, normalised))),
     }
 }
 
 #[inline(always)]
-fn fit_column(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edge {
+fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edge {
     let side = job.side;
     let windows = &side.windows;
     if let Err(reason) = windows.centre[column] {
@@ -296,12 +304,14 @@ fn fit_column(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edg
     if !(own > 0.5 * contrast && own < 2.0 * contrast) {
         return Edge::gap(Reason::Contaminated);
     }
-    let start = normalise(windows.of(column), dark, contrast, normalised);
-    let Some(found) = locate(normalised, job.table, start) else {
+    let window = windows.of(column);
+    let first = job.table.core().0;
+    let found = if C > 0 { locate_core::<C>(&window[first..], dark, contrast, job.table) } else { None };
+    let Some(found) = found.or_else(|| locate_in_whole(job, window, dark, contrast, normalised)) else {
         return Edge::gap(Reason::Residual);
     };
     let relative = variance / (contrast * contrast);
-    let scalars = found.phase.scalars;
+    let scalars = job.table.scalars(found.index);
     // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
     let by_light = scalars.offset / contrast * side.light.uncertainty[column];
     let by_dark = (scalars.weight_sum - scalars.offset) / contrast * side.dark.uncertainty[column];
@@ -312,6 +322,20 @@ fn fit_column(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edg
         chi2: found.residual / (relative * job.table.freedom),
         state: EdgeState::Good,
     }
+}
+
+/// An edge that is not where it was looked for, with all of its window.
+#[cold]
+fn locate_in_whole(
+    job: &ColumnJob<'_>,
+    window: &[f32],
+    dark: f32,
+    contrast: f32,
+    normalised: &mut [f32],
+) -> Option<Place> {
+    let start = normalise(window, dark, contrast, normalised);
+    let found = locate(normalised, job.table, start)?;
+    Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
 }
 
 /// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.
