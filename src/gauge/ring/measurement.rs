@@ -223,7 +223,7 @@ impl Side<'_> {
     /// RONt of the filtered profile of the good calipers.
     fn roundness(&self, followed: &Circle, fit: &EdgeFit) -> Result<f64, RingError> {
         let form = |e: FormError| self.error(e.to_string());
-        let shifts = bridged(fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect());
+        let shifts = bridged(&fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect::<Vec<_>>());
         let outward = if self.light_outside { 1.0 } else { -1.0 };
         let profile: Vec<f64> = shifts.iter().map(|s| followed.radius + outward * s).collect();
         let cutoff = Cutoff::upr(self.settings.roundness_cutoff_upr).map_err(form)?;
@@ -241,7 +241,7 @@ impl Side<'_> {
         if curvature <= 0.0 {
             return Err(self.error(format!("a stylus of radius {tip} px does not fit the bore")));
         }
-        let shifts = bridged(fit.calipers.iter().map(|c| c.fitted.then_some(c.shift)).collect());
+        let shifts = bridged(&fit.calipers.iter().map(|c| c.fitted.then_some(c.shift)).collect::<Vec<_>>());
         let arc = TAU * followed.radius / shifts.len() as f64;
         let felt: Vec<f64> = mechanical_closing(&shifts, arc, curvature)
             .iter()
@@ -259,7 +259,7 @@ fn closed(radii: &[f64]) -> Vec<DVec2> {
 }
 
 /// Straight lines over the gaps of a closed profile.
-fn bridged(shifts: Vec<Option<f64>>) -> Vec<f64> {
+fn bridged(shifts: &[Option<f64>]) -> Vec<f64> {
     let n = shifts.len();
     let nearest = |k: usize, step: usize| {
         (0..n).map(|j| (j, (k + j * step) % n)).find_map(|(j, at)| shifts[at].map(|s| (j as f64, s)))
