@@ -1,6 +1,5 @@
 //! Control's commands from outside the binary: stability, reproduction, programs, refusals.
-
-#![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::Path;
 use std::process::{Command, Output};

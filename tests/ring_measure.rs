@@ -1,6 +1,5 @@
 //! Rings seen end-on: frames made here with a renderer of its own, and real washers beside a coordinate-measuring machine.
-
-#![expect(clippy::unwrap_used, reason = "helpers of tests: what cannot be built must fail the test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
