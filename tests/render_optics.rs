@@ -1,6 +1,5 @@
 //! Edge-spread families, defocus and the sensor against independent values.
-
-#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/render.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the renderer")]
@@ -41,7 +40,7 @@ fn fresnel_edge_meets_tabulated_integrals() {
             assert!((found - expected).abs() < 1e-7, "v = {place}: {found} {expected}");
         }
     }
-    assert!((edge[count as usize] - 0.25).abs() < 1e-12);
+    assert!((edge[count] - 0.25).abs() < 1e-12);
 }
 
 #[test]

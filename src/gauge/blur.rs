@@ -6,7 +6,7 @@
 use super::levels::LevelCurve;
 use super::model::column_sigma;
 use super::score::{dot, locate, normalise};
-use super::table::Table;
+use super::table::{COARSE, Table};
 use super::window::Windows;
 
 /// Blocks along the shaft.
@@ -41,13 +41,18 @@ impl BlurEstimate {
         (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
     }
 
+    /// Whether all blocks have the same blur.
+    pub(crate) fn is_uniform(&self) -> bool {
+        self.sigma.iter().all(|s| s.to_bits() == self.sigma[0].to_bits())
+    }
+
     pub(crate) fn mean(&self) -> f64 {
         self.sigma.iter().sum::<f64>() / BLOCKS as f64
     }
 }
 
 /// Columns of a block that are looked at.
-fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
     let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
     let step = (to - from).div_ceil(PER_BLOCK).max(1);
     (from..to).step_by(step)
@@ -98,7 +103,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64) -> BlurEstimate {
     let mut sums = [BlurSums::default(); BLOCKS];
     let mut normalised = vec![0.0; context.windows.width];
     for _ in 0..8 {
-        let table = Table::new(sigma, context.kappa, context.windows.width, false);
+        let table = Table::new(sigma, context.kappa, context.windows.width, false, COARSE);
         for (block, sum) in sums.iter_mut().enumerate() {
             *sum = block_sums(context, &table, sample(block, columns), &mut normalised);
         }
@@ -129,8 +134,8 @@ fn block_sums(
             continue;
         }
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
-        normalise(context.windows.of(column), dark, light - dark, normalised);
-        let Some(found) = locate(normalised, table, context.windows.start[column]) else { continue };
+        let start = normalise(context.windows.of(column), dark, light - dark, normalised);
+        let Some(found) = locate(normalised, table, start) else { continue };
         let scalars = found.phase.scalars;
         let score = dot(found.phase.blur_scores, normalised)
             - dot(found.phase.blur_scores, found.phase.values)
@@ -192,7 +197,10 @@ fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
     normal.try_inverse().map(|inverse| inverse * right)
 }
 
+/// Slope below which the blur along the column is that across the edge, to 0.2 %.
+pub(crate) const LEVEL: f32 = 0.05;
+
 /// Blur along a column of slope `slope` in a block.
 pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
-    if slope.abs() < 0.05 { sigma } else { column_sigma(sigma, f64::from(slope)) }
+    if slope.abs() < LEVEL { sigma } else { column_sigma(sigma, f64::from(slope)) }
 }

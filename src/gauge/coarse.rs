@@ -4,9 +4,6 @@
 //! separates its grey values best (Otsu), and its largest connected shadow is the part. Specks of dirt, holes and
 //! neighbours that peep in at the border are other components and never seen again.
 
-use image::{GrayImage, Luma};
-use imageproc::region_labelling::{Connectivity, connected_components};
-
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
 use crate::profile::Reason;
@@ -118,31 +115,59 @@ fn separate(values: &[f32]) -> Option<f32> {
     two_levels.then(|| low + ((0.5 * (below + above)) as f32 + 0.5) / scale)
 }
 
-/// First and last cell row of the largest shadow in each cell column.
+/// First and last cell row of the largest shadow (four-connected) in each cell column; of two as large the first.
 fn part_spans(thinned: &Thinned, threshold: f32) -> Option<Vec<Option<(usize, usize)>>> {
-    let image = GrayImage::from_fn(thinned.columns as u32, thinned.rows as u32, |c, r| {
-        let value = thinned.values[r as usize * thinned.columns + c as usize];
-        Luma([if value < threshold { 255 } else { 0 }])
-    });
-    let labels = connected_components(&image, Connectivity::Four, Luma([0]));
-    let mut areas = Vec::<usize>::new();
-    for label in labels.pixels() {
-        let label = label[0] as usize;
-        if label >= areas.len() {
-            areas.resize(label + 1, 0);
+    let mut open: Vec<bool> = thinned.values.iter().map(|v| *v < threshold).collect();
+    let mut largest: Vec<u32> = Vec::new();
+    let mut shadow: Vec<u32> = Vec::new();
+    for seed in 0..open.len() {
+        if open[seed] {
+            flood(&mut open, thinned.columns, seed, &mut shadow);
+            if shadow.len() > largest.len() {
+                std::mem::swap(&mut shadow, &mut largest);
+            }
         }
-        areas[label] += 1;
     }
-    let (part, _) = areas.iter().enumerate().skip(1).max_by_key(|(i, area)| (**area, usize::MAX - i))?;
-    let mut spans = vec![None; thinned.columns];
-    for (column, row, label) in labels.enumerate_pixels() {
-        if label[0] as usize == part {
-            let row = row as usize;
-            let (first, last) = spans[column as usize].unwrap_or((row, row));
-            spans[column as usize] = Some((first.min(row), last.max(row)));
-        }
+    if largest.is_empty() {
+        return None;
+    }
+    let mut spans: Vec<Option<(usize, usize)>> = vec![None; thinned.columns];
+    for cell in largest {
+        let (row, column) = (cell as usize / thinned.columns, cell as usize % thinned.columns);
+        let (first, last) = spans[column].unwrap_or((row, row));
+        spans[column] = Some((first.min(row), last.max(row)));
     }
     Some(spans)
+}
+
+/// Collects the open cells connected with `seed` and closes them.
+fn flood(open: &mut [bool], columns: usize, seed: usize, shadow: &mut Vec<u32>) {
+    shadow.clear();
+    shadow.push(seed as u32);
+    open[seed] = false;
+    let (mut next, cells) = (0, open.len());
+    while let Some(cell) = shadow.get(next).map(|c| *c as usize) {
+        next += 1;
+        let column = cell % columns;
+        let mut visit = |neighbour: usize| {
+            if open[neighbour] {
+                open[neighbour] = false;
+                shadow.push(neighbour as u32);
+            }
+        };
+        if column > 0 {
+            visit(cell - 1);
+        }
+        if column + 1 < columns {
+            visit(cell + 1);
+        }
+        if cell >= columns {
+            visit(cell - columns);
+        }
+        if cell + columns < cells {
+            visit(cell + columns);
+        }
+    }
 }
 
 fn refine<T: Sample>(

@@ -1,20 +1,20 @@
 //! The edge finder: from a frame to both edges of every column.
 //!
-//! Coarse search (or the last frame's edges) → windows → levels, noise and blur from the frame → maximum likelihood by
-//! tabulated scoring → residual and neighbourhood tests. Nothing is carried from frame to frame but where the edges were and the tables.
+//! Coarse search, or the last frame's edges where a stream goes on → windows → levels, noise and blur from the frame →
+//! maximum likelihood by tabulated scoring → residual and neighbourhood tests. What a stream carries from frame to frame
+//! is where the edges were, the blur and the tables; every carried thing is checked on the new frame, and a frame that
+//! does not bear it out is measured anew from the coarse search.
 
-use super::blur::{self, BlurContext, BlurEstimate};
-use super::clipped::{self, ClippedStart};
+use super::blur::BlurEstimate;
 use super::coarse::{CoarseEdge, find_part};
-use super::edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused};
-use super::gate::{self, OutlierScratch};
-use super::levels::{LevelCurve, pool};
+use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use super::gate;
 use super::noise::{NoiseModel, variance_of_differences};
 use super::pixels::{Plane, Sample, all_finite, with_plane};
-use super::score::{locate, normalise};
-use super::settings::{Blur, GaugeSettings, Levels, Polarity};
-use super::table::{Table, window_width};
-use super::window::{Side, Windows};
+use super::settings::{Blur, GaugeSettings, Polarity};
+use super::side::SideState;
+use super::table::window_width;
+use super::window::Side;
 use crate::frame::FrameView;
 use crate::profile::Reason;
 
@@ -25,31 +25,45 @@ const LEAST_COLUMNS: usize = 8;
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;
-/// Differences looked at per level for the noise: its variance is then known to 2 %.
-const NOISE_SAMPLES: usize = 8192;
 /// Fraction of flat light pixels at full scale above which the light counts as clipped.
 const CLIPPED_FRACTION: f64 = 1e-3;
+/// A followed frame must keep this fraction of the columns that the last one had.
+const LEAST_FOLLOWED: f64 = 0.98;
+/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
+const MOST_MISFIT: f64 = 1.1;
+/// Frames after which the part is searched anew, in case another has come in.
+const SEARCH_EVERY: u32 = 256;
 
 /// Finds edges in the frames of one stream; keeps tables and buffers between them.
 #[derive(Clone, Debug)]
 pub struct EdgeStream {
     settings: GaugeSettings,
-    sides: [Windows; 2],
-    blur: [Option<BlurEstimate>; 2],
-    tables: Vec<Table>,
-    slope: [Vec<f32>; 2],
-    differences: Vec<f32>,
-    floats: Vec<f32>,
-    outliers: OutlierScratch,
-    normalised: Vec<f32>,
+    sides: [SideState; 2],
+    centres: [Vec<CoarseEdge>; 2],
+    differences: [Vec<f32>; 2],
+    last: Option<Last>,
+}
+
+/// What the last frame leaves.
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    size: (usize, usize),
+    valid: usize,
+    misfit: f64,
+    frames: u32,
+}
+
+/// What is known of the sensor before a frame is looked at.
+#[derive(Clone, Copy)]
+struct Scale {
+    clip: Option<f32>,
+    floor: f64,
 }
 
 /// What the frame says about itself.
 struct Scene {
-    dark: [LevelCurve; 2],
-    light: [LevelCurve; 2],
     noise: NoiseModel,
-    clipped: [bool; 2],
+    clip: [Option<f32>; 2],
 }
 
 impl EdgeStream {
@@ -57,21 +71,17 @@ impl EdgeStream {
     pub fn new(settings: GaugeSettings) -> Self {
         Self {
             settings,
-            sides: [Windows::new(Side::Top), Windows::new(Side::Bottom)],
-            blur: [None; 2],
-            tables: Vec::new(),
-            slope: [Vec::new(), Vec::new()],
-            differences: Vec::new(),
-            floats: Vec::new(),
-            outliers: OutlierScratch::default(),
-            normalised: Vec::new(),
+            sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
+            centres: [Vec::new(), Vec::new()],
+            differences: [Vec::new(), Vec::new()],
+            last: None,
         }
     }
 
     /// Forgets what earlier frames taught.
     pub fn restart(&mut self) {
-        self.blur = [None; 2];
-        self.tables.clear();
+        self.last = None;
+        self.sides.iter_mut().for_each(SideState::forget);
     }
 
     /// Measures a frame into `out`.
@@ -93,113 +103,157 @@ impl EdgeStream {
             return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
         }
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
-        let clip = view.format().full_scale().map(f32::from).filter(|_| sign > 0.0);
-        let floor = if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 };
-        with_plane!(view, sign, plane => self.measure_plane(&plane, clip, floor, out))
+        let scale = Scale {
+            clip: view.format().full_scale().map(f32::from).filter(|_| sign > 0.0),
+            floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 },
+        };
+        with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
     }
 
     fn measure_plane<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        clip: Option<f32>,
-        floor: f64,
+        scale: Scale,
+        out: &mut FrameEdges,
+    ) -> Result<(), FrameRefused> {
+        let last = self.last.take();
+        if let Some(last) = last
+            && self.follow(plane, scale, last, out)
+        {
+            return Ok(());
+        }
+        self.search(plane, scale, out)?;
+        self.keep(out, (plane.rows, plane.columns), 0);
+        Ok(())
+    }
+
+    /// Measures around the last frame's edges with the last blur; false where the frame does not bear them out.
+    fn follow<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        last: Last,
+        out: &mut FrameEdges,
+    ) -> bool {
+        if last.size != (plane.rows, plane.columns) || last.frames + 1 >= SEARCH_EVERY {
+            return false;
+        }
+        let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
+        let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
+        self.fit(&scene, out);
+        let valid = out.valid() as f64;
+        let misfit = self.misfit();
+        if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
+            return false;
+        }
+        if self.judge(out).is_err() {
+            return false;
+        }
+        self.keep(out, last.size, last.frames + 1);
+        // The yardstick stays that of the search, so that a slow loss of focus is noticed.
+        if let Some(kept) = &mut self.last {
+            kept.misfit = last.misfit;
+        }
+        true
+    }
+
+    /// Remembers where the edges are.
+    fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
+        for (centres, line) in self.centres.iter_mut().zip([&out.top, &out.bottom]) {
+            let mut nearest = Err(Reason::NoEdge);
+            for (centre, edge) in centres.iter_mut().zip(line) {
+                // A gap looks where its neighbour was; where the coarse search saw nothing, nothing is looked for.
+                if edge.is_usable() {
+                    nearest = Ok((edge.row_px + 0.5) as i32);
+                    *centre = nearest;
+                } else if centre.is_ok() && nearest.is_ok() {
+                    *centre = nearest;
+                }
+            }
+        }
+        self.last = Some(Last { size, valid: out.valid(), misfit: self.misfit(), frames });
+    }
+
+    fn misfit(&self) -> f64 {
+        self.sides[0].misfit.max(self.sides[1].misfit)
+    }
+
+    /// Measures from the coarse search on.
+    fn search<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
         out: &mut FrameEdges,
     ) -> Result<(), FrameRefused> {
         let coarse = find_part(plane, &self.settings).map_err(|reason| refused(reason, explain(reason)))?;
+        self.centres = [coarse.top, coarse.bottom];
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),
             Blur::Estimated {} => None,
         };
         let mut sigma = match given {
             Some(sigma) => sigma,
-            None => self.rough_blur(plane, [&coarse.top, &coarse.bottom])?,
+            None => self.rough_blur(plane)?,
         };
-        let mut scene = self.look(plane, [&coarse.top, &coarse.bottom], sigma, clip, floor)?;
+        let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
         if given.is_none() {
-            let refined = self.refine_blur(&scene, sigma, clip);
-            let largest = refined.iter().map(BlurEstimate::mean).fold(0.0, f64::max);
-            if window_width(largest) != self.sides[0].width {
+            self.refine_blur(&scene, sigma);
+            let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
+            if window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
-                scene = self.look(plane, [&coarse.top, &coarse.bottom], sigma, clip, floor)?;
+                scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
             }
-            self.blur = refined.map(Some);
         } else {
-            self.blur = [Some(BlurEstimate::uniform(sigma)); 2];
+            self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
-        let freedom = self.fit(&scene, clip, out);
-        self.gate(&scene, freedom, out)
+        self.fit(&scene, out);
+        self.judge(out)
     }
 
-    /// A first blur from wide windows on a few columns.
-    fn rough_blur<T: Sample>(
-        &mut self,
-        plane: &Plane<'_, T>,
-        coarse: [&[CoarseEdge]; 2],
-    ) -> Result<f64, FrameRefused> {
-        let mut rough = Vec::new();
-        for width_sigma in [4.0, 2.0, 0.8] {
-            for (windows, centres) in self.sides.iter_mut().zip(coarse) {
-                windows.centre.clear();
-                windows.centre.extend_from_slice(centres);
-                windows.prepare(width_sigma, window_width(width_sigma), plane.columns);
-                windows.read(plane);
-                rough.extend(blur::rough(windows, plane.columns, &mut self.floats));
+    fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for widest in [4.0, 2.0, 0.8] {
+            for (side, centres) in self.sides.iter_mut().zip(&self.centres) {
+                if let Some(sigma) = side.rough_blur(plane, centres, widest) {
+                    (sum, count) = (sum + sigma, count + 1.0);
+                }
             }
-            if rough.len() == 2 {
-                break;
+            if count > 0.0 {
+                return Ok(sum / count);
             }
-            rough.clear();
         }
-        if rough.is_empty() {
-            return Err(refused(Reason::Border, "no edge keeps clear of the border of the field".to_owned()));
-        }
-        Ok(rough.iter().sum::<f64>() / rough.len() as f64)
+        Err(refused(Reason::Border, "no edge keeps clear of the border of the field".to_owned()))
     }
 
-    /// Reads all windows, then levels and noise.
+    /// Reads all windows, then noise and levels. `centring`: the edges are only roughly known, and this is the steepest slope.
     fn look<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        coarse: [&[CoarseEdge]; 2],
+        scale: Scale,
         sigma: f64,
-        clip: Option<f32>,
-        floor: f64,
+        centring: Option<f64>,
     ) -> Result<Scene, FrameRefused> {
-        for (windows, centres) in self.sides.iter_mut().zip(coarse) {
-            windows.centre.clear();
-            windows.centre.extend_from_slice(centres);
-            windows.prepare(sigma, window_width(sigma), plane.columns);
-            windows.read(plane);
-        }
-        for (windows, slope) in self.sides.iter_mut().zip(&mut self.slope) {
-            slopes(windows, slope);
-            for (centre, slope) in windows.centre.iter_mut().zip(slope.iter()) {
-                if centre.is_ok() && !(f64::from(slope.abs()) <= self.settings.max_slope) {
-                    *centre = Err(Reason::NoEdge);
-                }
-            }
-        }
-        self.scene(clip, floor)
+        let [top, bottom] = &mut self.sides;
+        let [upper, lower] = &self.centres;
+        both(|| top.look(plane, upper, sigma, centring), || bottom.look(plane, lower, sigma, centring));
+        self.scene(scale)
     }
 
-    fn scene(&mut self, clip: Option<f32>, floor: f64) -> Result<Scene, FrameRefused> {
+    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
         let none =
             || refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned());
-        let clipped = [0, 1]
-            .map(|side| clip.is_some_and(|c| clipped_fraction(&self.sides[side], c) > CLIPPED_FRACTION));
-        let mean = |pick: fn(&Windows) -> &[f32], sides: &[Windows; 2]| {
-            let values: Vec<f64> = sides
-                .iter()
-                .flat_map(|s| pick(s).iter())
-                .filter(|v| v.is_finite())
-                .map(|v| f64::from(*v))
-                .collect();
-            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-        };
-        let dark = mean(|w| &w.dark, &self.sides).ok_or_else(none)?;
-        let light = mean(|w| &w.light, &self.sides).ok_or_else(none)?;
-        let floor = floor.max((1e-4 * (light - dark)).powi(2)).max(1e-20);
-        let noise = self.noise(dark, light, clipped, floor).ok_or_else(none)?;
+        let sums = [self.sides[0].level_sums(), self.sides[1].level_sums()];
+        let count = sums[0].count + sums[1].count;
+        if count == 0.0 {
+            return Err(none());
+        }
+        let dark = (sums[0].dark + sums[1].dark) / count;
+        let light = (sums[0].light + sums[1].light) / count;
+        let is_clipped =
+            |side: &SideState| scale.clip.filter(|clip| side.clipped_fraction(*clip) > CLIPPED_FRACTION);
+        let clip = [is_clipped(&self.sides[0]), is_clipped(&self.sides[1])];
+        let floor = scale.floor.max((1e-4 * (light - dark)).powi(2)).max(1e-20);
+        let noise = self.noise(dark, light, clip, floor).ok_or_else(none)?;
         let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
         if !(snr >= self.settings.min_snr) {
             return Err(refused(
@@ -210,180 +264,63 @@ impl EdgeStream {
                 ),
             ));
         }
-        let knots = match self.settings.levels {
-            Levels::Pooled { max_knots } => max_knots,
-            Levels::PerColumn {} => 33,
-        };
-        let curve = |means: &[f32], variance: f64, flat: usize| {
-            pool(means, (variance / flat as f64).sqrt() as f32, knots).ok_or_else(none)
-        };
-        let [top, bottom] = &self.sides;
-        let (vd, vl) = (noise.variance(dark), noise.variance(light));
-        Ok(Scene {
-            dark: [curve(&top.dark, vd, top.flat)?, curve(&bottom.dark, vd, bottom.flat)?],
-            light: [curve(&top.light, vl, top.flat)?, curve(&bottom.light, vl, bottom.flat)?],
-            noise,
-            clipped,
-        })
+        let levels = self.settings.levels;
+        let [top, bottom] = &mut self.sides;
+        let (a, b) = both(
+            || top.pool_levels(&noise, dark, light, levels),
+            || bottom.pool_levels(&noise, dark, light, levels),
+        );
+        if a && b { Ok(Scene { noise, clip }) } else { Err(none()) }
     }
 
-    fn noise(&mut self, dark: f64, light: f64, clipped: [bool; 2], floor: f64) -> Option<NoiseModel> {
+    fn noise(&mut self, dark: f64, light: f64, clip: [Option<f32>; 2], floor: f64) -> Option<NoiseModel> {
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
         let least = floor.sqrt() as f32;
-        let mut variance = |in_light: bool| {
-            self.differences.clear();
-            for (windows, clipped) in self.sides.iter().zip(clipped) {
-                if !(in_light && clipped) {
-                    collect_differences(windows, in_light, &mut self.differences);
+        let sides = &self.sides;
+        let variance = |in_light: bool, differences: &mut Vec<f32>| {
+            differences.clear();
+            for (side, clip) in sides.iter().zip(clip) {
+                if !(in_light && clip.is_some()) {
+                    side.collect_differences(in_light, differences);
                 }
             }
-            variance_of_differences(&mut self.differences, least)
+            variance_of_differences(differences, least)
         };
-        let in_dark = variance(false)?;
-        let in_light = variance(true).unwrap_or(in_dark);
+        let [first, second] = &mut self.differences;
+        let (in_dark, in_light) = both(|| variance(false, first), || variance(true, second));
+        let in_dark = in_dark?;
+        let in_light = in_light.unwrap_or(in_dark);
         Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
     }
 
-    fn refine_blur(&self, scene: &Scene, sigma: f64, clip: Option<f32>) -> [BlurEstimate; 2] {
-        [0, 1].map(|side| {
-            if scene.clipped[side] && clip.is_some() {
-                return BlurEstimate::uniform(sigma);
-            }
-            let (dark, light) = typical_levels(scene, side);
-            let context = BlurContext {
-                windows: &self.sides[side],
-                dark: &scene.dark[side],
-                light: &scene.light[side],
-                slope: &self.slope[side],
-                kappa: scene.noise.kappa(dark, light),
-                relative_variance: scene.noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
-            };
-            blur::refine(&context, sigma)
-        })
-    }
-
-    /// Index of the table for a blur and noise slope, built where it is missing.
-    fn table(&mut self, sigma: f64, kappa: f64, width: usize) -> usize {
-        let near = |t: &Table| {
-            t.width == width && (t.sigma / sigma).ln().abs() < 0.004 && (t.kappa - kappa).abs() < 0.05
+    fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
+        let refine = |side: &mut SideState, clip: Option<f32>| match clip {
+            Some(_) => side.blur = BlurEstimate::uniform(sigma),
+            None => side.refine_blur(&scene.noise, sigma),
         };
-        if let Some(found) = self.tables.iter().position(near) {
-            return found;
-        }
-        if self.tables.len() >= 64 {
-            self.tables.clear();
-        }
-        let free = matches!(self.settings.levels, Levels::PerColumn {});
-        self.tables.push(Table::new(sigma, kappa, width, free));
-        self.tables.len() - 1
+        let [top, bottom] = &mut self.sides;
+        both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
     }
 
-    /// Fits both sides; gives the degrees of freedom of their residuals.
-    fn fit(&mut self, scene: &Scene, clip: Option<f32>, out: &mut FrameEdges) -> [f64; 2] {
-        let mut freedom = [0.0; 2];
-        for side in 0..2 {
-            let mut line = std::mem::take(if side == 0 { &mut out.top } else { &mut out.bottom });
-            line.clear();
-            freedom[side] = match clip.filter(|_| scene.clipped[side]) {
-                Some(clip) => self.fit_clipped(scene, side, clip, &mut line),
-                None => self.fit_side(scene, side, &mut line),
-            };
-            out.shared_length[side] = scene.dark[side].length.min(scene.light[side].length);
-            *(if side == 0 { &mut out.top } else { &mut out.bottom }) = line;
+    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges) {
+        let settings = &self.settings;
+        let [top, bottom] = &mut self.sides;
+        let (upper, lower) = (&mut out.top, &mut out.bottom);
+        both(
+            || top.fit(settings, &scene.noise, scene.clip[0], upper),
+            || bottom.fit(settings, &scene.noise, scene.clip[1], lower),
+        );
+        for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
+            *length = side.dark.length.min(side.light.length);
         }
-        freedom
+        out.figures = self.figures(scene);
     }
 
-    fn fit_side(&mut self, scene: &Scene, side: usize, line: &mut Vec<Edge>) -> f64 {
-        let columns = self.sides[side].centre.len();
-        let width = self.sides[side].width;
-        let (dark, light) = typical_levels(scene, side);
-        let kappa = scene.noise.kappa(dark, light);
-        let blur = self.blur[side].unwrap_or(BlurEstimate::uniform(1.0));
-        let mut normalised = std::mem::take(&mut self.normalised);
-        normalised.resize(width, 0.0);
-        let mut last = (f64::NAN, 0);
-        for column in 0..columns {
-            let sigma =
-                blur::at_slope(blur.sigma[BlurEstimate::block(column, columns)], self.slope[side][column]);
-            if !((sigma / last.0).ln().abs() < 0.004) {
-                last = (sigma, self.table(sigma, kappa, width));
-            }
-            line.push(self.fit_column(scene, side, column, &self.tables[last.1], &mut normalised));
-        }
-        self.normalised = normalised;
-        self.tables.get(last.1).map_or(1.0, |t| f64::from(t.freedom))
-    }
-
-    fn fit_column(
-        &self,
-        scene: &Scene,
-        side: usize,
-        column: usize,
-        table: &Table,
-        normalised: &mut [f32],
-    ) -> Edge {
-        let windows = &self.sides[side];
-        if let Err(reason) = windows.centre[column] {
-            return Edge::gap(reason);
-        }
-        let (dark, light) = (scene.dark[side].level[column], scene.light[side].level[column]);
-        let contrast = light - dark;
-        let variance = scene.noise.variance(f64::from(0.5 * (dark + light))) as f32;
-        if !(f64::from(contrast) >= self.settings.min_snr * f64::from(variance).sqrt()) {
-            return Edge::gap(Reason::LowContrast);
-        }
-        let own = windows.light[column] - windows.dark[column];
-        if !((0.5..2.0).contains(&(own / contrast))) {
-            return Edge::gap(Reason::Contaminated);
-        }
-        normalise(windows.of(column), dark, contrast, normalised);
-        let Some(found) = locate(normalised, table, windows.start[column]) else {
-            return Edge::gap(Reason::Residual);
-        };
-        let relative = variance / (contrast * contrast);
-        let scalars = found.phase.scalars;
-        // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
-        let by_light = scalars.offset / contrast * scene.light[side].uncertainty[column];
-        let by_dark = (scalars.weight_sum - scalars.offset) / contrast * scene.dark[side].uncertainty[column];
-        Edge {
-            row_px: windows.row(column, found.x),
-            u_own_px: scalars.unit_uncertainty * relative.sqrt(),
-            u_shared_px: by_light.hypot(by_dark),
-            chi2: found.residual / (relative * table.freedom),
-            state: EdgeState::Good,
-        }
-    }
-
-    fn fit_clipped(&mut self, scene: &Scene, side: usize, clip: f32, line: &mut Vec<Edge>) -> f64 {
-        let (dark, _) = typical_levels(scene, side);
-        let windows = &self.sides[side];
-        let start = ClippedStart {
-            dark,
-            variance: scene.noise.variance(dark),
-            clip: f64::from(clip),
-            fraction: clipped_fraction(windows, clip),
-        };
-        clipped::fit_side(windows, &self.slope[side], start, line)
-    }
-
-    fn gate(&mut self, scene: &Scene, freedom: [f64; 2], out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        let z = gate::upper_normal_quantile(self.settings.residual_false_alarm);
-        let mut misfit = 0.0_f64;
-        for (line, freedom) in [&mut out.top, &mut out.bottom].into_iter().zip(freedom) {
-            let ratio = gate::misfit(line, freedom, &mut self.floats);
-            let scale = if ratio > 1.2 { ratio } else { 1.0 };
-            for edge in line.iter_mut() {
-                edge.u_own_px *= (scale as f32).sqrt();
-            }
-            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
-            gate::refuse_outliers(line, self.settings.outlier_px, &mut self.outliers);
-            misfit = misfit.max(ratio);
-        }
-        out.figures = self.figures(scene, misfit);
+    /// Whether the frame as a whole is believable.
+    fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let valid = out.valid();
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
@@ -403,18 +340,29 @@ impl EdgeStream {
         Ok(())
     }
 
-    fn figures(&self, scene: &Scene, misfit: f64) -> FrameFigures {
-        let levels = [0, 1].map(|side| typical_levels(scene, side));
-        let (dark, light) = (0.5 * (levels[0].0 + levels[1].0), 0.5 * (levels[0].1 + levels[1].1));
+    fn figures(&self, scene: &Scene) -> FrameFigures {
+        let [top, bottom] = &self.sides;
+        let dark = 0.5 * (top.dark.mean + bottom.dark.mean);
+        let light = 0.5 * (top.light.mean + bottom.light.mean);
         let mid = scene.noise.variance(0.5 * (dark + light)).sqrt();
         FrameFigures {
-            sigma_px: self.blur.map(|b| b.map_or(f64::NAN, |b| b.mean())),
-            dark: levels.map(|l| l.0),
-            light: levels.map(|l| l.1),
+            sigma_px: [top.blur.mean(), bottom.blur.mean()],
+            dark: [top.dark.mean, bottom.dark.mean],
+            light: [top.light.mean, bottom.light.mean],
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
-            misfit,
+            misfit: self.misfit(),
         }
+    }
+}
+
+/// Both sides at once where there are threads, one after the other where there are not. Neither sees the other's
+/// work, so the result is the same.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1 {
+        rayon::join(a, b)
+    } else {
+        (a(), b())
     }
 }
 
@@ -430,61 +378,6 @@ fn explain(reason: Reason) -> String {
                 .to_owned()
         }
         _ => "no shadow as large as min_diameter_px lies in the field".to_owned(),
-    }
-}
-
-/// Mean levels of one side over the frame, counts.
-fn typical_levels(scene: &Scene, side: usize) -> (f64, f64) {
-    let mean = |curve: &LevelCurve| {
-        curve.level.iter().map(|v| f64::from(*v)).sum::<f64>() / curve.level.len().max(1) as f64
-    };
-    (mean(&scene.dark[side]), mean(&scene.light[side]))
-}
-
-/// Fraction of the flat light pixels that stand at full scale.
-fn clipped_fraction(windows: &Windows, clip: f32) -> f64 {
-    let (mut at_clip, mut all) = (0_u32, 0_u32);
-    let used = windows.width - 1;
-    for column in (0..windows.centre.len()).filter(|c| windows.centre[*c].is_ok()).step_by(4) {
-        for value in &windows.of(column)[used - windows.flat..used] {
-            at_clip += u32::from(*value >= clip);
-            all += 1;
-        }
-    }
-    f64::from(at_clip) / f64::from(all.max(1))
-}
-
-/// Differences of neighbouring columns' flat pixels, thinned to about [`NOISE_SAMPLES`].
-fn collect_differences(windows: &Windows, in_light: bool, out: &mut Vec<f32>) {
-    let columns = windows.centre.len();
-    let used = windows.width - 1;
-    let flat = if in_light { used - windows.flat..used } else { 0..windows.flat };
-    let step = (columns * windows.flat).div_ceil(NOISE_SAMPLES / 2).max(2);
-    for column in (0..columns.saturating_sub(1)).step_by(step) {
-        if windows.centre[column].is_ok() && windows.centre[column + 1].is_ok() {
-            let (a, b) = (&windows.of(column)[flat.clone()], &windows.of(column + 1)[flat.clone()]);
-            out.extend(a.iter().zip(b).map(|(a, b)| a - b));
-        }
-    }
-}
-
-/// Slope of the edge line, rows per column, from first estimates eight columns either side; steep where neighbours are missing.
-fn slopes(windows: &Windows, out: &mut Vec<f32>) {
-    const ARM: usize = 8;
-    let columns = windows.centre.len();
-    out.clear();
-    for column in 0..columns {
-        let (from, to) = (column.saturating_sub(ARM), (column + ARM).min(columns - 1));
-        let known = |mut range: std::ops::RangeInclusive<usize>| range.find(|c| windows.centre[*c].is_ok());
-        let left = known(from..=column);
-        let right = (column..=to).rev().find(|c| windows.centre[*c].is_ok());
-        out.push(match (left, right) {
-            (Some(l), Some(r)) if r > l => {
-                let rise = windows.row(r, windows.start[r]) - windows.row(l, windows.start[l]);
-                (rise / (r - l) as f64) as f32
-            }
-            _ => 0.0,
-        });
     }
 }
 

@@ -87,8 +87,8 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
         let (a, b) = (knots[left], knots[left + 1]);
         let slope = (b.1 - a.1) / (b.0 - a.0);
         let expected = a.1 + slope * (at - a.0);
-        let limit = limit_px.max(6.0 * edge.u_px()) + bend(knots, left);
-        if !((edge.row_px - expected).abs() <= limit) {
+        let departure = (edge.row_px - expected).abs();
+        if !(departure <= limit_px) && !(departure <= limit_px.max(6.0 * edge.u_px()) + bend(knots, left)) {
             edge.state = EdgeState::Gap(Reason::Outlier);
         }
     }

@@ -18,58 +18,108 @@ pub(crate) struct LevelCurve {
     pub(crate) uncertainty: Vec<f32>,
     /// Columns over which the uncertainty is shared (distance of the knots).
     pub(crate) length: f32,
+    /// Mean level, counts.
+    pub(crate) mean: f64,
 }
 
 /// Bins of a series: abscissa in columns, mean, number of columns.
+#[derive(Clone, Debug, Default)]
 struct Bins {
     at: Vec<f64>,
     mean: Vec<f64>,
     count: Vec<f64>,
 }
 
-/// Fits the columns' means (NaN where missing); `sd` is the standard deviation of one column's mean, counts.
-/// `None` without any column.
-pub(crate) fn pool(means: &[f32], sd: f32, max_knots: usize) -> Option<LevelCurve> {
-    let bins = bin(means, sd);
-    if bins.at.is_empty() {
-        return None;
-    }
-    let variance = f64::from(sd).powi(2).max(1e-12);
-    let mut best: Option<(f64, Fit)> = None;
-    let mut knots = 2;
-    while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= bins.at.len()) {
-        if let Some((chi2, fit)) = fit_knots(&bins, means.len(), knots, variance) {
-            let price = chi2 + KNOT_PRICE * knots as f64;
-            if best.as_ref().is_none_or(|(least, _)| price < *least) {
-                best = Some((price, fit));
-            }
-        }
-        knots = 2 * knots - 1;
-    }
-    best.map(|(_, fit)| fit.curve(means.len()))
+/// Pools levels; keeps its memory between frames.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LevelPool {
+    bins: Bins,
+    trial: Fit,
+    best: Fit,
 }
 
-fn bin(means: &[f32], sd: f32) -> Bins {
-    let mut bins = Bins { at: Vec::new(), mean: Vec::new(), count: Vec::new() };
-    for (index, chunk) in means.chunks(BIN).enumerate() {
-        let mut good = [0.0_f32; BIN];
-        let mut n = 0;
-        for value in chunk.iter().filter(|v| v.is_finite()) {
-            good[n] = *value;
-            n += 1;
+impl LevelPool {
+    /// Fits the columns' means (NaN where missing); `sd` is the standard deviation of one column's mean, counts.
+    /// False, with `curve` untouched, without any column.
+    pub(crate) fn pool(&mut self, means: &[f32], sd: f32, max_knots: usize, curve: &mut LevelCurve) -> bool {
+        self.bins.fill(means, sd);
+        if self.bins.at.is_empty() {
+            return false;
         }
-        let good = &mut good[..n];
-        let (low, high) =
-            good.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-        let outside = if high - low > 8.0 * sd { keep_central(good, sd) } else { 0..n };
-        let good = &good[outside];
-        if !good.is_empty() {
-            bins.at.push((index * BIN) as f64 + 0.5 * (chunk.len() as f64 - 1.0));
-            bins.mean.push(good.iter().map(|v| f64::from(*v)).sum::<f64>() / good.len() as f64);
-            bins.count.push(good.len() as f64);
+        let variance = f64::from(sd).powi(2).max(1e-12);
+        let mut least = f64::INFINITY;
+        let (mut knots, mut worse) = (2, 0);
+        // Twice as many knots that serve worse twice in a row end the search.
+        while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.at.len()) && worse < 2 {
+            let chi2 = self.trial.fit(&self.bins, means.len(), knots, variance);
+            let price = chi2 + KNOT_PRICE * knots as f64;
+            worse = if price < least { 0 } else { worse + 1 };
+            if price < least {
+                least = price;
+                std::mem::swap(&mut self.trial, &mut self.best);
+            }
+            // Even the best conceivable fit with more knots cannot be cheaper.
+            if KNOT_PRICE * (2 * knots - 1) as f64 > least {
+                break;
+            }
+            knots = 2 * knots - 1;
+        }
+        if least.is_finite() {
+            self.best.curve(means.len(), curve);
+        }
+        least.is_finite()
+    }
+}
+
+impl Bins {
+    fn fill(&mut self, means: &[f32], sd: f32) {
+        self.at.clear();
+        self.mean.clear();
+        self.count.clear();
+        for (index, chunk) in means.chunks(BIN).enumerate() {
+            if let Some(sum) = clean_sum(chunk, 8.0 * sd) {
+                self.push(index, chunk.len(), sum, BIN);
+                continue;
+            }
+            let mut good = [0.0_f32; BIN];
+            let mut n = 0;
+            for value in chunk.iter().filter(|v| v.is_finite()) {
+                good[n] = *value;
+                n += 1;
+            }
+            let good = &mut good[..n];
+            let (low, high) =
+                good.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+            let outside = if high - low > 8.0 * sd { keep_central(good, sd) } else { 0..n };
+            let good = &good[outside];
+            if !good.is_empty() {
+                self.push(index, chunk.len(), good.iter().sum::<f32>(), good.len());
+            }
         }
     }
-    bins
+
+    fn push(&mut self, index: usize, length: usize, sum: f32, count: usize) {
+        self.at.push((index * BIN) as f64 + 0.5 * (length as f64 - 1.0));
+        self.mean.push(f64::from(sum) / count as f64);
+        self.count.push(count as f64);
+    }
+}
+
+/// Sum of a whole bin without a missing value or one far from the others; `None` where it needs a closer look.
+fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
+    let values: &[f32; BIN] = chunk.try_into().ok()?;
+    let (mut sums, mut low, mut high) = ([0.0_f32; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+    for four in values.as_chunks::<4>().0 {
+        for lane in 0..4 {
+            sums[lane] += four[lane];
+            low[lane] = if four[lane] < low[lane] { four[lane] } else { low[lane] };
+            high[lane] = if four[lane] > high[lane] { four[lane] } else { high[lane] };
+        }
+    }
+    let sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+    let least = low.iter().fold(f32::INFINITY, |l, v| if *v < l { *v } else { l });
+    let most = high.iter().fold(f32::NEG_INFINITY, |h, v| if *v > h { *v } else { h });
+    (sum.is_finite() && most - least <= widest).then_some(sum)
 }
 
 /// Sorts the values and keeps those within five standard deviations of the median.
@@ -82,101 +132,120 @@ fn keep_central(values: &mut [f32], sd: f32) -> std::ops::Range<usize> {
 }
 
 /// Knot values with the bands of the normal matrix's inverse that neighbouring knots need.
+#[derive(Clone, Debug, Default)]
 struct Fit {
     knots: Vec<f64>,
     /// Variance of each knot.
     variance: Vec<f64>,
     /// Covariance of a knot with the next one.
     covariance: Vec<f64>,
+    diagonal: Vec<f64>,
+    off: Vec<f64>,
 }
 
-fn fit_knots(bins: &Bins, columns: usize, knots: usize, variance: f64) -> Option<(f64, Fit)> {
-    let spacing = (columns.max(2) - 1) as f64 / (knots - 1) as f64;
-    let hat = |at: f64| {
-        let left = ((at / spacing) as usize).min(knots - 2);
-        (left, at / spacing - left as f64)
-    };
-    let (mut diagonal, mut off, mut right) = (vec![0.0; knots], vec![0.0; knots - 1], vec![0.0; knots]);
-    let mut total = 0.0;
-    for ((at, mean), count) in bins.at.iter().zip(&bins.mean).zip(&bins.count) {
-        let (left, t) = hat(*at);
-        let weight = count / variance;
-        total += weight;
-        diagonal[left] += weight * (1.0 - t) * (1.0 - t);
-        diagonal[left + 1] += weight * t * t;
-        off[left] += weight * t * (1.0 - t);
-        right[left] += weight * (1.0 - t) * mean;
-        right[left + 1] += weight * t * mean;
-    }
-    // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
-    let lean = 1e-6 * total / bins.at.len() as f64;
-    for k in 0..knots - 1 {
-        diagonal[k] += lean;
-        diagonal[k + 1] += lean;
-        off[k] -= lean;
-    }
-    let fit = solve_tridiagonal(&diagonal, &off, &right)?;
-    let chi2 = bins
-        .at
-        .iter()
-        .zip(&bins.mean)
-        .zip(&bins.count)
-        .map(|((at, mean), count)| {
-            let (left, t) = hat(*at);
-            let model = fit.knots[left] * (1.0 - t) + fit.knots[left + 1] * t;
-            count / variance * (mean - model).powi(2)
-        })
-        .sum();
-    Some((chi2, fit))
-}
-
-/// Solves a symmetric tridiagonal system and gives the two central bands of its inverse (Usmani's recurrences).
-fn solve_tridiagonal(diagonal: &[f64], off: &[f64], right: &[f64]) -> Option<Fit> {
-    let n = diagonal.len();
-    let mut forward = diagonal.to_vec();
-    let mut solution = right.to_vec();
-    for k in 1..n {
-        let factor = off[k - 1] / forward[k - 1];
-        forward[k] -= factor * off[k - 1];
-        solution[k] -= factor * solution[k - 1];
-    }
-    if forward.iter().any(|pivot| !(*pivot > 0.0)) {
-        return None;
-    }
-    let mut variance = vec![0.0; n];
-    let mut covariance = vec![0.0; n - 1];
-    variance[n - 1] = 1.0 / forward[n - 1];
-    solution[n - 1] /= forward[n - 1];
-    for k in (0..n - 1).rev() {
-        let ratio = off[k] / forward[k];
-        solution[k] = solution[k] / forward[k] - ratio * solution[k + 1];
-        covariance[k] = -ratio * variance[k + 1];
-        variance[k] = 1.0 / forward[k] - ratio * covariance[k];
-    }
-    Some(Fit { knots: solution, variance, covariance })
+fn reset(values: &mut Vec<f64>, length: usize) {
+    values.clear();
+    values.resize(length, 0.0);
 }
 
 impl Fit {
-    fn curve(&self, columns: usize) -> LevelCurve {
-        let intervals = self.knots.len() - 1;
-        let spacing = (columns.max(2) - 1) as f64 / intervals as f64;
-        let mut curve = LevelCurve {
-            level: Vec::with_capacity(columns),
-            uncertainty: Vec::with_capacity(columns),
-            length: spacing as f32,
+    /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
+    fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
+        let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;
+        let hat = |at: f64| {
+            let place = at * per_spacing;
+            let left = (place as usize).min(knots - 2);
+            (left, place - left as f64)
         };
-        for column in 0..columns {
-            let at = column as f64 / spacing;
-            let left = (at as usize).min(intervals - 1);
-            let (t, s) = (at - left as f64, 1.0 - (at - left as f64));
-            let level = s * self.knots[left] + t * self.knots[left + 1];
-            let variance = s * s * self.variance[left]
-                + 2.0 * s * t * self.covariance[left]
-                + t * t * self.variance[left + 1];
-            curve.level.push(level as f32);
-            curve.uncertainty.push(variance.max(0.0).sqrt() as f32);
+        reset(&mut self.diagonal, knots);
+        reset(&mut self.knots, knots);
+        reset(&mut self.off, knots - 1);
+        let mut total = 0.0;
+        for ((at, mean), count) in bins.at.iter().zip(&bins.mean).zip(&bins.count) {
+            let (left, t) = hat(*at);
+            let weight = count / variance;
+            total += weight;
+            self.diagonal[left] += weight * (1.0 - t) * (1.0 - t);
+            self.diagonal[left + 1] += weight * t * t;
+            self.off[left] += weight * t * (1.0 - t);
+            self.knots[left] += weight * (1.0 - t) * mean;
+            self.knots[left + 1] += weight * t * mean;
         }
-        curve
+        // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
+        let lean = 1e-6 * total / bins.at.len() as f64;
+        for k in 0..knots - 1 {
+            self.diagonal[k] += lean;
+            self.diagonal[k + 1] += lean;
+            self.off[k] -= lean;
+        }
+        if !self.solve() {
+            return f64::INFINITY;
+        }
+        let residual = |(at, mean): (&f64, &f64)| {
+            let (left, t) = hat(*at);
+            mean - self.knots[left] * (1.0 - t) - self.knots[left + 1] * t
+        };
+        let squares = bins.at.iter().zip(&bins.mean).map(residual).zip(&bins.count);
+        squares.map(|(r, count)| count * r * r).sum::<f64>() / variance
+    }
+
+    /// Solves the symmetric tridiagonal system (right-hand side in `knots`) and gives the two central bands of its inverse
+    /// (Usmani's recurrences); false where it is singular.
+    fn solve(&mut self) -> bool {
+        let n = self.diagonal.len();
+        for k in 1..n {
+            let factor = self.off[k - 1] / self.diagonal[k - 1];
+            self.diagonal[k] -= factor * self.off[k - 1];
+            self.knots[k] -= factor * self.knots[k - 1];
+        }
+        if self.diagonal.iter().any(|pivot| !(*pivot > 0.0)) {
+            return false;
+        }
+        reset(&mut self.variance, n);
+        reset(&mut self.covariance, n - 1);
+        self.variance[n - 1] = 1.0 / self.diagonal[n - 1];
+        self.knots[n - 1] /= self.diagonal[n - 1];
+        for k in (0..n - 1).rev() {
+            let pivot = 1.0 / self.diagonal[k];
+            let ratio = self.off[k] * pivot;
+            self.knots[k] = self.knots[k] * pivot - ratio * self.knots[k + 1];
+            self.covariance[k] = -ratio * self.variance[k + 1];
+            self.variance[k] = pivot - ratio * self.covariance[k];
+        }
+        true
+    }
+
+    /// Level and variance at a column.
+    fn at(&self, column: f64, per_spacing: f64) -> (f64, f64) {
+        let left = ((column * per_spacing) as usize).min(self.knots.len() - 2);
+        let t = column * per_spacing - left as f64;
+        let s = 1.0 - t;
+        let variance = s * s * self.variance[left]
+            + 2.0 * s * t * self.covariance[left]
+            + t * t * self.variance[left + 1];
+        (s * self.knots[left] + t * self.knots[left + 1], variance)
+    }
+
+    /// Evaluates the curve: exactly at the ends of bins, linearly in between (bins are no longer than half a knot's distance).
+    fn curve(&self, columns: usize, curve: &mut LevelCurve) {
+        let per_spacing = (self.knots.len() - 1) as f64 / (columns.max(2) - 1) as f64;
+        curve.length = (1.0 / per_spacing) as f32;
+        curve.level.resize(columns, 0.0);
+        curve.uncertainty.resize(columns, 0.0);
+        let (mut left, _) = self.at(0.0, per_spacing);
+        let mut sum = 0.0;
+        let chunks = curve.level.chunks_mut(BIN).zip(curve.uncertainty.chunks_mut(BIN));
+        for (index, (levels, uncertainties)) in chunks.enumerate() {
+            let (right, variance) = self.at((index * BIN + levels.len()) as f64, per_spacing);
+            let step = ((right - left) / levels.len() as f64) as f32;
+            uncertainties.fill(variance.max(0.0).sqrt() as f32);
+            for (k, level) in levels.iter_mut().enumerate() {
+                *level = left as f32 + k as f32 * step;
+            }
+            sum += levels.len() as f64 * 0.5 * (left + right) - 0.5 * (right - left);
+            left = right;
+        }
+        curve.mean = sum / columns.max(1) as f64;
     }
 }
 
@@ -187,7 +256,9 @@ mod tests {
     #[test]
     fn bands_of_the_inverse_are_those_of_a_dense_inverse() {
         let (d, o) = ([4.0, 3.0, 5.0, 2.0], [1.0, -0.5, 0.7]);
-        let fit = solve_tridiagonal(&d, &o, &[1.0, 2.0, 3.0, 4.0]).unwrap();
+        let mut fit =
+            Fit { diagonal: d.to_vec(), off: o.to_vec(), knots: vec![1.0, 2.0, 3.0, 4.0], ..Fit::default() };
+        assert!(fit.solve());
         let mut dense = nalgebra::DMatrix::<f64>::zeros(4, 4);
         for k in 0..4 {
             dense[(k, k)] = d[k];
@@ -211,14 +282,15 @@ mod tests {
     fn a_line_needs_two_knots_and_a_wave_more() {
         let line: Vec<f32> =
             (0..2048).map(|c| 100.0 + 0.01 * c as f32 + ((c * 37) % 11) as f32 * 0.1).collect();
-        let curve = pool(&line, 0.32, 65).unwrap();
+        let (mut curve, mut pool) = (LevelCurve::default(), LevelPool::default());
+        assert!(pool.pool(&line, 0.32, 65, &mut curve));
         assert!(curve.length > 2000.0);
         assert!((curve.level[1000] - 110.5).abs() < 0.05);
         let wave: Vec<f32> = (0..2048)
             .map(|c| 100.0 + 10.0 * (c as f32 / 100.0).sin() + ((c * 37) % 11) as f32 * 0.1)
             .collect();
-        let curve = pool(&wave, 0.32, 65).unwrap();
+        assert!(pool.pool(&wave, 0.32, 65, &mut curve));
         assert!(curve.length < 70.0);
-        assert!(pool(&[f32::NAN; 20], 1.0, 9).is_none());
+        assert!(!pool.pool(&[f32::NAN; 20], 1.0, 9, &mut curve));
     }
 }

@@ -22,6 +22,7 @@ pub mod size;
 pub mod statistics;
 
 mod settings;
+mod side;
 mod station;
 mod table;
 mod window;

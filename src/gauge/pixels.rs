@@ -55,6 +55,14 @@ impl<'a, T: Sample> Plane<'a, T> {
         self.sign * self.pixels[row * self.row_stride + column * self.column_stride].counts()
     }
 
+    /// Reads neighbouring pixels of a row; columns must be contiguous.
+    pub(crate) fn read_row(&self, row: usize, from: usize, out: &mut [f32]) {
+        let start = row * self.row_stride + from;
+        for (value, pixel) in out.iter_mut().zip(&self.pixels[start..]) {
+            *value = self.sign * pixel.counts();
+        }
+    }
+
     /// Reads `out.len()` pixels of a column from `first_row` on, upwards in rows (`down`) or downwards.
     /// False, with `out` unspecified, where they do not all lie inside the frame.
     pub(crate) fn gather(&self, first_row: isize, down: bool, column: usize, out: &mut [f32]) -> bool {

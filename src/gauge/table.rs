@@ -13,8 +13,10 @@
 
 use super::model::{EdgeSample, edge_samples};
 
-/// Phases per pixel.
-const PHASES_PER_PX: f32 = 64.0;
+/// Phases per pixel of the tables that place edges.
+pub(crate) const FINE: u32 = 64;
+/// Phases per pixel of the tables that only serve to find the blur.
+pub(crate) const COARSE: u32 = 16;
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
@@ -65,6 +67,11 @@ pub(crate) struct Table {
     pub(crate) width: usize,
     /// Degrees of freedom of the residual.
     pub(crate) freedom: f32,
+    /// Phases per pixel.
+    pub(crate) per_px: f32,
+    core: usize,
+    /// Weights, model values and inverse variances of the core alone, in eights, phase after phase.
+    core_arrays: [Vec<[f32; 8]>; 3],
     arrays: Vec<f32>,
     scalars: Vec<PhaseScalars>,
 }
@@ -85,38 +92,85 @@ pub(crate) fn window_width(sigma: f64) -> usize {
     (2 * half + 2).next_multiple_of(8).clamp(24, 72)
 }
 
+/// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
+fn core_width(sigma: f64) -> usize {
+    let half = (reach(sigma) + f64::from(PHASE_REACH)).ceil() as usize;
+    (2 * half + 2).next_multiple_of(8)
+}
+
 impl Table {
+    /// First pixel and number of pixels of the window's part that carries the weights.
+    pub(crate) fn core(&self) -> (usize, usize) {
+        if self.core >= self.width {
+            (0, self.width)
+        } else {
+            (half(self.width) - half(self.core), self.core)
+        }
+    }
+
     /// Tabulates the weights. `free_levels`: each column has levels of its own.
-    pub(crate) fn new(sigma: f64, kappa: f64, width: usize, free_levels: bool) -> Self {
-        let steps = (PHASE_REACH * PHASES_PER_PX) as i32;
+    pub(crate) fn new(sigma: f64, kappa: f64, width: usize, free_levels: bool, per_px: u32) -> Self {
+        let steps = (PHASE_REACH * per_px as f32) as i32;
         let count = (2 * steps + 1) as usize;
         let mut table = Self {
             sigma,
             kappa,
             width,
             freedom: 0.0,
+            per_px: per_px as f32,
+            core: if free_levels { width } else { core_width(sigma) },
+            core_arrays: [Vec::new(), Vec::new(), Vec::new()],
             arrays: vec![0.0; count * ARRAYS * width],
             scalars: Vec::with_capacity(count),
         };
         let mut samples = vec![EdgeSample::default(); width - 1];
-        let reach = if free_levels { width as f64 } else { reach(sigma) + 1.0 };
+        let reach = if free_levels { width as f64 } else { reach(sigma) };
         for (index, step) in (-steps..=steps).enumerate() {
-            let phase = f64::from(step) / f64::from(PHASES_PER_PX);
+            let phase = f64::from(step) / f64::from(per_px);
             edge_samples(-(half(width) as f64), phase, sigma, &mut samples);
             let rows = &mut table.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             let scalars = fill_phase(&samples, phase, kappa, reach, free_levels, rows, width);
             table.scalars.push(scalars);
         }
+        table.fill_core();
         let fitted = table.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
         table.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
         table
     }
 
+    fn fill_core(&mut self) {
+        let (first, length) = self.core();
+        for (array, core) in self.core_arrays.iter_mut().enumerate() {
+            for index in 0..self.scalars.len() {
+                let row = &self.arrays[(index * ARRAYS + array) * self.width..][..self.width];
+                core.extend_from_slice(row[first..first + length].as_chunks::<8>().0);
+            }
+        }
+    }
+
+    /// Index of the phase nearest to `x` px from the central pixel.
+    #[inline(always)]
+    pub(crate) fn index(&self, x: f32) -> usize {
+        // Rounding by truncation: the argument is never negative.
+        let index = ((x + PHASE_REACH) * self.per_px + 0.5).max(0.0) as usize;
+        index.min(self.scalars.len() - 1)
+    }
+
+    /// Scalars of a phase.
+    #[inline(always)]
+    pub(crate) fn scalars(&self, index: usize) -> &PhaseScalars {
+        &self.scalars[index]
+    }
+
+    /// Weights, model values or inverse variances (0, 1, 2) of a phase in a core of `C` eights.
+    #[inline(always)]
+    pub(crate) fn core_row<const C: usize>(&self, array: usize, index: usize) -> &[[f32; 8]; C] {
+        &self.core_arrays[array].as_chunks::<C>().0[index]
+    }
+
     /// The phase nearest to `x` px from the central pixel.
     pub(crate) fn phase(&self, x: f32) -> Phase<'_> {
-        let steps = (PHASE_REACH * PHASES_PER_PX) as i32;
-        let index = ((x * PHASES_PER_PX).round() as i32).clamp(-steps, steps) + steps;
-        let index = index as usize;
+        let index = self.index(x);
         let width = self.width;
         let rows = &self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
         let (weights, rows) = rows.split_at(width);
@@ -188,7 +242,7 @@ mod tests {
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
-            let table = Table::new(0.8, 1.2, window_width(0.8), free);
+            let table = Table::new(0.8, 1.2, window_width(0.8), free, FINE);
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
                 edge_samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
@@ -208,7 +262,7 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let table = Table::new(sigma, 0.0, 32, false);
+        let table = Table::new(sigma, 0.0, 32, false, FINE);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");

@@ -1,0 +1,359 @@
+//! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
+
+use super::blur::{self, BLOCKS, BlurContext, BlurEstimate};
+use super::clipped::{self, ClippedStart};
+use super::coarse::CoarseEdge;
+use super::edges::{Edge, EdgeState};
+use super::gate::{self, OutlierScratch};
+use super::levels::{LevelCurve, LevelPool};
+use super::noise::NoiseModel;
+use super::pixels::{Plane, Sample};
+use super::score::{Place, locate, locate_core, normalise};
+use super::settings::{GaugeSettings, Levels};
+use super::table::{FINE, Table, window_width};
+use super::window::{Side, Windows};
+use crate::profile::Reason;
+
+/// Differences looked at per level for the noise: its variance is then known to 3 %.
+const NOISE_SAMPLES: usize = 4096;
+/// Tables kept; steep edges need many.
+const MOST_TABLES: usize = 64;
+/// Relative difference of blurs that share a table.
+const SAME_BLUR: f64 = 0.004;
+
+/// Work and memory of one side.
+#[derive(Clone, Debug)]
+pub(crate) struct SideState {
+    pub(crate) windows: Windows,
+    pub(crate) slope: Vec<f32>,
+    pub(crate) dark: LevelCurve,
+    pub(crate) light: LevelCurve,
+    pub(crate) blur: BlurEstimate,
+    pub(crate) misfit: f64,
+    tables: Vec<Table>,
+    normalised: Vec<f32>,
+    floats: Vec<f32>,
+    outliers: OutlierScratch,
+    pool: LevelPool,
+}
+
+/// Level sums of a side before pooling.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LevelSums {
+    pub(crate) dark: f64,
+    pub(crate) light: f64,
+    pub(crate) count: f64,
+}
+
+impl SideState {
+    pub(crate) fn new(side: Side) -> Self {
+        Self {
+            windows: Windows::new(side),
+            slope: Vec::new(),
+            dark: LevelCurve::default(),
+            light: LevelCurve::default(),
+            blur: BlurEstimate::uniform(1.0),
+            misfit: 1.0,
+            tables: Vec::new(),
+            normalised: Vec::new(),
+            floats: Vec::new(),
+            outliers: OutlierScratch::default(),
+            pool: LevelPool::default(),
+        }
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.tables.clear();
+    }
+
+    /// A first blur from wide windows on a few columns; `None` where they do not fit the field.
+    pub(crate) fn rough_blur<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        centres: &[CoarseEdge],
+        widest: f64,
+    ) -> Option<f64> {
+        let windows = &mut self.windows;
+        windows.centre.clear();
+        windows.centre.resize(centres.len(), Err(Reason::NoEdge));
+        for column in (0..BLOCKS).flat_map(|b| blur::sample(b, centres.len())) {
+            windows.centre[column] = centres[column];
+        }
+        windows.prepare(widest, window_width(widest), plane.columns);
+        windows.read(plane);
+        blur::rough(windows, plane.columns, &mut self.floats)
+    }
+
+    /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
+    pub(crate) fn look<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        centres: &[CoarseEdge],
+        sigma: f64,
+        centring: Option<f64>,
+    ) {
+        self.windows.centre.clear();
+        self.windows.centre.extend_from_slice(centres);
+        self.windows.centred = centring.is_none();
+        self.windows.prepare(sigma, window_width(sigma), plane.columns);
+        self.windows.read(plane);
+        let Some(max_slope) = centring else { return };
+        slopes(&self.windows, &mut self.slope);
+        for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
+            if centre.is_ok() && !(f64::from(slope.abs()) <= max_slope) {
+                *centre = Err(Reason::NoEdge);
+            }
+        }
+    }
+
+    pub(crate) fn level_sums(&self) -> LevelSums {
+        let mut sums = LevelSums::default();
+        for (dark, light) in self.windows.dark.iter().zip(&self.windows.light) {
+            if dark.is_finite() {
+                sums.dark += f64::from(*dark);
+                sums.light += f64::from(*light);
+                sums.count += 1.0;
+            }
+        }
+        sums
+    }
+
+    /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
+    pub(crate) fn collect_differences(&self, in_light: bool, out: &mut Vec<f32>) {
+        let windows = &self.windows;
+        let columns = windows.centre.len();
+        let used = windows.width - 1;
+        let flat = if in_light { used - windows.flat..used } else { 0..windows.flat };
+        let step = (columns * windows.flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+        for column in (0..columns.saturating_sub(1)).step_by(step) {
+            if windows.centre[column].is_ok() && windows.centre[column + 1].is_ok() {
+                let (a, b) = (&windows.of(column)[flat.clone()], &windows.of(column + 1)[flat.clone()]);
+                out.extend(a.iter().zip(b).map(|(a, b)| a - b));
+            }
+        }
+    }
+
+    /// Fraction of the flat light pixels that stand at full scale.
+    pub(crate) fn clipped_fraction(&self, clip: f32) -> f64 {
+        let windows = &self.windows;
+        let (mut at_clip, mut all) = (0_u32, 0_u32);
+        let used = windows.width - 1;
+        for column in (0..windows.centre.len()).step_by(8).filter(|c| windows.centre[*c].is_ok()) {
+            for value in &windows.of(column)[used - windows.flat..used] {
+                at_clip += u32::from(*value >= clip);
+                all += 1;
+            }
+        }
+        f64::from(at_clip) / f64::from(all.max(1))
+    }
+
+    /// Pools the levels along the shaft; false without a column.
+    pub(crate) fn pool_levels(&mut self, noise: &NoiseModel, dark: f64, light: f64, levels: Levels) -> bool {
+        let knots = match levels {
+            Levels::Pooled { max_knots } => max_knots,
+            Levels::PerColumn {} => 33,
+        };
+        let sd = |level: f64| (noise.variance(level) / self.windows.flat as f64).sqrt() as f32;
+        self.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
+            && self.pool.pool(&self.windows.light, sd(light), knots, &mut self.light)
+    }
+
+    /// Refines the blur from `start`, px.
+    pub(crate) fn refine_blur(&mut self, noise: &NoiseModel, start: f64) {
+        let (dark, light) = (self.dark.mean, self.light.mean);
+        let context = BlurContext {
+            windows: &self.windows,
+            dark: &self.dark,
+            light: &self.light,
+            slope: &self.slope,
+            kappa: noise.kappa(dark, light),
+            relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
+        };
+        self.blur = blur::refine(&context, start);
+    }
+
+    /// Index of the table for a blur and noise slope, built where it is missing.
+    fn table(&mut self, sigma: f64, kappa: f64, free_levels: bool) -> usize {
+        let width = self.windows.width;
+        let near = |t: &Table| {
+            t.width == width && (t.sigma / sigma).ln().abs() < SAME_BLUR && (t.kappa - kappa).abs() < 0.08
+        };
+        if let Some(found) = self.tables.iter().position(near) {
+            return found;
+        }
+        if self.tables.len() >= MOST_TABLES {
+            self.tables.clear();
+        }
+        self.tables.push(Table::new(sigma, kappa, width, free_levels, FINE));
+        self.tables.len() - 1
+    }
+
+    /// Fits all columns into `line`, then tests residuals and neighbours.
+    pub(crate) fn fit(
+        &mut self,
+        settings: &GaugeSettings,
+        noise: &NoiseModel,
+        clip: Option<f32>,
+        line: &mut Vec<Edge>,
+    ) {
+        line.clear();
+        let freedom = match clip {
+            Some(clip) => {
+                let start = ClippedStart {
+                    dark: self.dark.mean,
+                    variance: noise.variance(self.dark.mean),
+                    clip: f64::from(clip),
+                    fraction: self.clipped_fraction(clip),
+                };
+                clipped::fit_side(&self.windows, &self.slope, start, line)
+            }
+            None => self.fit_columns(settings, noise, line),
+        };
+        self.gate(settings, freedom, line);
+    }
+
+    fn fit_columns(&mut self, settings: &GaugeSettings, noise: &NoiseModel, line: &mut Vec<Edge>) -> f64 {
+        let columns = self.windows.centre.len();
+        let kappa = noise.kappa(self.dark.mean, self.light.mean);
+        let free = matches!(settings.levels, Levels::PerColumn {});
+        let mut normalised = std::mem::take(&mut self.normalised);
+        normalised.resize(self.windows.width, 0.0);
+        let (mut from, mut freedom) = (0, 1.0);
+        while from < columns {
+            let sigma = self.sigma_at(from);
+            let to = self.end_of_run(from, sigma);
+            let index = self.table(sigma, kappa, free);
+            let table = &self.tables[index];
+            freedom = f64::from(table.freedom);
+            let job = ColumnJob { side: self, noise, table, min_snr: settings.min_snr as f32 };
+            score_columns(&job, from..to, &mut normalised, line);
+            from = to;
+        }
+        self.normalised = normalised;
+        freedom
+    }
+
+    fn sigma_at(&self, column: usize) -> f64 {
+        let block = BlurEstimate::block(column, self.windows.centre.len());
+        blur::at_slope(self.blur.sigma[block], self.slope[column])
+    }
+
+    /// End of the columns from `from` on that share a blur.
+    fn end_of_run(&self, from: usize, sigma: f64) -> usize {
+        let columns = self.windows.centre.len();
+        let level = |slope: &f32| slope.abs() < blur::LEVEL;
+        if self.blur.is_uniform() && self.slope.iter().all(level) {
+            return columns;
+        }
+        (from + 1..columns)
+            .find(|c| (self.sigma_at(*c) - sigma).abs() >= SAME_BLUR * sigma)
+            .unwrap_or(columns)
+    }
+
+    fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
+        let z = gate::upper_normal_quantile(settings.residual_false_alarm);
+        self.misfit = gate::misfit(line, freedom, &mut self.floats);
+        let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
+        if scale > 1.0 {
+            for edge in line.iter_mut() {
+                edge.u_own_px *= (scale as f32).sqrt();
+            }
+        }
+        gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+        gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
+    }
+}
+
+/// Columns that share a table.
+struct ColumnJob<'a> {
+    side: &'a SideState,
+    noise: &'a NoiseModel,
+    table: &'a Table,
+    min_snr: f32,
+}
+
+/// The inner loop.
+fn score_columns(
+    job: &ColumnJob<'_>,
+    columns: std::ops::Range<usize>,
+    normalised: &mut [f32],
+    line: &mut Vec<Edge>,
+) {
+    // Cores of constant length let the compiler unroll; these are those for σ up to 2.5 px.
+    match job.table.core().1 {
+        16 => line.extend(columns.map(|c| fit_column::<2>(job, c, normalised))),
+        24 => line.extend(columns.map(|c| fit_column::<3>(job, c, normalised))),
+        _ => line.extend(columns.map(|c| fit_column::<0>(job, c, normalised))),
+    }
+}
+
+#[inline(always)]
+fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edge {
+    let side = job.side;
+    let windows = &side.windows;
+    if let Err(reason) = windows.centre[column] {
+        return Edge::gap(reason);
+    }
+    let (dark, light) = (side.dark.level[column], side.light.level[column]);
+    let contrast = light - dark;
+    let variance = job.noise.variance(f64::from(0.5 * (dark + light))) as f32;
+    if !(contrast >= job.min_snr * variance.sqrt()) {
+        return Edge::gap(Reason::LowContrast);
+    }
+    let own = windows.light[column] - windows.dark[column];
+    if !(own > 0.5 * contrast && own < 2.0 * contrast) {
+        return Edge::gap(Reason::Contaminated);
+    }
+    let window = windows.of(column);
+    let first = job.table.core().0;
+    let found = if C > 0 { locate_core::<C>(&window[first..], dark, contrast, job.table) } else { None };
+    let Some(found) = found.or_else(|| locate_in_whole(job, window, dark, contrast, normalised)) else {
+        return Edge::gap(Reason::Residual);
+    };
+    let relative = variance / (contrast * contrast);
+    let scalars = job.table.scalars(found.index);
+    // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
+    let by_light = scalars.offset / contrast * side.light.uncertainty[column];
+    let by_dark = (scalars.weight_sum - scalars.offset) / contrast * side.dark.uncertainty[column];
+    Edge {
+        row_px: windows.row(column, found.x),
+        u_own_px: scalars.unit_uncertainty * relative.sqrt(),
+        u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
+        chi2: found.residual / (relative * job.table.freedom),
+        state: EdgeState::Good,
+    }
+}
+
+/// An edge that is not where it was looked for, with all of its window.
+#[cold]
+fn locate_in_whole(
+    job: &ColumnJob<'_>,
+    window: &[f32],
+    dark: f32,
+    contrast: f32,
+    normalised: &mut [f32],
+) -> Option<Place> {
+    let start = normalise(window, dark, contrast, normalised);
+    let found = locate(normalised, job.table, start)?;
+    Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
+}
+
+/// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.
+fn slopes(windows: &Windows, out: &mut Vec<f32>) {
+    const ARM: usize = 8;
+    let columns = windows.centre.len();
+    let known = |column: usize| windows.centre[column].is_ok();
+    out.clear();
+    for column in 0..columns {
+        let (from, to) = (column.saturating_sub(ARM), (column + ARM).min(columns - 1));
+        let left = if known(from) { Some(from) } else { (from..=column).find(|c| known(*c)) };
+        let right = if known(to) { Some(to) } else { (column..=to).rev().find(|c| known(*c)) };
+        out.push(match (left, right) {
+            (Some(l), Some(r)) if r > l => {
+                let rise = windows.row(r, windows.start[r]) - windows.row(l, windows.start[l]);
+                (rise / (r - l) as f64) as f32
+            }
+            _ => 0.0,
+        });
+    }
+}
