@@ -27,8 +27,12 @@ struct Params {
     flat_shadow: vec4<f32>,
     full_scale: f32,
     overlap: u32,
-    padding0: f32,
-    padding1: f32,
+    pattern: u32,
+    hot_share: u32,
+    prnu: f32,
+    dsnu: f32,
+    hot: f32,
+    ceiling: f32,
 }
 
 struct Edge {
@@ -53,7 +57,7 @@ struct Node {
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> columns: array<Column>;
 @group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
-@group(0) @binding(3) var<storage, read> row_keys: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read> row_keys: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> esf: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> quadrature: array<Node>;
 @group(0) @binding(6) var<storage, read_write> image: array<u32>;
@@ -95,12 +99,23 @@ fn sample(k: vec4<f32>, z: f32) -> f32 {
     return k.x + z * (k.y + z * (k.z + z * k.w));
 }
 
+// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same in every frame.
+fn fixed_pattern(mean: f32, key: vec4<u32>, column: u32) -> f32 {
+    let a = hash(key.zw, column);
+    let b = hash(key.wz, column);
+    let response = params.prnu * (mean - params.black) * standard_normal(a);
+    let dark = params.dsnu * standard_normal(b);
+    let hot = select(0.0, params.hot, (a + b) * 0x9e3779b9u < params.hot_share);
+    return response + dark + hot;
+}
+
 // Counts as bits: rounded half to even by adding 2^23 for integers, untouched for f32.
 fn quantise(counts: f32) -> u32 {
+    let clipped = min(counts, params.ceiling);
     if (pixels_per_word == 1u) {
-        return bitcast<u32>(counts);
+        return bitcast<u32>(clipped);
     }
-    return bitcast<u32>(clamp(counts, 0.0, params.full_scale) + 8388608.0) & 0x7fffffu;
+    return bitcast<u32>(clamp(clipped, 0.0, params.full_scale) + 8388608.0) & 0x7fffffu;
 }
 
 // Share of the light at u, by the tabulated edge-spread function.
@@ -124,12 +139,17 @@ fn transmitted(edge: Edge, row: i32) -> f32 {
 }
 
 // A pixel far from the edges; the band overwrites what is near.
-fn flat_pixel(k: vec4<f32>, column: u32, key: vec2<u32>) -> u32 {
-    return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
+fn flat_pixel(k: vec4<f32>, mean: f32, column: u32, key: vec4<u32>) -> u32 {
+    let sensor_column = params.column0 + column;
+    var counts = sample(k, standard_normal(hash(key.xy, sensor_column)));
+    if (params.pattern != 0u) {
+        counts = counts + fixed_pattern(mean, key, sensor_column);
+    }
+    return quantise(counts);
 }
 
 // A pixel near an edge; the other edge adds light only where the two bands overlap.
-fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
+fn edge_pixel(row: i32, column: u32, key: vec4<u32>, lower: bool) -> u32 {
     let c = columns[min(column, params.columns - 1u)];
     var near = c.top;
     var other = c.bottom;
@@ -141,8 +161,13 @@ fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
     if (params.overlap != 0u) {
         light = light + transmitted(other, row);
     }
-    let k = shaped(params.shadow + params.contrast * light);
-    return quantise(sample(k, standard_normal(hash(key, params.column0 + column))));
+    let mean = params.shadow + params.contrast * light;
+    let sensor_column = params.column0 + column;
+    var counts = sample(shaped(mean), standard_normal(hash(key.xy, sensor_column)));
+    if (params.pattern != 0u) {
+        counts = counts + fixed_pattern(mean, key, sensor_column);
+    }
+    return quantise(counts);
 }
 
 @compute @workgroup_size(64, 1, 1)
@@ -156,10 +181,11 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let row = i32(group.y);
     let inside = row >= start.x && row < start.y + i32(params.band_rows);
     let k = select(params.flat_bright, params.flat_shadow, inside);
+    let mean = params.shadow + select(params.contrast, 0.0, inside);
     let column = x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {
-        word = word | (flat_pixel(k, column + i, key) << (i * (32u / pixels_per_word)));
+        word = word | (flat_pixel(k, mean, column + i, key) << (i * (32u / pixels_per_word)));
     }
     image[group.y * params.words + x] = word;
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::cell::{CellError, TurningCell};
-use crate::control::{self, ControlError, Controller};
+use crate::control::{self, ControlError, Controller, NextPass, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
@@ -224,7 +224,13 @@ impl<'a> ClosedLoop<'a> {
     fn conclude(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Option<Decision> {
         self.next_pass += 1;
         self.next_pass()?;
-        let decision = self.controller.decide(plan, measured);
+        let next = NextPass {
+            nominal_mm: self.job.part.target_mm(self.next_pass),
+            cutting: self.job.cutting,
+            finishing: self.next_pass as usize == self.job.part.passes(),
+        };
+        let context = PassContext { next: Some(next), ..PassContext::default() };
+        let decision = self.controller.decide_in(plan, measured, &context);
         match &decision {
             Decision::Offset(offset) => {
                 self.offset = offset.clone();

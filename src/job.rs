@@ -329,6 +329,15 @@ impl Job {
         self.control.validate().map_err(from_control)
     }
 
+    /// Checks that the controller can be built for the job's stations: an unstable loop is refused here, so that a study
+    /// of stability can still read the config.
+    ///
+    /// # Errors
+    /// The controller's reason.
+    pub fn check_control(&self) -> Result<(), JobError> {
+        crate::control::build(&self.control, &self.part.station_z_mm()).map(drop).map_err(from_control)
+    }
+
     /// Checks every stage's settings and how they fit together.
     ///
     /// # Errors

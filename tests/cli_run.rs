@@ -1,5 +1,5 @@
 //! `run` and `demo` from outside the binary: exit codes, messages, folders, resume.
-#![expect(clippy::unwrap_used, reason = "a test that cannot set up its files must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::Path;
 use std::process::{Command, Output};

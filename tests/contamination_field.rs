@@ -1,4 +1,5 @@
 //! Contamination against closed forms, conserved light and the statistics asked for.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use shadowgauge::render::contamination::shapes::{
     clear_radius_of_ball, clear_radius_of_cap, disc, half_plane, into_polygon, line, polygon_area,

@@ -1,6 +1,5 @@
 //! Every guard is tripped once, and a machine with faults is driven for 10⁵ cycles.
-
-#![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/faulty_cell.rs"]
 mod faulty_cell;

@@ -1,6 +1,5 @@
 //! Control laws against independent evaluations of their recurrences and on a slender shaft.
-
-#![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[allow(dead_code, reason = "each test uses its part of the shared plant")]
 #[path = "support/plant.rs"]

@@ -1,6 +1,5 @@
 //! Photon transfer on frames made here, of known gain, read noise, non-uniformity and linearity.
-
-#![expect(clippy::unwrap_used, reason = "helpers of tests: what cannot be built must fail the test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Normal, Poisson};

@@ -1,6 +1,5 @@
 //! What a turn of silhouettes tells: even lobes free of the spindle, filter, hull, run-out, sizes.
-
-#![expect(clippy::unwrap_used, reason = "helpers of tests: what cannot be built must fail the test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,5 @@
 //! Edges on synthetic frames: error against the Cramér-Rao bound, kept columns, phase bias, honesty of the uncertainty.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/gauge_synth.rs"]
 mod gauge_synth;

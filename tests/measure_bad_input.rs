@@ -1,4 +1,5 @@
 //! `measure` from outside: what is no frame, and frames without a part, give one clear error and no diameter.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

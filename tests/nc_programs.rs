@@ -1,6 +1,5 @@
 //! NC programs: what they say, and what LinuxCNC's own interpreter makes of them.
-
-#![allow(clippy::expect_used, reason = "a failed expectation in a helper is a failed test")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::process::Command;
 

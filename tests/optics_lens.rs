@@ -1,6 +1,5 @@
 //! Lens, light and motion against inverses, tracing of points and averages in time.
-
-#![expect(clippy::unwrap_used, reason = "tables that must exist; a test without them has failed")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use shadowgauge::render::esf_families::{EdgeSpread, GaussianBlur};
 use shadowgauge::render::lens::entocentric::{

@@ -1,6 +1,5 @@
 //! The renderer against closed forms, brute force and the f64 reference.
-
-#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/render.rs"]
 mod support;

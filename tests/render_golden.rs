@@ -1,8 +1,7 @@
 //! Golden frames: blessed by the f64 reference alone, held against the CPU twin; the device against a fresh CPU frame.
 //!
 //! `BLESS=<case>|all` writes them anew, prints old and new metrics and ends red; it is refused where `CI` is set.
-
-#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/render_golden.rs"]
 mod golden;

@@ -1,6 +1,5 @@
 //! Temporal noise on flat fields: four moments and neighbours, against Poisson + Gaussian.
-
-#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 #[path = "support/render.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the renderer")]

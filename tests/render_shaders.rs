@@ -1,6 +1,5 @@
 //! Shaders without a GPU: every one is valid, and the host's structs have the shader's layouts.
-
-#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::mem::offset_of;
 use std::path::Path;
@@ -68,9 +67,35 @@ macro_rules! same_layout {
 fn host_and_shader_agree_on_every_struct() {
     let module = shadowgraph();
     same_layout!(
-        &module, "Params", Params, rows, columns, words, nodes, row0, column0, band_rows, esf_segments,
-        esf_reach, esf_per_unit, shadow, contrast, black, electrons_per_count, read_variance, noise,
-        flat_bright, flat_shadow, full_scale, overlap; padding = "padding0"
+        &module,
+        "Params",
+        Params,
+        rows,
+        columns,
+        words,
+        nodes,
+        row0,
+        column0,
+        band_rows,
+        esf_segments,
+        esf_reach,
+        esf_per_unit,
+        shadow,
+        contrast,
+        black,
+        electrons_per_count,
+        read_variance,
+        noise,
+        flat_bright,
+        flat_shadow,
+        full_scale,
+        overlap,
+        pattern,
+        hot_share,
+        prnu,
+        dsnu,
+        hot,
+        ceiling
     );
     same_layout!(&module, "Edge", Edge, whole, part, across, along);
     same_layout!(&module, "Column", Column, top, bottom);

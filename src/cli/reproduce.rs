@@ -2,6 +2,7 @@
 
 use clap::Subcommand;
 
+use super::reproduce_000::{self, Reproduce000Args};
 use super::reproduce_003::{self, Reproduce003Args};
 use super::{CommandResult, Failure, Outcome};
 use crate::report::html::Page;
@@ -10,6 +11,9 @@ use crate::studies::reproduction::{Row, Verdict};
 /// The papers.
 #[derive(Debug, Subcommand)]
 pub enum Paper {
+    /// Least-squares compensation of a single shaft through macro variables.
+    #[command(name = "000")]
+    P000(Reproduce000Args),
     /// Slender shaft: forces, deflection, choice of cutting data, PID compensation (Xue, Miao, Xue 2023).
     #[command(name = "003")]
     P003(Reproduce003Args),
@@ -21,6 +25,7 @@ pub enum Paper {
 /// As the paper's command.
 pub fn run(paper: &Paper) -> CommandResult {
     match paper {
+        Paper::P000(args) => reproduce_000::run(args),
         Paper::P003(args) => reproduce_003::run(args),
     }
 }

@@ -59,6 +59,7 @@ pub fn run(args: &RunArgs) -> CommandResult {
     job.seed = args.seed.unwrap_or(job.seed);
     job.check()
         .and_then(|()| job.check_coverage())
+        .and_then(|()| job.check_control())
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {

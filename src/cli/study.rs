@@ -3,6 +3,7 @@
 use clap::Subcommand;
 
 use super::CommandResult;
+use super::study_controllers::{self, StudyControllersArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
 use super::study_stability::{self, StudyStabilityArgs};
@@ -12,6 +13,8 @@ use super::study_stability::{self, StudyStabilityArgs};
 pub enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
+    /// Every controller on the same shafts, through rendered and measured frames.
+    Controllers(StudyControllersArgs),
     /// Stability of every controller with every plant.
     Stability(StudyStabilityArgs),
     /// One cutting variable at a time against the size error.
@@ -25,6 +28,7 @@ pub enum Study {
 pub fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => study_deflection::run(args),
+        Study::Controllers(args) => study_controllers::run(args),
         Study::Stability(args) => study_stability::run(args),
         Study::Factor(args) => study_factor::run(args),
     }

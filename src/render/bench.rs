@@ -10,6 +10,9 @@ use super::settings::{BenchSettings, Esf};
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
 
+/// Stream of the sensor's fixed pattern.
+const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
+
 /// Draws are cut here, so that no seed gives an absurd lens.
 const LARGEST_DRAW: f64 = 2.5;
 
@@ -24,6 +27,8 @@ pub struct OpticalBench {
     pub esf: Esf,
     /// True electrons per count.
     pub electrons_per_count: f64,
+    /// Key of the sensor's fixed pattern: the same camera in every frame.
+    pub pattern_seed: u64,
 }
 
 impl OpticalBench {
@@ -47,6 +52,7 @@ impl OpticalBench {
             pixel_mm: settings.camera.pixel_um * 1e-3 / magnification,
             esf: scaled_blur(&settings.optics.esf, blur),
             electrons_per_count: settings.sensor.electrons_per_count * gain,
+            pattern_seed: seed ^ PATTERN_STREAM,
         })
     }
 
@@ -87,6 +93,21 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
             let mut scaled = g.clone();
             scaled.sigma_px *= factor;
             Esf::Gaussian(scaled)
+        }
+        Esf::PartiallyCoherent(p) => {
+            let mut scaled = p.clone();
+            scaled.numerical_aperture /= factor;
+            Esf::PartiallyCoherent(scaled)
+        }
+        Esf::Fresnel(f) => {
+            let mut scaled = f.clone();
+            scaled.distance_mm *= factor * factor;
+            Esf::Fresnel(scaled)
+        }
+        Esf::Table(t) => {
+            let mut scaled = t.clone();
+            scaled.distance_px.iter_mut().for_each(|d| *d *= factor);
+            Esf::Table(scaled)
         }
     }
 }

@@ -89,20 +89,25 @@ impl RowBlur {
     }
 }
 
-/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end.
-pub fn kernel_columns(edges: &[ColumnEdges], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
+/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end; `defocus` adds
+/// variance of the blur, px², to every column, or is empty.
+pub fn kernel_columns(edges: &[ColumnEdges], defocus: &[f64], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
     edges
         .windows(2 * blur.reach() + 1)
-        .map(|window| Column {
-            top: edge(blur.straight(window.iter().map(|e| e.top_px)), esf, -1.0),
-            bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), esf, 1.0),
+        .enumerate()
+        .map(|(column, window)| {
+            let extra = defocus.get(column).copied().unwrap_or(0.0);
+            Column {
+                top: edge(blur.straight(window.iter().map(|e| e.top_px)), extra, esf, -1.0),
+                bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), extra, esf, 1.0),
+            }
         })
         .collect()
 }
 
-fn edge(straight: Straight, esf: &EsfTable, sign: f64) -> Edge {
+fn edge(straight: Straight, defocus: f64, esf: &EsfTable, sign: f64) -> Edge {
     let cos = 1.0 / straight.slope.hypot(1.0);
-    let extra = if esf.widens { straight.excess_variance * cos * cos } else { 0.0 };
+    let extra = if esf.widens { straight.excess_variance * cos * cos + defocus } else { 0.0 };
     let scale = (esf.scale_px * esf.scale_px + extra).sqrt();
     let whole = straight.row.round();
     Edge {

@@ -4,12 +4,15 @@
 //! a frame. The twin ([`shadowgraph`]) and the shader of the same name are judged by [`reference`].
 
 mod bench;
+pub mod coherence;
 pub mod columns;
 pub mod contamination;
 mod error;
 pub mod esf;
 pub mod esf_families;
+mod esf_settings;
 pub mod form;
+pub mod fresnel;
 pub mod gpu;
 pub mod lens;
 pub mod motion;

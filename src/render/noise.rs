@@ -24,7 +24,7 @@
 pub const NUMERATOR: [f32; 5] = [5.054_005_6, 917.006_8, 9_288.955, -1_999.658_2, 4_506.544];
 
 /// Q, ascending powers of u from the first; its constant is 1.
-pub const DENOMINATOR: [f32; 3] = [246.368_5, 3_911.391_1, 986.766_36];
+pub const DENOMINATOR: [f32; 3] = [246.368_5, 3_911.391, 986.766_36];
 
 /// Keys of a sensor row in a frame; 64 bits, so that no two rows share their noise.
 pub fn row_key(seed: u64, frame_id: u64, row: u32) -> [u32; 2] {

@@ -49,8 +49,18 @@ pub struct Params {
     pub full_scale: f32,
     /// 1 where a pixel may see both edges.
     pub overlap: u32,
-    /// Fills up 16 bytes.
-    pub padding: [f32; 2],
+    /// 1 where the sensor has a fixed pattern.
+    pub pattern: u32,
+    /// Hot pixels as a share of 2^32.
+    pub hot_share: u32,
+    /// Relative standard deviation of the pixels' gain.
+    pub prnu: f32,
+    /// Standard deviation of the pixels' offset, counts.
+    pub dsnu: f32,
+    /// Extra signal of a hot pixel, counts.
+    pub hot: f32,
+    /// Counts at which the full well clips.
+    pub ceiling: f32,
 }
 
 /// Levels and noise of a sensor, in counts of one format.
@@ -66,6 +76,16 @@ pub struct Levels {
     pub electrons_per_count: f64,
     /// Temporal dark noise, electrons.
     pub read_noise_e: f64,
+    /// Saturation capacity, electrons.
+    pub full_well_e: f64,
+    /// Relative standard deviation of the pixels' gain.
+    pub prnu: f64,
+    /// Standard deviation of the pixels' offset, electrons.
+    pub dsnu_e: f64,
+    /// Hot pixels a million.
+    pub hot_ppm: f64,
+    /// Extra signal of a hot pixel, electrons.
+    pub hot_pixel_e: f64,
 }
 
 impl Levels {
@@ -79,7 +99,7 @@ impl Levels {
             bright: self.bright * ratio,
             black: self.black * ratio,
             electrons_per_count: self.electrons_per_count / ratio,
-            read_noise_e: self.read_noise_e,
+            ..self
         }
     }
 }
@@ -95,8 +115,8 @@ pub struct Job<'a> {
     pub columns: Vec<Column>,
     /// Rows that an edge touches.
     pub bands: Bands,
-    /// Noise keys of every row.
-    pub row_keys: Vec<[u32; 2]>,
+    /// Keys of every row: two words for the frame's noise, two for the sensor's pattern.
+    pub row_keys: Vec<[u32; 4]>,
     /// The edge-spread table.
     pub esf: &'a EsfTable,
     /// Nodes over a pixel.
@@ -149,7 +169,12 @@ impl Params {
             flat_shadow: [0.0; 4],
             full_scale: format.full_scale().map_or(f32::MAX, f32::from),
             overlap: 0,
-            padding: [0.0; 2],
+            pattern: u32::from(levels.prnu > 0.0 || levels.dsnu_e > 0.0 || levels.hot_ppm > 0.0),
+            hot_share: (levels.hot_ppm * 1e-6 * 2f64.powi(32)) as u32,
+            prnu: levels.prnu as f32,
+            dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
+            hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
+            ceiling: (levels.black + levels.full_well_e / levels.electrons_per_count) as f32,
         };
         params.flat_bright = shaped(&params, params.shadow + params.contrast);
         params.flat_shadow = shaped(&params, params.shadow);
@@ -157,7 +182,12 @@ impl Params {
     }
 }
 
-/// Noise keys of a window's rows.
-pub fn row_keys(window: Window, seed: u64, frame_id: u64) -> Vec<[u32; 2]> {
-    (0..window.rows).map(|r| row_key(seed, frame_id, window.row + r)).collect()
+/// Keys of a window's rows: noise by (seed, frame), pattern by the sensor alone.
+pub fn row_keys(window: Window, seed: u64, frame_id: u64, pattern_seed: u64) -> Vec<[u32; 4]> {
+    (window.row..window.row + window.rows)
+        .map(|row| {
+            let ([a, b], [c, d]) = (row_key(seed, frame_id, row), row_key(pattern_seed, u64::MAX, row));
+            [a, b, c, d]
+        })
+        .collect()
 }

@@ -62,8 +62,8 @@ impl Scene {
                 ),
             });
         }
-        let esf = EsfTable::new(&bench.esf);
-        let blur = RowBlur::new(esf.scale_px);
+        let esf = EsfTable::new(&bench.esf, bench.pixel_mm);
+        let blur = RowBlur::new(esf.blur_px);
         Ok(Self { bench: bench.clone(), outline, esf, blur })
     }
 
@@ -136,6 +136,22 @@ impl Scene {
         Ok(edges)
     }
 
+    /// Extra blur variance of every column by the axis' distance from the focal plane, px²; empty where there is none.
+    fn defocus(&self, request: &FrameRequest, window: Window) -> Vec<f64> {
+        let na = self.bench.nominal.optics.defocus_na;
+        let shaft = self.outline.shaft();
+        let centred =
+            shaft.bow.is_empty() && shaft.deflection.is_empty() && shaft.eccentricity.amplitude_mm == 0.0;
+        if na == 0.0 || centred || !self.esf.widens {
+            return Vec::new();
+        }
+        let turned = self.outline.turned(request.angle_deg);
+        (window.column..window.column + window.columns)
+            .map(|c| turned.axis_y_mm(self.bench.column_z_mm(request.z_mm, f64::from(c))))
+            .map(|y| (0.5 * y * na / self.bench.pixel_mm).powi(2))
+            .collect()
+    }
+
     fn check_field(&self, edges: &[ColumnEdges], window: Window) -> Result<(), RenderError> {
         let row0 = f64::from(window.row);
         let last = self.bench.rows() as f64 - 1.0;
@@ -161,6 +177,11 @@ impl Scene {
             black: nominal.sensor.black_level_counts,
             electrons_per_count: self.bench.electrons_per_count,
             read_noise_e: nominal.sensor.read_noise_e,
+            full_well_e: nominal.sensor.full_well_e,
+            prnu: nominal.sensor.prnu_rel,
+            dsnu_e: nominal.sensor.dsnu_e,
+            hot_ppm: nominal.sensor.hot_pixels_ppm,
+            hot_pixel_e: nominal.sensor.hot_pixel_e,
         }
         .in_format(nominal.sensor.format, format)
     }
@@ -190,9 +211,9 @@ impl Scene {
         let window = self.window(request)?;
         let format = self.format(request);
         let edges = self.edges_over(request, window, self.blur.reach())?;
-        let columns = kernel_columns(&edges, &self.blur, &self.esf);
+        let columns = kernel_columns(&edges, &self.defocus(request, window), &self.blur, &self.esf);
         let (max_sin, _) = extremes(&columns, self.esf.scale_px);
-        let quadrature = pixel_quadrature(self.esf.scale_px, max_sin);
+        let quadrature = pixel_quadrature(self.esf.blur_px, max_sin);
         let bands = bands(&columns, pixels_per_word(format) as usize, &self.esf);
         let mut params = Params::new(window, format, &self.levels(format), request.noise);
         params.nodes = quadrature.len() as u32;
@@ -206,7 +227,7 @@ impl Scene {
             format,
             columns,
             bands,
-            row_keys: row_keys(window, request.seed, request.frame_id),
+            row_keys: row_keys(window, request.seed, request.frame_id, self.bench.pattern_seed),
             esf: &self.esf,
             quadrature,
         })

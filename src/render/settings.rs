@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::{RenderError, within};
+pub use super::esf_settings::{Esf, FresnelEsf, GaussianEsf, PartiallyCoherentEsf, TableEsf};
 use crate::frame::PixelFormat;
 
 /// The pixel matrix and its timing.
@@ -54,12 +55,15 @@ pub struct Optics {
     pub magnification: f64,
     /// How light passes into shadow.
     pub esf: Esf,
+    /// Effective aperture (the smaller of lens and illumination) with which an edge out of focus blurs:
+    /// σ² grows by (y·NA)²/4 on the object. For the Gaussian family; 0 leaves focus out.
+    pub defocus_na: f64,
 }
 
 impl Default for Optics {
     /// Ø25 fills 80 % of 2048 rows: 15.26 µm a pixel on the object.
     fn default() -> Self {
-        Self { magnification: 0.226, esf: Esf::default() }
+        Self { magnification: 0.226, esf: Esf::default(), defocus_na: 0.02 }
     }
 }
 
@@ -70,38 +74,8 @@ impl Optics {
     /// Names the key that is wrong and what would be right.
     pub fn check(&self) -> Result<(), RenderError> {
         within("optics.magnification", self.magnification, 1e-3, 100.0)?;
-        match &self.esf {
-            Esf::Gaussian(g) => within("optics.esf.gaussian.sigma_px", g.sigma_px, 0.25, 20.0),
-        }
-    }
-}
-
-/// The family of the edge-spread function. One table in the config: `[optics.esf.gaussian]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[non_exhaustive]
-pub enum Esf {
-    /// Gaussian blur.
-    Gaussian(GaussianEsf),
-}
-
-impl Default for Esf {
-    fn default() -> Self {
-        Self::Gaussian(GaussianEsf::default())
-    }
-}
-
-/// A Gaussian line-spread function; the pixel's area comes on top of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GaussianEsf {
-    /// Standard deviation of the blur in the image, px.
-    pub sigma_px: f64,
-}
-
-impl Default for GaussianEsf {
-    fn default() -> Self {
-        Self { sigma_px: 1.2 }
+        within("optics.defocus_na", self.defocus_na, 0.0, 1.0)?;
+        self.esf.check()
     }
 }
 
@@ -146,6 +120,16 @@ pub struct Sensor {
     pub read_noise_e: f64,
     /// Grey value without a single electron, counts.
     pub black_level_counts: f64,
+    /// Saturation capacity, electrons.
+    pub full_well_e: f64,
+    /// Photo-response non-uniformity PRNU: relative standard deviation of the pixels' gain, the same in every frame.
+    pub prnu_rel: f64,
+    /// Dark-signal non-uniformity DSNU: standard deviation of the pixels' offset, electrons, the same in every frame.
+    pub dsnu_e: f64,
+    /// Hot pixels a million.
+    pub hot_pixels_ppm: f64,
+    /// Extra signal of a hot pixel, electrons.
+    pub hot_pixel_e: f64,
 }
 
 impl Default for Sensor {
@@ -156,6 +140,11 @@ impl Default for Sensor {
             electrons_per_count: 2.6,
             read_noise_e: 2.4,
             black_level_counts: 64.0,
+            full_well_e: 10_500.0,
+            prnu_rel: 0.0,
+            dsnu_e: 0.0,
+            hot_pixels_ppm: 0.0,
+            hot_pixel_e: 2000.0,
         }
     }
 }
@@ -168,7 +157,12 @@ impl Sensor {
     pub fn check(&self) -> Result<(), RenderError> {
         within("sensor.electrons_per_count", self.electrons_per_count, 1e-4, 1e5)?;
         within("sensor.read_noise_e", self.read_noise_e, 0.0, 1e4)?;
-        within("sensor.black_level_counts", self.black_level_counts, 0.0, 65535.0)
+        within("sensor.black_level_counts", self.black_level_counts, 0.0, 65535.0)?;
+        within("sensor.full_well_e", self.full_well_e, 1.0, 1e8)?;
+        within("sensor.prnu_rel", self.prnu_rel, 0.0, 0.5)?;
+        within("sensor.dsnu_e", self.dsnu_e, 0.0, 1e5)?;
+        within("sensor.hot_pixels_ppm", self.hot_pixels_ppm, 0.0, 1e6)?;
+        within("sensor.hot_pixel_e", self.hot_pixel_e, 0.0, 1e7)
     }
 }
 

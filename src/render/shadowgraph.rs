@@ -59,10 +59,21 @@ fn sample(k: [f32; 4], z: f32) -> f32 {
     k[0] + z * (k[1] + z * (k[2] + z * k[3]))
 }
 
+/// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same in every frame.
+#[inline(always)]
+fn fixed_pattern(params: &Params, mean: f32, key: [u32; 4], column: u32) -> f32 {
+    let a = hash([key[2], key[3]], column);
+    let b = hash([key[3], key[2]], column);
+    let response = params.prnu * (mean - params.black) * standard_normal(a);
+    let dark = params.dsnu * standard_normal(b);
+    let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.hot_share { params.hot } else { 0.0 };
+    response + dark + hot
+}
+
 /// Counts as bits: rounded half to even by adding 2^23.
 #[inline(always)]
 fn quantise(params: &Params, counts: f32) -> u32 {
-    (counts.max(0.0).min(params.full_scale) + 8_388_608.0).to_bits() & 0x7f_ffff
+    (counts.min(params.ceiling).max(0.0).min(params.full_scale) + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
 /// Share of the light at u, by the tabulated edge-spread function.
@@ -109,16 +120,16 @@ impl Pixel for u16 {
 
 impl Pixel for f32 {
     #[inline(always)]
-    fn from_counts(_: &Params, counts: f32) -> Self {
-        counts
+    fn from_counts(params: &Params, counts: f32) -> Self {
+        counts.min(params.ceiling)
     }
 }
 
 /// Standard normal deviates of a block of a row.
 #[inline(always)]
-fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
+fn deviates(key: [u32; 4], first: u32, z: &mut [f32; BLOCK]) {
     for (i, z) in z.iter_mut().enumerate() {
-        *z = standard_normal(hash(key, first.wrapping_add(i as u32)));
+        *z = standard_normal(hash([key[0], key[1]], first.wrapping_add(i as u32)));
     }
 }
 
@@ -141,6 +152,18 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     }
 }
 
+/// The fixed pattern of a block of flat pixels.
+#[inline(always)]
+fn flat_pattern(job: &Job<'_>, at: At, counts: &mut [f32; BLOCK]) {
+    let params = &job.params;
+    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
+    for (i, (out, c)) in counts.iter_mut().zip(columns).enumerate() {
+        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
+        let mean = params.shadow + if inside { 0.0 } else { params.contrast };
+        *out += fixed_pattern(params, mean, at.key, params.column0 + (at.column + i) as u32);
+    }
+}
+
 /// Counts of a pixel near an edge.
 #[inline(always)]
 fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
@@ -149,8 +172,14 @@ fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
     if job.params.overlap != 0 {
         light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
     }
-    let k = shaped(&job.params, job.params.shadow + job.params.contrast * light);
-    sample(k, standard_normal(hash(at.key, job.params.column0 + at.column as u32)))
+    let mean = job.params.shadow + job.params.contrast * light;
+    let column = job.params.column0 + at.column as u32;
+    let z = standard_normal(hash([at.key[0], at.key[1]], column));
+    let mut counts = sample(shaped(&job.params, mean), z);
+    if job.params.pattern != 0 {
+        counts += fixed_pattern(&job.params, mean, at.key, column);
+    }
+    counts
 }
 
 /// A place in the frame with its row's noise key.
@@ -158,7 +187,7 @@ fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
 struct At {
     row: i32,
     column: usize,
-    key: [u32; 2],
+    key: [u32; 4],
 }
 
 /// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
@@ -211,6 +240,9 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out
             match extents[block].even(&job.params, row) {
                 Some(k) => even_pixels(k, &z, &mut counts),
                 None => flat_pixels(job, At { row, column, key }, &z, &mut counts),
+            }
+            if job.params.pattern != 0 {
+                flat_pattern(job, At { row, column, key }, &mut counts);
             }
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);

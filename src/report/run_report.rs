@@ -4,6 +4,7 @@ use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use super::sample;
 use crate::closed_loop::Sample;
+use crate::control::ControllerName;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
 
@@ -75,12 +76,16 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
         view.job.seed, view.backend, view.adapter
     ));
     summary(&mut page, view, &rows, reference.as_ref());
-    error_along_z(&mut page, view, &rows, reference.as_ref())?;
-    convergence(&mut page, controller, &rows, reference.as_ref())?;
+    let error_svg = error_along_z(&mut page, &rows, reference.as_ref())?;
+    corrected_passes(&mut page, view.job, &rows)?;
+    let convergence_svg = convergence(&mut page, controller, &rows, reference.as_ref())?;
     offsets(&mut page, view)?;
-    let mut files = Vec::new();
+    let mut files = vec![
+        ("plots/error_along_z.svg".to_owned(), error_svg.into_bytes()),
+        ("plots/convergence.svg".to_owned(), convergence_svg.into_bytes()),
+    ];
     if let Some(sample) = view.sample {
-        files = sample::figures(&mut page, sample).map_err(ReportError::Draw)?;
+        files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
     uncertainty(&mut page, &rows)?;
     calibration(&mut page, view)?;
@@ -137,29 +142,24 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     ));
 }
 
-fn error_along_z(
-    page: &mut Page,
-    view: &RunView<'_>,
-    rows: &Rows,
-    reference: Option<&Rows>,
-) -> Result<(), ReportError> {
+/// Measured error of a pass, one colour a pass.
+fn error_series(rows: &Rows, pass: &PassRow, mark: Mark, name: String) -> Series {
+    let error_um = |s: &StationRow| s.d_mm.map_or(f64::NAN, |d| (d - pass.nominal_mm) * 1e3);
+    let points = rows.of_pass(pass.pass).map(|s| (s.z_mm, error_um(s))).collect();
+    Series::new(name, mark, pass.pass as usize - 1, points)
+}
+
+fn error_along_z(page: &mut Page, rows: &Rows, reference: Option<&Rows>) -> Result<String, ReportError> {
     page.heading("Error along z");
-    let line = |rows: &Rows, pass: &PassRow, mark: Mark, name: String, colour: usize| {
-        let points = rows
-            .of_pass(pass.pass)
-            .map(|s| (s.z_mm, s.d_mm.map_or(f64::NAN, |d| (d - pass.nominal_mm) * 1e3)))
-            .collect();
-        Series::new(name, mark, colour, points)
-    };
     let mut series = Vec::new();
     if let Some(reference) = reference {
         for pass in &reference.passes {
             let name = format!("pass {}, no control", pass.pass);
-            series.push(line(reference, pass, Mark::Faint, name, pass.pass as usize - 1));
+            series.push(error_series(reference, pass, Mark::Faint, name));
         }
     }
     for pass in &rows.passes {
-        series.push(line(rows, pass, Mark::Line, format!("pass {}", pass.pass), pass.pass as usize - 1));
+        series.push(error_series(rows, pass, Mark::Line, format!("pass {}", pass.pass)));
     }
     let chart = Chart {
         x_label: "z from the chuck / mm".into(),
@@ -167,7 +167,11 @@ fn error_along_z(
         series,
         ..Chart::default()
     };
-    draw(page, &chart, "Measured diameter error per station and pass; pale: the same job without control.")?;
+    draw(page, &chart, "Measured diameter error per station and pass; pale: the same job without control.")
+}
+
+/// The passes after the first, where errors are too small for the chart of all.
+fn corrected_passes(page: &mut Page, job: &Job, rows: &Rows) -> Result<(), ReportError> {
     let corrected: Vec<Series> = rows
         .passes
         .iter()
@@ -176,29 +180,32 @@ fn error_along_z(
             let truth = rows.of_pass(p.pass).map(|s| (s.z_mm, (s.true_d_mm - p.nominal_mm) * 1e3)).collect();
             [
                 Series::new(String::new(), Mark::Faint, p.pass as usize - 1, truth),
-                line(rows, p, Mark::Dots, format!("pass {}", p.pass), p.pass as usize - 1),
+                error_series(rows, p, Mark::Dots, format!("pass {}", p.pass)),
             ]
         })
         .collect();
     if corrected.is_empty() {
         return Ok(());
     }
-    let tolerance = view.job.part.tolerance;
-    let target = view.job.part.target_mm(view.job.part.passes() as u32);
-    let band = tolerance
-        .map(|t| ((t.nominal_mm + t.lower_mm - target) * 1e3, (t.nominal_mm + t.upper_mm - target) * 1e3));
+    let controlled = job.control.controller != ControllerName::None;
+    let target = job.part.target_mm(job.part.passes() as u32);
+    let band =
+        job.part.tolerance.filter(|_| controlled).map(|t| {
+            ((t.nominal_mm + t.lower_mm - target) * 1e3, (t.nominal_mm + t.upper_mm - target) * 1e3)
+        });
     let chart = Chart {
         x_label: "z from the chuck / mm".into(),
         y_label: "error / µm".into(),
         series: corrected,
-        band: band.filter(|_| reference.is_some()),
+        band,
         ..Chart::default()
     };
     draw(
         page,
         &chart,
         "The corrected passes alone: measured (dots) and true (pale lines). Shaded: the finished part's tolerance about the last pass's aim.",
-    )
+    )?;
+    Ok(())
 }
 
 fn convergence(
@@ -206,7 +213,7 @@ fn convergence(
     controller: &str,
     rows: &Rows,
     reference: Option<&Rows>,
-) -> Result<(), ReportError> {
+) -> Result<String, ReportError> {
     let line = |rows: &Rows, name: &str, colour: usize| {
         let points = rows.passes.iter().map(|p| (f64::from(p.pass), p.true_max_abs_error_mm * 1e3)).collect();
         Series::new(name, Mark::LineDots, colour, points)
@@ -245,7 +252,8 @@ fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
         ..Chart::default()
     };
     page.heading("Offsets in force");
-    draw(page, &chart, "What was subtracted from the nominal when commanding the tool.")
+    draw(page, &chart, "What was subtracted from the nominal when commanding the tool.")?;
+    Ok(())
 }
 
 fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
@@ -292,7 +300,8 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
         ],
         ..Chart::default()
     };
-    draw(page, &chart, "Residuals of the last pass with the stated expanded uncertainty (k = 2).")
+    draw(page, &chart, "Residuals of the last pass with the stated expanded uncertainty (k = 2).")?;
+    Ok(())
 }
 
 fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
@@ -313,8 +322,9 @@ fn calibration(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     Ok(())
 }
 
-fn draw(page: &mut Page, chart: &Chart, caption: &str) -> Result<(), ReportError> {
+/// Adds a chart to the page and gives its SVG.
+fn draw(page: &mut Page, chart: &Chart, caption: &str) -> Result<String, ReportError> {
     let svg = chart.to_svg().map_err(ReportError::Draw)?;
     page.figure(&svg, caption);
-    Ok(())
+    Ok(svg)
 }

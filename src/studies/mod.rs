@@ -1,8 +1,10 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
+pub mod controllers;
 pub mod deflection;
 pub mod factor;
 pub mod optimize;
+pub mod reproduce_000;
 pub mod reproduce_003;
 pub mod reproduction;
 pub mod stability;

@@ -209,3 +209,45 @@ fn factor_refuses_what_cannot_be() {
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(words.contains("forces.csv") && words.contains("oops") || words.contains("float"), "{words}");
 }
+
+/// The main job's config with tables appended.
+fn job_with(tables: &str) -> String {
+    format!("{}\n{tables}", include_str!("../../configs/slender_shaft.toml"))
+}
+
+#[test]
+fn a_run_refuses_a_shaft_too_slender_to_cut_and_a_material_without_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("job.toml");
+    let out = folder.path().join("run");
+    let attempt = |tables: &str| {
+        std::fs::write(&config, job_with(tables)).unwrap();
+        let output = run(&[
+            "run",
+            config.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+            "--backend",
+            "cpu",
+            "--no-reference",
+        ]);
+        let text: String = String::from_utf8_lossy(&output.stderr)
+            .chars()
+            .filter(|c| !c.is_whitespace() && *c != '│')
+            .collect();
+        assert!(!text.contains("panicked"), "{text}");
+        (output.status.code().unwrap(), text)
+    };
+    let unknown = attempt("[process.material]\nname = \"wood\"\n");
+    assert!(unknown.0 == 2 && unknown.1.contains("wood") && unknown.1.contains("42CrMo4"), "{unknown:?}");
+    let untabled = attempt("[process.material]\nname = \"X5CrNi18-10\"\n[process.force.kienzle]\n");
+    assert!(untabled.0 == 2 && untabled.1.contains("kc11_n_per_mm2"), "{untabled:?}");
+    assert!(!out.exists(), "a refused config must not touch the disk");
+    let soft =
+        "[process.support]\ntailstock_n_per_um = 0.0\n[process.material]\nyoungs_modulus_n_per_mm2 = 5.0e4\n";
+    let slender = attempt(soft);
+    assert!(
+        slender.0 >= 2 && slender.1.contains("minimumchip") && slender.1.contains("deflection"),
+        "{slender:?}"
+    );
+}

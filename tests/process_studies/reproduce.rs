@@ -111,7 +111,7 @@ fn the_physical_plant_grows_without_control_and_settles_with_it() {
     assert_eq!(growth.verdict, Verdict::Contradiction);
     let (absolute, accumulated) =
         (row(&rows, "fig11.physical.absolute.worst"), row(&rows, "fig11.physical.accumulated.worst"));
-    assert!(accumulated.ours < 0.3 && accumulated.verdict == Verdict::Consistent, "{accumulated:?}");
+    assert!(accumulated.ours < 0.4 && accumulated.verdict == Verdict::Consistent, "{accumulated:?}");
     assert!(absolute.ours > 2.0 * accumulated.ours, "{absolute:?}");
     assert!(row(&rows, "eq18.restored").ours > 0.05);
 }

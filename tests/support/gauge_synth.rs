@@ -67,7 +67,7 @@ impl Synth {
         field: impl Fn(usize, usize, f64) -> f64,
         seed: Option<u64>,
     ) -> Frame {
-        let mut rng = seed.map(|s| Pcg64::new(u128::from(s), 0xa02b_dbf7_bb3c_0a7a_c28f_a16a_64ab_f96));
+        let mut rng = seed.map(|s| Pcg64::new(u128::from(s), 0x0a02_bdbf_7bb3_c0a7_ac28_fa16_a64a_bf96));
         let normal = Normal::new(0.0, 1.0).unwrap();
         let mut counts = vec![0.0_f32; self.rows * self.columns];
         for column in 0..self.columns {

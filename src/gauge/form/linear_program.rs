@@ -82,8 +82,9 @@ fn solve<const K: usize>(mut m: [[f64; K]; K], mut b: [f64; K]) -> Option<[f64; 
         b.swap(column, pivot);
         for row in column + 1..K {
             let factor = m[row][column] / m[column][column];
-            for k in column..K {
-                m[row][k] -= factor * m[column][k];
+            let pivot_row = m[column];
+            for (value, above) in m[row].iter_mut().zip(pivot_row).skip(column) {
+                *value -= factor * above;
             }
             b[row] -= factor * b[column];
         }

@@ -153,7 +153,10 @@ fn outline(pixels: &[usize], columns: usize) -> Result<Option<Coarse>, RingError
     }
     let outer = Circle { centre, radius: median(reach) + 0.5 };
     let bore = median(extremes.iter().map(|e| e.0).filter(|r| r.is_finite()).collect()) - 0.5;
-    Ok(Some(Coarse { outer, inner: (bore > 6.0).then_some(Circle { centre, radius: bore }) }))
+    // In a disc the nearest pixel of a narrow sector stands some way off, too; a bore is empty.
+    let in_bore = pixels.iter().filter(|p| at(p).distance(centre) < 0.5 * bore).count() as f64;
+    let bored = bore > 6.0 && in_bore < 0.1 * std::f64::consts::PI * (0.5 * bore).powi(2);
+    Ok(Some(Coarse { outer, inner: bored.then_some(Circle { centre, radius: bore }) }))
 }
 
 /// Median, 0 of nothing.

@@ -14,6 +14,14 @@ use super::model::square_edge;
 /// B0, B1, B2, A0, A1, A2, σ.
 const POOLED: usize = 7;
 const SIGMA: usize = 6;
+/// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
+const HUBER: f64 = 3.0;
+/// A caliper's χ² beyond so many times the usual one is no edge's.
+const CHI2_GATE: f64 = 4.0;
+/// Error of the model taken with the noise where the light is clipped, as a share of the contrast. Its level is then
+/// extrapolated from the edge's own shape, and no lens's edge is Gaussian to better than about 2 %: without this the quiet
+/// shadow's foot alone would decide on level, blur and so position.
+const CLIPPED_MODEL: f64 = 0.02;
 type Vector = SVector<f64, POOLED>;
 type Matrix = SMatrix<f64, POOLED, POOLED>;
 
@@ -28,6 +36,8 @@ pub(super) struct Caliper {
     pub(super) reduced_chi2: f64,
     /// Whether it can be trusted.
     pub(super) good: bool,
+    /// Whether there is a shift at all: what is refused as a burr still has one.
+    pub(super) fitted: bool,
 }
 
 /// A fitted edge.
@@ -69,6 +79,7 @@ struct Sums {
 struct State {
     pooled: Vector,
     shifts: Vec<f64>,
+    steps: Vec<f64>,
     good: Vec<bool>,
     variance: Variance,
     least_variance: f64,
@@ -106,6 +117,7 @@ impl State {
         Some(Self {
             pooled: Vector::from([dark, 0.0, 0.0, light - dark, 0.0, 0.0, 1.0]),
             shifts: vec![0.0; band.sectors.len()],
+            steps: vec![f64::INFINITY; band.sectors.len()],
             good: band.sectors.iter().map(|s| s.len() >= 6).collect(),
             variance: Variance([1e-4 * (light - dark).powi(2) + least_variance; 3]),
             least_variance,
@@ -127,20 +139,22 @@ impl State {
             if pixel.clipped && value >= pixel.value {
                 continue;
             }
-            let weight = self.variance.at(light).recip();
             let residual = pixel.value - value;
+            let variance = self.variance.at(light);
+            s.chi2 += residual * residual / variance;
+            s.pixels += 1.0;
+            let weight =
+                (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
             s.normal += by_pooled * by_pooled.transpose() * weight;
             s.right += by_pooled * (weight * residual);
             s.cross += by_pooled * (weight * by_shift);
             s.own += weight * by_shift * by_shift;
             s.own_right += weight * by_shift * residual;
-            s.chi2 += weight * residual * residual;
-            s.pixels += 1.0;
         }
         s
     }
 
-    /// One Gauss-Newton step; the largest change in px, or `None` if the equations are singular.
+    /// One Gauss-Newton step; the change of the pooled parameters and of the mean caliper, px, or `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
         let sums: Vec<Sums> =
             band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
@@ -157,17 +171,16 @@ impl State {
         let change = full * scale;
         self.pooled += change;
         self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
-        let mut largest = change[SIGMA].abs().max(change[3].abs() / contrast);
-        for (k, s) in sums.iter().enumerate() {
-            if s.own > 0.0 {
-                let step = ((s.own_right - s.cross.dot(&change)) / s.own).clamp(-0.7, 0.7);
-                self.shifts[k] += step;
-                if self.good[k] {
-                    largest = largest.max(step.abs());
-                }
+        let (mut moved, mut count) = (0.0, 0.0);
+        for (k, s) in sums.iter().enumerate().filter(|(_, s)| s.own > 0.0) {
+            self.steps[k] = ((s.own_right - s.cross.dot(&change)) / s.own).clamp(-0.7, 0.7);
+            self.shifts[k] += self.steps[k];
+            if self.good[k] {
+                moved += self.steps[k].abs();
+                count += 1.0;
             }
         }
-        Some(largest)
+        Some((moved / f64::max(count, 1.0)).max(change[SIGMA].abs()).max(change[3].abs() / contrast))
     }
 
     /// Noise from the residuals of the good calipers, robustly.
@@ -190,27 +203,36 @@ impl State {
         let spread = zones.map(|z| (1.4826 * median(z)).powi(2).max(self.least_variance));
         let [dark, middle, light] = spread;
         let dark = if counts[0] >= 100 { dark } else { middle };
-        let light = if counts[2] >= 100 { light } else { 2.0 * middle - dark };
-        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
+        let clipped = band.sectors.iter().flatten().any(|p| p.clipped);
+        // Where the light is clipped the pixels left are the ones that read too low.
+        let light = if counts[2] >= 100 && !clipped { light } else { 2.0 * middle - dark };
+        let model = if clipped { (CLIPPED_MODEL * self.pooled[3]).powi(2) } else { 0.0 };
+        self.variance = Variance([dark + model, middle + model, light.max(0.5 * middle) + model]);
     }
 
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
-        let chi2: Vec<f64> = band
+        let judged: Vec<(f64, f64)> = band
             .sectors
             .iter()
             .zip(&self.shifts)
             .map(|(pixels, shift)| {
                 let s = self.sums(pixels, *shift);
-                if s.pixels < 5.0 || s.own <= 0.0 { f64::INFINITY } else { s.chi2 / (s.pixels - 1.0) }
+                if s.pixels < 5.0 || s.own <= 0.0 {
+                    return (f64::INFINITY, f64::INFINITY);
+                }
+                (s.chi2 / (s.pixels - 1.0), s.own.sqrt().recip())
             })
             .collect();
-        let usual = median(chi2.iter().copied().filter(|c| c.is_finite()).collect()).max(1e-3);
+        let usual =
+            |f: fn(&(f64, f64)) -> f64| median(judged.iter().map(f).filter(|c| c.is_finite()).collect());
         let departure = departures(&self.shifts);
-        let scale = 1.4826 * median(departure.iter().map(|d| d.abs()).collect());
-        for k in 0..chi2.len() {
-            let level = usual * (1.0 + outlier_sigmas);
-            self.good[k] = chi2[k] <= level && departure[k].abs() <= outlier_sigmas * scale.max(1e-4);
+        // Along a slope most calipers are their own neighbourhood's median: the departures' scatter alone would be 0.
+        let scale = (1.4826 * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
+        let level = usual(|j| j.0).max(1e-3) * CHI2_GATE;
+        for k in 0..judged.len() {
+            let settled = self.steps[k].abs() < 1e-2;
+            self.good[k] = settled && judged[k].0 <= level && departure[k].abs() <= outlier_sigmas * scale;
         }
     }
 }
@@ -233,16 +255,17 @@ pub(super) fn fit_edge(band: &Band, least_variance: f64, outlier_sigmas: f64) ->
     for round in 0..4 {
         for _ in 0..12 {
             settled = state.step(band).ok_or(singular)?;
-            if settled < 1e-6 {
+            if settled < 1e-5 {
                 break;
             }
         }
         state.estimate_variance(band);
         if round < 3 {
+            // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
         }
     }
-    if settled > 1e-3 {
+    if settled > 1e-4 {
         return Err(format!("the fit does not settle (last change {settled:.1e} px)"));
     }
     finish(&state, band).ok_or_else(|| singular.to_owned())
@@ -263,13 +286,15 @@ fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
     let calipers = sums
         .iter()
         .zip(state.shifts.iter().zip(&state.good))
-        .map(|(s, (shift, good))| {
+        .zip(&state.steps)
+        .map(|((s, (shift, good)), step)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
             Caliper {
                 shift: *shift,
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
                 good: *good,
+                fitted: *good || s.own > 0.0 && step.abs() < 1e-2,
             }
         })
         .collect();

@@ -4,7 +4,7 @@ use glam::DVec2;
 use std::f64::consts::TAU;
 
 use super::super::form::{
-    Circle, Cutoff, Reference, gaussian_closed, least_squares_circle, maximum_inscribed_circle,
+    Circle, Cutoff, FormError, Reference, gaussian_closed, least_squares_circle, maximum_inscribed_circle,
     minimum_circumscribed_circle, roundness,
 };
 use super::coarse::{self, Coarse};
@@ -30,6 +30,8 @@ pub struct EdgeCircle {
     pub circumscribed_px: f64,
     /// Diameter of the maximum inscribed circle of the good calipers, px.
     pub inscribed_px: f64,
+    /// Least-squares diameter that a stylus of the given radius would feel, burrs included, px.
+    pub stylus_diameter_px: Option<f64>,
     /// Blur of the edge, px.
     pub sigma_px: f64,
     /// Shadow and light, counts; the light's level is extrapolated where it is clipped.
@@ -140,7 +142,8 @@ impl Side<'_> {
             let moved =
                 ls.fit.circle.centre.distance(circle.centre) + (ls.fit.circle.radius - circle.radius).abs();
             circle = ls.fit.circle;
-            if moved < 1e-3 {
+            // A centre off by e tilts the edge within a caliper by e/R: nothing at this size.
+            if moved < 0.05 {
                 break;
             }
         }
@@ -172,7 +175,7 @@ impl Side<'_> {
     ) -> Result<EdgeCircle, RingError> {
         // The blurred edge of a disc stands nearer to its centre, whether the disc is the shadow or the bore's light.
         let curvature = (fit.sigma * fit.sigma + 1.0 / 12.0) / (2.0 * circle.radius);
-        let form = |r: Result<_, crate::gauge::form::FormError>| r.map_err(|e| self.error(e.to_string()));
+        let form = |r: Result<_, FormError>| r.map_err(|e| self.error(e.to_string()));
         let around = form(minimum_circumscribed_circle(points))?.circle.diameter();
         let within = form(maximum_inscribed_circle(points))?.circle.diameter();
         let good: Vec<&super::fit::Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
@@ -188,6 +191,7 @@ impl Side<'_> {
             roundness_px,
             circumscribed_px: around + 2.0 * curvature,
             inscribed_px: within + 2.0 * curvature,
+            stylus_diameter_px: self.stylus_diameter(followed, fit)?.map(|d| d + 2.0 * curvature),
             sigma_px: fit.sigma,
             levels: [fit.levels.0, fit.levels.1],
             reduced_chi2: coarse::median(good.iter().map(|c| c.reduced_chi2).collect()),
@@ -216,35 +220,79 @@ impl Side<'_> {
         }
     }
 
-    /// RONt of the filtered profile; refused calipers are bridged by a straight line between their neighbours.
+    /// RONt of the filtered profile of the good calipers.
     fn roundness(&self, followed: &Circle, fit: &EdgeFit) -> Result<f64, RingError> {
-        let form = |e: crate::gauge::form::FormError| self.error(e.to_string());
-        let shifts: Vec<Option<f64>> = fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect();
-        let n = shifts.len();
-        let nearest = |k: usize, step: usize| {
-            (0..n).map(|j| (j, (k + j * step) % n)).find_map(|(j, at)| shifts[at].map(|s| (j as f64, s)))
-        };
+        let form = |e: FormError| self.error(e.to_string());
+        let shifts = bridged(&fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect::<Vec<_>>());
         let outward = if self.light_outside { 1.0 } else { -1.0 };
-        let profile: Vec<f64> = (0..n)
-            .map(|k| {
-                let ((ahead, after), (behind, before)) =
-                    (nearest(k, 1).unwrap_or_default(), nearest(k, n - 1).unwrap_or_default());
-                let shift = if ahead + behind > 0.0 {
-                    (before * ahead + after * behind) / (ahead + behind)
-                } else {
-                    after
-                };
-                followed.radius + outward * shift
-            })
-            .collect();
+        let profile: Vec<f64> = shifts.iter().map(|s| followed.radius + outward * s).collect();
         let cutoff = Cutoff::upr(self.settings.roundness_cutoff_upr).map_err(form)?;
-        let points: Vec<DVec2> = gaussian_closed(&profile, cutoff)
-            .iter()
-            .enumerate()
-            .map(|(k, r)| DVec2::from_angle(TAU * (k as f64 + 0.5) / n as f64) * *r)
-            .collect();
-        Ok(roundness(&points, Reference::LeastSquares).map_err(form)?.ron_t)
+        Ok(roundness(&closed(&gaussian_closed(&profile, cutoff)), Reference::LeastSquares)
+            .map_err(form)?
+            .ron_t)
     }
+
+    /// Diameter of the profile as a ball feels it.
+    fn stylus_diameter(&self, followed: &Circle, fit: &EdgeFit) -> Result<Option<f64>, RingError> {
+        let Some(tip) = self.settings.stylus_radius_px else { return Ok(None) };
+        let outward = if self.light_outside { 1.0 } else { -1.0 };
+        // A ball against a convex outline parts from it as 1/tip + 1/R, in a bore as 1/tip − 1/R.
+        let curvature = 1.0 / tip + outward / followed.radius;
+        if curvature <= 0.0 {
+            return Err(self.error(format!("a stylus of radius {tip} px does not fit the bore")));
+        }
+        let shifts = bridged(&fit.calipers.iter().map(|c| c.fitted.then_some(c.shift)).collect::<Vec<_>>());
+        let arc = TAU * followed.radius / shifts.len() as f64;
+        let felt: Vec<f64> = mechanical_closing(&shifts, arc, curvature)
+            .iter()
+            .map(|s| followed.radius + outward * s)
+            .collect();
+        let ls = least_squares_circle(&closed(&felt)).map_err(|e| self.error(e.to_string()))?;
+        Ok(Some(ls.fit.circle.diameter()))
+    }
+}
+
+/// Points of a closed profile of radii.
+fn closed(radii: &[f64]) -> Vec<DVec2> {
+    let n = radii.len() as f64;
+    radii.iter().enumerate().map(|(k, r)| DVec2::from_angle(TAU * (k as f64 + 0.5) / n) * *r).collect()
+}
+
+/// Straight lines over the gaps of a closed profile.
+fn bridged(shifts: &[Option<f64>]) -> Vec<f64> {
+    let n = shifts.len();
+    let nearest = |k: usize, step: usize| {
+        (0..n).map(|j| (j, (k + j * step) % n)).find_map(|(j, at)| shifts[at].map(|s| (j as f64, s)))
+    };
+    (0..n)
+        .map(|k| {
+            let (ahead, after) = nearest(k, 1).unwrap_or_default();
+            let (behind, before) = nearest(k, n - 1).unwrap_or_default();
+            if ahead + behind > 0.0 { (before * ahead + after * behind) / (ahead + behind) } else { after }
+        })
+        .collect()
+}
+
+/// Morphological closing of a closed profile by a ball (ISO 16610-41), heights positive out of the material: the ball's
+/// centre rides on the highest contact, then its lower side is what is felt. A parabola of the given curvature stands for
+/// the ball, right to (contact distance/radius)² of the height.
+fn mechanical_closing(heights: &[f64], arc: f64, curvature: f64) -> Vec<f64> {
+    let n = heights.len();
+    let (low, high) =
+        heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let reach = (((2.0 * (high - low) / curvature).sqrt() / arc).ceil() as usize).min(n / 2 - 1);
+    let ball: Vec<f64> = (0..=reach).map(|j| 0.5 * curvature * (j as f64 * arc).powi(2)).collect();
+    let pass = |from: &[f64], sign: f64| -> Vec<f64> {
+        (0..n)
+            .map(|k| {
+                (0..=reach).fold(f64::NEG_INFINITY, |best, j| {
+                    let (a, b) = (sign * from[(k + j) % n], sign * from[(k + n - j) % n]);
+                    best.max(a.max(b) - ball[j])
+                }) * sign
+            })
+            .collect()
+    };
+    pass(&pass(heights, 1.0), -1.0)
 }
 
 impl RingMeasurement {
@@ -260,6 +308,9 @@ impl RingMeasurement {
             put(format!("roundness_{name}_px"), edge.roundness_px);
             put(format!("{name}_centre_column_px"), edge.centre_px[0]);
             put(format!("{name}_centre_row_px"), edge.centre_px[1]);
+            if let Some(felt) = edge.stylus_diameter_px {
+                put(format!("{name}_stylus_diameter_px"), felt);
+            }
             put(format!("{name}_calipers_refused"), edge.refused as f64);
             if let Some(mm) = edge.mm {
                 put(format!("{name}_diameter_mm"), mm.diameter_mm);
@@ -275,5 +326,29 @@ impl RingMeasurement {
             }
         }
         map.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closing_rides_on_peaks_and_leaves_what_a_ball_can_follow() {
+        let (n, arc, radius) = (1000, 1.0, 50.0);
+        let smooth: Vec<f64> = (0..n).map(|k| (TAU * k as f64 / n as f64 * 3.0).cos()).collect();
+        for (a, b) in smooth.iter().zip(mechanical_closing(&smooth, arc, 1.0 / radius)) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+        let mut spike = vec![0.0; n];
+        spike[500] = 0.5;
+        let felt = mechanical_closing(&spike, arc, 1.0 / radius);
+        assert_eq!((felt[500], felt[600]), (0.5, 0.0));
+        // Beside a spike of height p the ball hangs on it: felt is at most p − s²/2r, and nowhere below the profile.
+        assert!(felt[503] > 0.0 && felt.iter().zip(&spike).all(|(f, s)| f >= s));
+        let mut groove = vec![0.0; n];
+        groove[500] = -0.5;
+        let felt = mechanical_closing(&groove, arc, 1.0 / radius);
+        assert!(felt[500] > -0.011 - 1e-12, "a ball of 50 sinks 1/(2·50) into a gap of ±1: {}", felt[500]);
     }
 }

@@ -23,6 +23,9 @@ pub struct RingSettings {
     pub min_fill: f64,
     /// Gaussian filter of the roundness, undulations per revolution. Above 0.
     pub roundness_cutoff_upr: f64,
+    /// Radius of a stylus tip, px: the diameter is also given as a ball of that radius would feel it, burrs included, to be
+    /// compared with a tactile machine. Above 0, at most 1000.
+    pub stylus_radius_px: Option<f64>,
     /// Scale and edge offset; pixels only without it.
     pub scale: Option<RingScale>,
 }
@@ -37,6 +40,7 @@ impl Default for RingSettings {
             outlier_sigmas: 8.0,
             min_fill: 0.7,
             roundness_cutoff_upr: 50.0,
+            stylus_radius_px: None,
             scale: None,
         }
     }
@@ -78,6 +82,7 @@ impl RingSettings {
             1e5,
             "above 0; ISO 12181-2: 15, 50, 150",
         )?;
+        within("stylus_radius_px", self.stylus_radius_px.unwrap_or(1.0), 1e-3, 1e3, "above 0, at most 1000")?;
         let Some(scale) = self.scale else { return Ok(()) };
         within("scale.um_per_px", scale.um_per_px, 1e-6, 1e6, "above 0")?;
         within("scale.u_um_per_px", scale.u_um_per_px, 0.0, 1e6, "0 or more")?;

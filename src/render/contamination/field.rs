@@ -6,10 +6,11 @@ use rand_distr::{Distribution, Poisson, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::lay::{CLOUD_REACH, Shade, lay_all};
 use super::map::TransmissionMap;
 use super::mask;
 use super::settings::{Contamination, SizeDistribution};
-use super::shapes::{clear_radius_of_ball, clear_radius_of_cap, disc, half_plane, into_polygon, line};
+use super::shapes::{clear_radius_of_ball, clear_radius_of_cap};
 use crate::render::error::RenderError;
 
 /// Streams of the generator: what stays, and what flies.
@@ -18,9 +19,6 @@ const AIR_STREAM: u64 = 0x0061_6972_0000_0000;
 
 /// Most things of one kind.
 const MOST: f64 = 1e5;
-
-/// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
-const CLOUD_REACH: f64 = 4.8;
 
 /// How a field of view lies over the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,37 +46,6 @@ impl FieldGeometry {
     fn px(&self, um: f64) -> f64 {
         um / self.pixel_um
     }
-}
-
-/// One thing in the beam, in pixels of the full sensor.
-#[derive(Clone, Debug, PartialEq)]
-enum Shade {
-    /// Optical depth and standard deviation.
-    Cloud {
-        at: [f64; 2],
-        depth: f64,
-        sigma: f64,
-    },
-    /// Dark disc with a clear one in its middle.
-    Disc {
-        at: [f64; 2],
-        radius: f64,
-        clear: f64,
-        opacity: f64,
-        blur: f64,
-    },
-    Polygon {
-        corners: Vec<[f64; 2]>,
-        blur: f64,
-    },
-    /// From one end to the other.
-    Line {
-        from: [f64; 2],
-        to: [f64; 2],
-        width: f64,
-        opacity: f64,
-        blur: f64,
-    },
 }
 
 /// The contamination of a field of view: the window's once, the air's for every frame.
@@ -238,7 +205,7 @@ impl ContaminationField {
 
     /// Lays the window's shades over a map whose first pixel is (`row0`, `column0`) of the sensor: once for a stream.
     pub fn draw_on_window(&self, row0: usize, column0: usize, map: &mut TransmissionMap) {
-        lay_all(&self.window, row0, column0, map);
+        lay_all(&self.window, [row0, column0], map);
     }
 
     /// Lays what flies during frame `frame_id` over a map, on top of what it holds.
@@ -254,9 +221,9 @@ impl ContaminationField {
     ) -> Result<(), RenderError> {
         let haze = (-self.settings.mist.haze_depth).exp();
         if haze < 1.0 {
-            map.multiply(0..map.rows() as i64, 0..map.columns() as i64, mask::MIST, |_, _| haze);
+            map.dim(mask::MIST, haze as f32);
         }
-        lay_all(&self.draw_air(frame_id)?, row0, column0, map);
+        lay_all(&self.draw_air(frame_id)?, [row0, column0], map);
         Ok(())
     }
 
@@ -277,77 +244,4 @@ impl ContaminationField {
         self.draw_in_air(frame_id, row0, column0, &mut map)?;
         Ok(map)
     }
-}
-
-fn lay_all(shades: &[(u8, Shade)], row0: usize, column0: usize, map: &mut TransmissionMap) {
-    for (kind, shade) in shades {
-        lay(shade, *kind, [row0 as f64, column0 as f64], map);
-    }
-}
-
-/// Pixels from `low` to `high`, in the map's own coordinates.
-fn span(low: f64, high: f64, first: f64) -> std::ops::Range<i64> {
-    (low - first).floor() as i64..(high - first).ceil() as i64 + 1
-}
-
-fn lay(shade: &Shade, kind: u8, first: [f64; 2], map: &mut TransmissionMap) {
-    let around = |at: &[f64; 2], reach: f64| {
-        (span(at[0] - reach, at[0] + reach, first[0]), span(at[1] - reach, at[1] + reach, first[1]))
-    };
-    let sensor = |row: i64, column: i64| [row as f64 + first[0], column as f64 + first[1]];
-    match shade {
-        Shade::Cloud { at, depth, sigma } => {
-            let (rows, columns) = around(at, CLOUD_REACH * sigma);
-            map.multiply(rows, columns, kind, |row, column| {
-                let p = sensor(row, column);
-                let r2 = ((p[0] - at[0]).powi(2) + (p[1] - at[1]).powi(2)) / (sigma * sigma);
-                if r2 > CLOUD_REACH * CLOUD_REACH { 1.0 } else { (-depth * (-0.5 * r2).exp()).exp() }
-            });
-        }
-        Shade::Disc { at, radius, clear, opacity, blur } => {
-            let (rows, columns) = around(at, radius + blur);
-            map.multiply(rows, columns, kind, |row, column| {
-                let p = sensor(row, column);
-                let r = (p[0] - at[0]).hypot(p[1] - at[1]);
-                1.0 - opacity * (disc(r, *radius, *blur) - disc(r, *clear, *blur))
-            });
-        }
-        Shade::Polygon { corners, blur } => {
-            let extent = |axis: usize| {
-                let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-                let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
-                span(low - blur, high + blur, first[axis])
-            };
-            map.multiply(extent(0), extent(1), kind, |row, column| {
-                1.0 - half_plane(into_polygon(sensor(row, column), corners), *blur)
-            });
-        }
-        Shade::Line { from, to, width, opacity, blur } => {
-            lay_line((from, to), (*width, *opacity, *blur), kind, first, map);
-        }
-    }
-}
-
-fn lay_line(
-    (from, to): (&[f64; 2], &[f64; 2]),
-    (width, opacity, blur): (f64, f64, f64),
-    kind: u8,
-    first: [f64; 2],
-    map: &mut TransmissionMap,
-) {
-    let reach = 0.5 * width + blur;
-    let length = (to[0] - from[0]).hypot(to[1] - from[1]).max(f64::MIN_POSITIVE);
-    let along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
-    let extent =
-        |axis: usize| span(from[axis].min(to[axis]) - reach, from[axis].max(to[axis]) + reach, first[axis]);
-    map.multiply(extent(0), extent(1), kind, |row, column| {
-        let p = [row as f64 + first[0] - from[0], column as f64 + first[1] - from[1]];
-        let across = p[0] * along[1] - p[1] * along[0];
-        if across.abs() >= reach {
-            return 1.0;
-        }
-        let s = p[0] * along[0] + p[1] * along[1];
-        let ends = half_plane(s, blur) * half_plane(length - s, blur);
-        1.0 - opacity * line(across, width, blur) * ends
-    });
 }

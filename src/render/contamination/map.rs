@@ -2,7 +2,40 @@
 //!
 //! Only tiles that something touches are ever written, cleared or need to be read: a clean tile is 1 throughout.
 
+use rayon::prelude::*;
+
 use super::mask::THRESHOLD;
+
+/// Something that dims a rectangle of pixels.
+pub(super) trait Thing: Sync {
+    /// Bit of the mask.
+    fn kind(&self) -> u8;
+    /// Rows of the map it touches; may leave the map.
+    fn rows(&self) -> std::ops::Range<i64>;
+    /// Columns of the map it touches; may leave the map.
+    fn columns(&self) -> std::ops::Range<i64>;
+    /// Factors of a row's pixels from `column` on, all within its extent and the map.
+    fn fill(&self, row: i64, column: i64, out: &mut [f32]);
+}
+
+fn multiply(values: &mut [f32], mask: &mut [u8], factors: &[f32], kind: u8) {
+    for ((v, m), f) in values.iter_mut().zip(mask).zip(factors) {
+        *v *= f;
+        *m |= if (f - 1.0).abs() > THRESHOLD { kind } else { 0 };
+    }
+}
+
+/// Notes the tiles in which a factor is not 1.
+fn touch(touched: &mut [bool], from: usize, factors: &[f32]) {
+    let mut column = from;
+    let mut rest = factors;
+    while !rest.is_empty() {
+        let (here, after) = rest.split_at((TILE - column % TILE).min(rest.len()));
+        touched[column / TILE] |= here.iter().any(|f| *f != 1.0);
+        column += here.len();
+        rest = after;
+    }
+}
 
 /// Side of a tile, pixels.
 pub const TILE: usize = 32;
@@ -60,35 +93,45 @@ impl TransmissionMap {
         &self.touched
     }
 
-    /// Multiplies the pixels of `rows` x `columns` (clipped to the window) by `factor(row, column)`; `kind` enters the
-    /// mask where the factor departs from 1 by more than the threshold.
-    pub fn multiply(
-        &mut self,
-        rows: std::ops::Range<i64>,
-        columns: std::ops::Range<i64>,
-        kind: u8,
-        factor: impl Fn(i64, i64) -> f64,
-    ) {
-        let clip = |range: std::ops::Range<i64>, end: usize| range.start.max(0)..range.end.min(end as i64);
-        let (rows, columns) = (clip(rows, self.rows), clip(columns, self.columns));
-        for row in rows {
-            for column in columns.clone() {
-                let f = factor(row, column) as f32;
-                if f != 1.0 {
-                    self.multiply_pixel(row as usize, column as usize, kind, f);
-                }
-            }
+    /// Multiplies every pixel by one factor.
+    pub fn dim(&mut self, kind: u8, factor: f32) {
+        self.values.iter_mut().for_each(|v| *v *= factor);
+        if (factor - 1.0).abs() > THRESHOLD {
+            self.mask.iter_mut().for_each(|m| *m |= kind);
         }
+        self.touched.fill(true);
     }
 
-    fn multiply_pixel(&mut self, row: usize, column: usize, kind: u8, factor: f32) {
-        let at = row * self.columns + column;
-        self.values[at] *= factor;
-        if (factor - 1.0).abs() > THRESHOLD {
-            self.mask[at] |= kind;
+    /// Multiplies by the factors of all things, in their order. Bands of tiles are independent: the result does not
+    /// depend on the number of threads.
+    pub(super) fn lay(&mut self, things: &[impl Thing]) {
+        let (columns, across) = (self.columns, self.tile_columns());
+        if columns == 0 {
+            return;
         }
-        let tile = row / TILE * self.tile_columns() + column / TILE;
-        self.touched[tile] = true;
+        let bands = self.values.par_chunks_mut(TILE * columns).zip(self.mask.par_chunks_mut(TILE * columns));
+        bands.zip(self.touched.par_chunks_mut(across)).enumerate().for_each(
+            |(band, ((values, mask), touched))| {
+                let first = (band * TILE) as i64;
+                let last = first + (values.len() / columns) as i64;
+                let mut factors = vec![1.0; columns];
+                for thing in things {
+                    let (rows, along) = (thing.rows(), thing.columns());
+                    let (from, to) = (along.start.max(0), along.end.min(columns as i64));
+                    if from >= to {
+                        continue;
+                    }
+                    let factors = &mut factors[..(to - from) as usize];
+                    for row in rows.start.max(first)..rows.end.min(last) {
+                        thing.fill(row, from, factors);
+                        let at = (row - first) as usize * columns + from as usize;
+                        let range = at..at + factors.len();
+                        multiply(&mut values[range.clone()], &mut mask[range], factors, thing.kind());
+                        touch(touched, from as usize, factors);
+                    }
+                }
+            },
+        );
     }
 
     /// Marks pixels without dimming them: a film's rise of the edge.

@@ -7,10 +7,12 @@
 //!
 //! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus is folded with the
 //! disc of confusion of radius b = |y|·NA, so that its shade grows and pales. Numbers are Poisson, sizes lognormal, places
-//! uniform; all drawn by seed.
+//! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
+//! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
 
 mod field;
 mod films;
+mod lay;
 mod map;
 pub mod mask;
 mod settings;

@@ -48,14 +48,14 @@ pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
         let (edge, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
         let length2 = (edge[0] * edge[0] + edge[1] * edge[1]).max(f64::MIN_POSITIVE);
         let t = ((to[0] * edge[0] + to[1] * edge[1]) / length2).clamp(0.0, 1.0);
-        nearest = nearest.min((to[0] - t * edge[0]).hypot(to[1] - t * edge[1]));
+        nearest = nearest.min((to[0] - t * edge[0]).powi(2) + (to[1] - t * edge[1]).powi(2));
         if (a[1] > point[1]) != (b[1] > point[1])
             && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * edge[0]
         {
             inside = !inside;
         }
     }
-    if inside { nearest } else { -nearest }
+    nearest.sqrt() * if inside { 1.0 } else { -1.0 }
 }
 
 /// Area within a polygon.

@@ -30,7 +30,7 @@ impl Size {
             size_of::<Params>() as u64,
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
-            bytes(job.row_keys.len(), 8),
+            bytes(job.row_keys.len(), 16),
             bytes(job.esf.segments.len(), 16),
             MOST_NODES * 16,
             u64::from(job.params.words) * u64::from(job.params.rows) * 4,

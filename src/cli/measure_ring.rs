@@ -1,0 +1,63 @@
+//! `measure --shape ring`: rings and discs seen end-on.
+
+use serde_json::json;
+
+use crate::frame::Frame;
+use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
+
+use super::{CommandResult, Failure, Outcome};
+
+/// Measures a ring in each named frame and prints one JSON document (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or a
+/// line each; a frame that shows no ring carries its `error` and does not stop the others.
+///
+/// # Errors
+/// Settings out of range (exit 2); no frame that could be measured (exit 3).
+pub fn run(
+    frames: impl IntoIterator<Item = (String, Frame)>,
+    settings: &RingSettings,
+    as_json: bool,
+) -> CommandResult {
+    settings.validate().map_err(Failure::refuse)?;
+    let (mut rows, mut measured, mut last_error) = (Vec::new(), 0, None);
+    for (name, frame) in frames {
+        let mut row = match measure_ring(&frame.view(), settings) {
+            Ok(ring) => {
+                measured += 1;
+                if !as_json {
+                    let bore = ring.inner.as_ref().map_or(String::new(), |b| format!(", inner {}", line(b)));
+                    println!("{name}: outer {}{bore}", line(&ring.outer));
+                }
+                ring.to_json()
+            }
+            Err(error) => {
+                tracing::warn!("{name}: {error}");
+                let text = error.to_string();
+                last_error = Some(format!("{name}: {text}"));
+                json!({ "error": text })
+            }
+        };
+        row["frame"] = json!(name);
+        rows.push(row);
+    }
+    if as_json {
+        println!("{}", json!({ "frames": rows }));
+    }
+    match (measured, last_error) {
+        (0, Some(error)) => Err(Failure::fail(format!("no frame could be measured; the last said: {error}"))),
+        (0, None) => Err(Failure::fail("there is no frame to be measured")),
+        _ => Ok(Outcome::Done),
+    }
+}
+
+fn line(edge: &EdgeCircle) -> String {
+    match edge.mm {
+        Some(mm) => format!(
+            "{:.5} mm (u {:.5}), roundness {:.5} mm",
+            mm.diameter_mm, mm.u_diameter_mm, mm.roundness_mm
+        ),
+        None => format!(
+            "{:.4} px (u {:.4}), roundness {:.4} px",
+            edge.diameter_px, edge.u_diameter_px, edge.roundness_px
+        ),
+    }
+}

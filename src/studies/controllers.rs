@@ -1,0 +1,165 @@
+//! Controllers on equal terms: every one turns the same shafts, rendered and measured; errors by pass with intervals.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::cell::SimulatedCell;
+use crate::closed_loop::{ClosedLoop, LoopError};
+use crate::control::ControllerName;
+use crate::gauge::Calibration;
+use crate::job::Job;
+use crate::render::Renderer;
+
+/// Confidence of the intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// One pass of one shaft under one controller.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PassError {
+    /// Controller.
+    pub controller: String,
+    /// Seed of the shaft.
+    pub seed: u64,
+    /// Pass, from 1.
+    pub pass: u32,
+    /// Largest |measured − nominal| over the stations, mm.
+    pub measured_mm: f64,
+    /// Largest |true − nominal|, mm.
+    pub true_mm: f64,
+    /// Largest |measured − true|, mm.
+    pub reading_mm: f64,
+    /// The offsets were held after this pass.
+    pub held: String,
+}
+
+/// Errors of one pass over the shafts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PassSummary {
+    /// Pass, from 1.
+    pub pass: u32,
+    /// Mean over the shafts of the largest true error, mm.
+    pub mean_mm: f64,
+    /// Half width of its 95 % interval (Student's t), mm; none for a single shaft.
+    pub interval_mm: Option<f64>,
+    /// Median, mm.
+    pub median_mm: f64,
+    /// Worst shaft, mm.
+    pub worst_mm: f64,
+    /// Largest share of the same shaft's error without control.
+    pub worst_share_of_none: f64,
+}
+
+/// One controller.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ControllerSummary {
+    /// Its name.
+    pub controller: String,
+    /// Every pass.
+    pub passes: Vec<PassSummary>,
+    /// Passes after which the offsets were held.
+    pub held: usize,
+}
+
+/// The study.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ControllerStudy {
+    /// Shafts turned by every controller.
+    pub shafts: usize,
+    /// By controller.
+    pub controllers: Vec<ControllerSummary>,
+    /// Every shaft and pass.
+    pub runs: Vec<PassError>,
+}
+
+/// Turns `shafts` shafts (seeds from the job's on) with every controller; `none` always comes first, as the measure.
+///
+/// # Errors
+/// Where a job does not fit together, the renderer or the gauge fails.
+pub fn run(
+    job: &Job,
+    controllers: &[ControllerName],
+    shafts: usize,
+    renderer: &Renderer,
+    done: &mut dyn FnMut(ControllerName, u64),
+) -> Result<ControllerStudy, LoopError> {
+    let mut order = vec![ControllerName::None];
+    order.extend(controllers.iter().filter(|c| **c != ControllerName::None));
+    let mut runs = Vec::new();
+    for i in 0..shafts as u64 {
+        let mut calibration = None;
+        for &controller in &order {
+            let mut one = job.clone();
+            one.seed = job.seed + i;
+            one.control.controller = controller;
+            runs.extend(turn(&one, renderer, &mut calibration)?);
+            done(controller, one.seed);
+        }
+    }
+    let controllers = order.iter().map(|c| summary(c.as_str(), &runs)).collect();
+    Ok(ControllerStudy { shafts, controllers, runs })
+}
+
+/// One shaft. The bench of a seed is calibrated once and serves all its controllers.
+fn turn(
+    job: &Job,
+    renderer: &Renderer,
+    calibration: &mut Option<Calibration>,
+) -> Result<Vec<PassError>, LoopError> {
+    let cell = SimulatedCell::new(job, renderer)?;
+    let mut turning = ClosedLoop::start(job, Box::new(cell), calibration.take())?;
+    *calibration = Some(turning.calibration().clone());
+    let mut passes = Vec::new();
+    while turning.next_pass().is_some() {
+        let pass = turning.run_pass(&mut |_, _| {})?;
+        let nominal = pass.plan.nominal_mm;
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+        let readings = || pass.profile.stations.iter().map(|s| s.reading.value().map(|d| d.d_mm));
+        let truth = || pass.truth_mm.iter().flatten().copied();
+        passes.push(PassError {
+            controller: job.control.controller.to_string(),
+            seed: job.seed,
+            pass: pass.plan.pass,
+            measured_mm: largest(&mut readings().flatten().map(|d| d - nominal)),
+            true_mm: largest(&mut truth().map(|d| d - nominal)),
+            reading_mm: largest(&mut readings().zip(truth()).filter_map(|(d, t)| Some(d? - t))),
+            held: turning.held().map(ToString::to_string).unwrap_or_default(),
+        });
+    }
+    Ok(passes)
+}
+
+fn summary(controller: &str, runs: &[PassError]) -> ControllerSummary {
+    let passes = runs.iter().map(|r| r.pass).max().unwrap_or(0);
+    ControllerSummary {
+        controller: controller.to_owned(),
+        passes: (1..=passes).map(|pass| pass_summary(controller, pass, runs)).collect(),
+        held: runs.iter().filter(|r| r.controller == controller && !r.held.is_empty()).count(),
+    }
+}
+
+fn pass_summary(controller: &str, pass: u32, runs: &[PassError]) -> PassSummary {
+    let of = |name: &'static str| runs.iter().filter(move |r| r.pass == pass && r.controller == name);
+    let mine: Vec<&PassError> =
+        runs.iter().filter(|r| r.pass == pass && r.controller == controller).collect();
+    let mut errors: Vec<f64> = mine.iter().map(|r| r.true_mm).collect();
+    errors.sort_by(f64::total_cmp);
+    let n = errors.len();
+    let mean_mm = errors.iter().sum::<f64>() / n as f64;
+    let share = |r: &&PassError| of("none").find(|o| o.seed == r.seed).map(|o| r.true_mm / o.true_mm);
+    PassSummary {
+        pass,
+        mean_mm,
+        interval_mm: interval(&errors, mean_mm),
+        median_mm: 0.5 * (errors[(n - 1) / 2] + errors[n / 2]),
+        worst_mm: errors[n - 1],
+        worst_share_of_none: mine.iter().filter_map(share).fold(0.0, f64::max),
+    }
+}
+
+/// t·s/√n of a mean.
+fn interval(errors: &[f64], mean: f64) -> Option<f64> {
+    let n = errors.len() as f64;
+    let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
+    let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Some(student.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * (variance / n).sqrt())
+}

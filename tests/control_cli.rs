@@ -1,0 +1,163 @@
+//! Control's commands from outside the binary: stability, reproduction, programs, refusals.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn shadowgauge(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the binary runs")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[track_caller]
+fn assert_refused(arguments: &[&str], exit: i32, words: &[&str]) {
+    let output = shadowgauge(arguments);
+    let text = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = text.replace("│ ", "");
+    assert_eq!(output.status.code(), Some(exit), "{arguments:?}: {text}");
+    for word in words {
+        assert!(text.contains(word), "{arguments:?}: {word:?} is missing in: {text}");
+    }
+    assert!(!text.contains("panicked"), "{text}");
+}
+
+#[test]
+fn stability_is_told_for_every_controller() {
+    let output = shadowgauge(&["study", "stability", "--json"]);
+    assert!(output.status.success());
+    let study: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let loops = study["loops"].as_array().expect("loops");
+    let absolute = loops
+        .iter()
+        .find(|l| {
+            l["controller"].as_str().is_some_and(|c| c.contains("absolute")) && l["plant"] == "error copying"
+        })
+        .expect("the absolute form");
+    assert_eq!(absolute["stable"], false);
+    let limit = absolute["stable_gains"][0][1].as_f64().expect("a limit");
+    assert!((limit - 0.8599).abs() < 1e-3);
+    for name in ["pid", "lsq", "ewma", "dewma", "ilc", "model"] {
+        assert!(
+            loops.iter().any(|l| l["controller"].as_str().is_some_and(|c| c.starts_with(name))),
+            "{name}"
+        );
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("study");
+    assert!(shadowgauge(&["study", "stability", "--out", &out.to_string_lossy()]).status.success());
+    for name in ["stability.csv", "stability.svg", "report.html"] {
+        assert!(out.join(name).metadata().is_ok_and(|m| m.len() > 500), "{name}");
+    }
+    assert_refused(&["study", "stability", "--out", &out.to_string_lossy()], 2, &["is not empty"]);
+    assert_refused(&["study", "stability", "--gain", "3"], 2, &["control.plant_gain = 3"]);
+}
+
+#[test]
+fn unstable_gains_are_refused_by_a_run_unless_insisted_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path.to_string_lossy().into_owned()
+    };
+    let absolute = write("absolute.toml", "[control.pid]\nform = \"absolute\"\n");
+    let out = folder.path().join("out").to_string_lossy().into_owned();
+    let words = ["unstable", "control.plant_gain = 0.95", "0.8602", "insist_on_unstable"];
+    assert_refused(&["run", &absolute, "--out", &out, "--backend", "cpu"], 2, &words);
+    assert!(!Path::new(&out).exists(), "nothing half-written");
+    let steep = write("steep.toml", "[control]\ncontroller = \"ewma\"\n[control.ewma]\nweight = 1.5\n");
+    assert_refused(&["run", &steep, "--out", &out], 2, &["control.ewma.weight", "at most 1"]);
+    assert_refused(&["study", "controllers", &steep], 2, &["control.ewma.weight"]);
+    assert_refused(&["study", "controllers", "--controllers", "pdi"], 2, &["none, pid, lsq"]);
+}
+
+#[test]
+fn reproduction_of_000_is_computed_when_asked() {
+    let rows = |more: &[&str]| -> Vec<serde_json::Value> {
+        let output = shadowgauge(&[&["reproduce", "000", "--json"], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON rows")
+    };
+    let find = |rows: &[serde_json::Value], id: &str| {
+        rows.iter().find(|r| r["id"] == id).unwrap_or_else(|| panic!("{id}")).clone()
+    };
+    let plain = rows(&[]);
+    let ours = |id: &str| find(&plain, id)["ours"].as_f64().expect("a number");
+    assert!((ours("eq5.b") - 201.0 / 175.0).abs() < 1e-12 && (ours("eq6.a") - 316.0 / 75.0).abs() < 1e-12);
+    assert!((ours("eq9.804") - 4.404_762).abs() < 1e-6 && (ours("eq10.805") - 5.361_905).abs() < 1e-6);
+    assert!((ours("experiment.reduction") - 18.5).abs() < 0.05);
+    for (id, verdict) in [
+        ("eq5.b", "reproduced"),
+        ("eq10.805", "reproduced"),
+        ("experiment.change", "consistent"),
+        ("experiment.reduction", "contradiction"),
+        ("eq7-10.order", "contradiction"),
+    ] {
+        assert_eq!(find(&plain, id)["verdict"], verdict, "{id}");
+    }
+    let changed = rows(&["--errors", "4.4,4.6,4.8,5.0,5.1,6.4"]);
+    assert_eq!(find(&changed, "eq5.b")["verdict"], "contradiction");
+    assert!((find(&changed, "eq5.b")["ours"].as_f64().expect("b") - ours("eq5.b")).abs() > 0.5);
+    assert_refused(&["reproduce", "000", "--errors", "1,2,3"], 2, &["six finite errors", "3 were given"]);
+    assert_refused(&["reproduce", "000", "--unit-mm", "0"], 2, &["positive"]);
+}
+
+/// A finished run of two passes with a barrel as offset, or a line.
+fn run_folder(folder: &Path, offset_mm: impl Fn(f64) -> f64) -> String {
+    let run = folder.join("run");
+    std::fs::create_dir_all(&run).expect("a folder");
+    let config = "# config sha256 0\n[part]\nlength_mm = 500.0\n";
+    std::fs::write(run.join("run.toml"), config).expect("written");
+    let mut csv = String::from("pass,z_mm,offset_mm,commanded_mm,status,reason\n");
+    for (pass, nominal) in [(1, 26.5), (2, 26.0)] {
+        for i in 0..100 {
+            let z = 2.5 + 5.0 * f64::from(i);
+            let o = if pass == 1 { 0.0 } else { offset_mm(z) };
+            csv += &format!("{pass},{z},{o},{},released,\n", nominal - o);
+        }
+    }
+    std::fs::write(run.join("offsets.csv"), csv).expect("written");
+    run.to_string_lossy().into_owned()
+}
+
+#[test]
+fn nc_writes_a_runs_offsets() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run_folder(folder.path(), |z| 0.05 * (1.0 - (z / 250.0 - 1.0).powi(2)));
+    let text = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17"]));
+    assert!(text.contains("PART 17 PASS 2") && text.contains("G10 P16 X-0.033"), "{text}");
+    let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "gsk", "--dry-run"]));
+    assert!(list.contains("reason: released") && list.contains("old/mm"), "{list}");
+    let file = folder.path().join("pass2.ngc").to_string_lossy().into_owned();
+    assert!(shadowgauge(&["nc", &run, "--dialect", "linuxcnc", "--out", &file]).status.success());
+    assert!(std::fs::read_to_string(&file).is_ok_and(|t| t.ends_with("%\n")));
+    assert_refused(&["nc", &run, "--dialect", "fanuc", "--pass", "9"], 2, &["no pass 9", "1 to 2"]);
+    assert_refused(&["nc", &run, "--dialect", "heidenhain"], 2, &["fanuc, linuxcnc, gsk"]);
+    assert_refused(
+        &["nc", &run, "--dialect", "gsk", "--form", "macro"],
+        2,
+        &["a line leaves", "--form knots"],
+    );
+    let machine = folder.path().join("machine.toml").to_string_lossy().into_owned();
+    std::fs::write(&machine, "tool = 3\nwear = 1\n").expect("written");
+    assert_refused(&["nc", &run, "--dialect", "gsk", "--machine", &machine], 2, &["unknown field", "wear"]);
+    let nowhere = folder.path().join("nowhere").to_string_lossy().into_owned();
+    assert_refused(&["nc", &nowhere, "--dialect", "gsk"], 3, &["no run folder"]);
+}
+
+#[test]
+fn nc_writes_a_line_as_macro_program() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run_folder(folder.path(), |z| 0.03 + 0.02 * (500.0 - z) / 500.0);
+    let text = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro"]));
+    assert!(text.contains("#802=0.02\n") && text.contains("#803=0.03\n"), "{text}");
+    let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]));
+    assert!(list.contains("#805 = 0.050000"), "{list}");
+}
