@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::{CommandResult, Failure, Outcome};
+use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::frame::{Frame, FrameView};
+use crate::gauge::ring::{RingScale, RingSettings};
 use crate::gauge::{
     Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper,
@@ -34,6 +35,9 @@ pub struct MeasureArgs {
     /// Prints JSON.
     #[arg(long)]
     json: bool,
+    /// What the part looks like: a shaft from the side, or a ring or disc seen end-on (radial calipers).
+    #[arg(long, value_enum, default_value_t = Shape::Shaft)]
+    shape: Shape,
     /// The shaft's axis stands upright in the images.
     #[arg(long)]
     vertical: bool,
@@ -46,6 +50,15 @@ pub struct MeasureArgs {
     /// Measures N frames from memory, cycling through those given, and reports the time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     bench: Option<u32>,
+}
+
+/// Shapes of parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Shape {
+    /// A shaft from the side: an upper and a lower edge in every column.
+    Shaft,
+    /// A ring or disc seen end-on.
+    Ring,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -75,11 +88,48 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     for input in &args.input {
         paths.extend(list_images(input).map_err(Failure::fail)?);
     }
+    if args.shape == Shape::Ring {
+        return rings(args, calibration.as_ref(), paths);
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
         .map_err(Failure::fail)?;
     pool.install(|| measure_all(args, &gauge, calibration.as_ref(), paths))
+}
+
+/// Measures rings; files that give no frame are warned of, and fail the command where none is left.
+fn rings(args: &MeasureArgs, calibration: Option<&Calibration>, paths: Vec<PathBuf>) -> CommandResult {
+    if args.edges.is_some() || args.bench.is_some() || args.vertical {
+        return Err(Failure::refuse("--edges, --bench and --vertical belong to --shape shaft"));
+    }
+    let scale = calibration.map(|c| {
+        let [scale_variance, _, offset_variance] = c.covariance;
+        // The calibration's offset is that of both edges together, in mm.
+        let per_edge = |offset_mm: f64| 0.5 * offset_mm / c.scale_mm_per_px;
+        RingScale {
+            um_per_px: 1e3 * c.scale_mm_per_px,
+            u_um_per_px: 1e3 * scale_variance.sqrt(),
+            edge_offset_px: per_edge(c.offset_mm),
+            u_edge_offset_px: per_edge(offset_variance.sqrt()),
+        }
+    });
+    let settings = RingSettings { bright_on_dark: args.bright_on_dark, scale, ..RingSettings::default() };
+    let mut source = FileFrames::new(paths);
+    let (mut frames, mut first_error) = (Vec::new(), None);
+    while let Some(read) = source.next_stored() {
+        match read {
+            Ok(stored) => frames.push((stored.stem, stored.frame)),
+            Err(error) => {
+                tracing::warn!("{error}");
+                first_error.get_or_insert(error);
+            }
+        }
+    }
+    match first_error {
+        Some(error) if frames.is_empty() => Err(Failure::fail(error)),
+        _ => measure_ring::run(frames, &settings, args.json),
+    }
 }
 
 fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {

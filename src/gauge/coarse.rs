@@ -28,7 +28,6 @@ pub(crate) struct Coarse {
 
 /// The thinned image: one cell stands for `step` rows x `step` columns.
 struct Thinned {
-    rows: usize,
     columns: usize,
     row_step: usize,
     column_step: usize,
@@ -77,7 +76,7 @@ fn thin<T: Sample>(plane: &Plane<'_, T>, min_diameter_px: f64) -> Thinned {
             values.push(0.5 * (plane.at(r, c) + plane.at(r, next)));
         }
     }
-    Thinned { rows, columns, row_step, column_step, values }
+    Thinned { columns, row_step, column_step, values }
 }
 
 /// Otsu's threshold, if the values fall into two levels at all.

@@ -95,6 +95,7 @@ impl Synth {
 
     /// Cramér-Rao bound on the standard deviation of an upper edge at `x`, levels and blur known, by numerical derivatives;
     /// quantisation counts as 1/12 count².
+    #[allow(dead_code, reason = "not every test binary needs it")]
     pub fn bound(&self, x: f64) -> f64 {
         let h = 1e-4;
         let information: f64 = (-20..=20)
