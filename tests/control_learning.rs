@@ -14,6 +14,7 @@ use shadowgauge::control::{
     stability, transfer,
 };
 use shadowgauge::plan::Decision;
+use shadowgauge::process::{BaseForm, DisturbanceSettings, ProcessSettings, Stock, TurningProcess};
 
 const NOMINALS_MM: [f64; 4] = [26.5, 26.0, 25.5, 25.0 - 0.0065];
 
@@ -277,4 +278,60 @@ fn learning_from_part_to_part_follows_wear_and_starts_again_with_a_new_insert() 
     assert!(worst_of(&alone[3..10], 0) > 40.0 && worst_of(&learning[3..10], 0) < 6.0);
     assert!(worst_of(&learning[10..], 0) < 3.0, "a new insert starts from what the first one needed");
     assert!(worst_of(&learning[10..], 3) < worst_of(&alone[10..], 3) + 0.5);
+}
+
+/// The turning process itself as plant, its mean diameters read without a gauge.
+fn turn_on_process(settings: &ControlSettings, disturbance: DisturbanceSettings, seed: u64) -> Vec<Vec<f64>> {
+    let mut process_settings = ProcessSettings { disturbance, ..ProcessSettings::default() };
+    process_settings.texture.rms_um = 0.0;
+    process_settings.texture.lobe_um = 0.0;
+    let stock = Stock { diameter_mm: 27.0, length_mm: LENGTH_MM };
+    let mut process =
+        TurningProcess::new(&process_settings, stock, &BaseForm::default(), seed).expect("a blank");
+    let shaft = Plant::new(100);
+    let mut controller = build(settings, &shaft.z_mm).expect("a controller");
+    let mut offset = controller.begin_part(&PartStart::default(), 100);
+    let mut errors = Vec::new();
+    for (i, nominal) in NOMINALS_MM.into_iter().enumerate() {
+        let plan = shaft.plan(i as u32 + 1, nominal, offset.clone());
+        process.cut(&plan).expect("a pass");
+        let nodes: Vec<(f64, f64)> = process.node_z_mm().zip(process.diameter_mm().iter().copied()).collect();
+        let mean = |z: &f64| {
+            let near: Vec<f64> = nodes.iter().filter(|n| (n.0 - z).abs() <= 2.5).map(|n| n.1).collect();
+            near.iter().sum::<f64>() / near.len() as f64
+        };
+        let diameters: Vec<f64> = shaft.z_mm.iter().map(mean).collect();
+        errors.push(diameters.iter().map(|d| (d - nominal) * 1e3).collect());
+        let context = PassContext { next: next_pass(i + 1), ..PassContext::default() };
+        let measured = plant::profile(plan.pass, &shaft.z_mm, &diameters);
+        match controller.decide_in(&plan, &measured, &context) {
+            Decision::Offset(next) => offset = next,
+            Decision::Held(reason) => println!("seed {seed} held: {reason}"),
+        }
+    }
+    errors
+}
+
+#[test]
+fn a_wrong_model_learns_the_turning_process() {
+    let calm = DisturbanceSettings { wear_um_per_pass: 1.5, drift_um_per_pass: 1.0, ..Default::default() };
+    let settled = turn_on_process(&wrong_model(), calm.clone(), 3);
+    println!("without random disturbance {:.2}, {:.2} µm", largest(&settled[2]), largest(&settled[3]));
+    assert!(largest(&settled[2]) <= 0.5 && largest(&settled[3]) <= 0.5);
+    let rough = DisturbanceSettings { repeatability_um: 0.5, stock_form_um: 50.0, force_spread: 0.1, ..calm };
+    let (mut last, mut shares) = (Vec::new(), Vec::new());
+    for seed in 0..20 {
+        let model = turn_on_process(&wrong_model(), rough.clone(), seed);
+        let none = turn_on_process(&settings(ControllerName::None), rough.clone(), seed);
+        assert_eq!(model[0], none[0], "pass 1 does not know the controller");
+        let share = largest(&model[2]) / largest(&none[2]);
+        shares.push(share);
+        assert!((1..4).all(|pass| largest(&model[pass]) < largest(&none[pass])), "seed {seed}");
+        last.push(largest(&model[3]));
+    }
+    last.sort_by(f64::total_cmp);
+    shares.sort_by(f64::total_cmp);
+    println!("after two: share of none median {:.3}, worst {:.3}", shares[10], shares[19]);
+    println!("after three corrected passes: median {:.2}, worst {:.2} µm", last[10], last[19]);
+    assert!(last[10] <= 1.5 && last[19] <= 3.0);
 }

@@ -145,21 +145,18 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
     }
 }
 
-/// Observed over commanded change: −ΣΔo·Δe/ΣΔo², about g. Radius for diameter gives 2 or ½ of it, a wrong sign the
-/// negative, an offset that went elsewhere 0.
+/// Observed over commanded change, about g. Radius for diameter gives 2 or ½ of it, a wrong sign the negative, an offset
+/// that went elsewhere 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     let alike = |m: &&Memory| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
     let Some(last) = g.history.last().filter(alike) else {
         return Ok(());
     };
     let commanded: Vec<f64> = g.plan.offset.o_mm.iter().zip(&last.o_mm).map(|(o, p)| o - p).collect();
-    let square: f64 = commanded.iter().map(|c| c * c).sum();
-    let from = g.limits.response_from_mm;
-    if square < from * from * commanded.len() as f64 {
+    let observed: Vec<f64> = g.errors.e_mm.iter().zip(&last.e_mm).map(|(e, p)| p - e).collect();
+    let Some(ratio) = response(&commanded, &observed, g.limits.response_from_mm) else {
         return Ok(());
-    }
-    let observed = g.errors.e_mm.iter().zip(&last.e_mm).map(|(e, p)| p - e);
-    let ratio = observed.zip(&commanded).map(|(d, c)| d * c).sum::<f64>() / square;
+    };
     let (low, high) = (g.limits.response_min, g.limits.response_max);
     if (low..=high).contains(&ratio) {
         return Ok(());
@@ -169,6 +166,20 @@ fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
          a sign, or an offset that went elsewhere"
     ));
     Err(Refusal { reason, stop: true })
+}
+
+/// Slope of the observed over the commanded changes along the stations. Where the command varies along z the common
+/// change (wear, drift) is taken out first; where it is level the slope is taken through zero. `None` for commands too
+/// small to judge by.
+fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<f64> {
+    let n = commanded.len() as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
+    let slope = |c0: f64, o0: f64, least_rms: f64| {
+        let square: f64 = commanded.iter().map(|c| (c - c0).powi(2)).sum();
+        let product: f64 = commanded.iter().zip(observed).map(|(c, o)| (c - c0) * (o - o0)).sum();
+        (square >= least_rms * least_rms * n && square > 0.0).then(|| product / square)
+    };
+    slope(mean(commanded), mean(observed), 0.75 * from_mm).or_else(|| slope(0.0, 0.0, from_mm))
 }
 
 /// Guards on what a law proposes.
