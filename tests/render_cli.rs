@@ -1,0 +1,130 @@
+//! `render` and `doctor` from outside the binary.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot set its scene up must fail")]
+
+use std::path::Path;
+
+use assert_cmd::Command;
+
+fn shadowgauge() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+}
+
+/// A small job in `folder`: a thin part, few pixels, one field, two angles.
+fn config(folder: &Path, extra: &str) -> std::path::PathBuf {
+    let path = folder.join("job.toml");
+    let text = format!("{extra}\n{}", include_str!("support/small_render_job.toml"));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn run(arguments: &[&str], config: &Path, out: &Path) -> (i32, String) {
+    let output = shadowgauge()
+        .arg("render")
+        .arg(config)
+        .args(["--out", out.to_str().unwrap(), "--backend", "cpu"])
+        .args(arguments)
+        .output()
+        .unwrap();
+    (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn every_format_is_written_with_truth_and_pixel_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(folder.path(), "");
+    for (format, extension) in [("png16", "png"), ("png8", "png"), ("tiff16", "tif"), ("f32", "tif")] {
+        let out = folder.path().join(format);
+        let (code, stderr) = run(&["--format", format], &config, &out);
+        assert_eq!(code, 0, "{stderr}");
+        let frame = out.join(format!("frames/000001.{extension}"));
+        assert!(frame.exists() && out.join("previews/000001.png").exists());
+        let frames = std::fs::read_to_string(out.join("frames.csv")).unwrap();
+        assert!(frames.starts_with("frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n"));
+        let truth = std::fs::read_to_string(out.join("truth.csv")).unwrap();
+        assert_eq!(truth.lines().count(), 1 + 2 * 120);
+        if format == "png16" {
+            let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(frame).unwrap()))
+                .read_info()
+                .unwrap();
+            let size = reader.info().pixel_dims.unwrap();
+            assert_eq!((size.xppu, size.unit), (66_667, png::Unit::Meter), "15 µm a pixel");
+            assert_eq!(reader.info().bit_depth, png::BitDepth::Sixteen);
+        }
+    }
+}
+
+#[test]
+fn same_config_gives_the_same_bytes_at_any_thread_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(folder.path(), "");
+    let files: Vec<Vec<u8>> = ["1", "3"]
+        .iter()
+        .map(|threads| {
+            let out = folder.path().join(threads);
+            assert_eq!(run(&["--threads", threads], &config, &out).0, 0);
+            std::fs::read(out.join("frames/000000.png")).unwrap()
+        })
+        .collect();
+    assert_eq!(files[0], files[1]);
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = config(folder.path(), "");
+    let taken = folder.path().join("taken");
+    std::fs::create_dir(&taken).unwrap();
+    std::fs::write(taken.join("a"), "a").unwrap();
+    let (code, stderr) = run(&[], &good, &taken);
+    assert!(code == 2 && stderr.contains("not empty"), "{code} {stderr}");
+    for (text, word) in [
+        ("[optik]\n", "optik"),
+        ("[optics]\nmagnification = 0.0\n", "magnification"),
+        ("[optics]\nmagnification = 5.0\n", "field"),
+    ] {
+        let path = folder.path().join("bad.toml");
+        let mut job =
+            include_str!("support/small_render_job.toml").replace("[optics]\nmagnification = 0.2\n", "");
+        job.push_str(text);
+        std::fs::write(&path, job).unwrap();
+        let out = folder.path().join("refused");
+        let (code, stderr) = run(&[], &path, &out);
+        assert_eq!(code, 2, "{text}: {stderr}");
+        assert!(stderr.contains(word), "{text}: {stderr}");
+        assert!(!out.exists());
+    }
+    let left = std::fs::read_dir(folder.path())
+        .unwrap()
+        .filter(|e| e.as_ref().unwrap().file_name().to_string_lossy().contains("partial"));
+    assert_eq!(left.count(), 0, "something half-written stays");
+}
+
+#[test]
+fn bench_and_doctor_speak_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(folder.path(), "");
+    let output = shadowgauge()
+        .arg("render")
+        .arg(&config)
+        .args(["--bench", "3", "--json", "--backend", "cpu"])
+        .output()
+        .unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in [
+        "ms_per_frame_min",
+        "ms_per_frame_median",
+        "floor_ms_median",
+        "ratio",
+        "backend",
+        "adapter",
+        "width",
+        "height",
+    ] {
+        assert!(!report[key].is_null(), "{key} is missing");
+    }
+    let output = shadowgauge().args(["doctor", "--json"]).output().unwrap();
+    assert!(output.status.success());
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(report["adapters"].is_array() && !report["auto"]["backend"].is_null());
+}
