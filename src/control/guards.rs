@@ -154,11 +154,11 @@ fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     };
     let commanded: Vec<f64> = g.plan.offset.o_mm.iter().zip(&last.o_mm).map(|(o, p)| o - p).collect();
     let observed: Vec<f64> = g.errors.e_mm.iter().zip(&last.e_mm).map(|(e, p)| p - e).collect();
-    let Some(ratio) = response(&commanded, &observed, g.limits.response_from_mm) else {
+    let Some((ratio, varying)) = response(&commanded, &observed, g.limits.response_from_mm) else {
         return Ok(());
     };
     let (low, high) = (g.limits.response_min, g.limits.response_max);
-    if (low..=high).contains(&ratio) {
+    if (low..=high).contains(&ratio) || (low..=high).contains(&varying) {
         return Ok(());
     }
     let reason = HeldReason::Guard(format!(
@@ -168,10 +168,10 @@ fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     Err(Refusal { reason, stop: true })
 }
 
-/// Slope of the observed over the commanded changes along the stations. Where the command varies along z the common
-/// change (wear, drift) is taken out first; where it is level the slope is taken through zero. `None` for commands too
-/// small to judge by.
-fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<f64> {
+/// Slopes of the observed over the commanded changes along the stations: through zero, and with the change common to all
+/// stations (wear, drift) taken out, where the command varies enough along z for that; `None` for commands too small to
+/// judge by. What comes besides the offset disturbs one of them, a wrong response both.
+fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<(f64, f64)> {
     let n = commanded.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
     let slope = |c0: f64, o0: f64, least_rms: f64| {
@@ -179,7 +179,8 @@ fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<f64> {
         let product: f64 = commanded.iter().zip(observed).map(|(c, o)| (c - c0) * (o - o0)).sum();
         (square >= least_rms * least_rms * n && square > 0.0).then(|| product / square)
     };
-    slope(mean(commanded), mean(observed), 0.75 * from_mm).or_else(|| slope(0.0, 0.0, from_mm))
+    let plain = slope(0.0, 0.0, from_mm)?;
+    Some((plain, slope(mean(commanded), mean(observed), 0.5 * from_mm).unwrap_or(plain)))
 }
 
 /// Guards on what a law proposes.

@@ -35,8 +35,7 @@ pub struct GuardSettings {
     pub response_min: f64,
     /// Largest ratio of observed change of diameter over commanded change.
     pub response_max: f64,
-    /// The response is judged where the commanded change (root mean square over the stations) reaches this, or three
-    /// quarters of it about its mean, mm.
+    /// The response is judged where the commanded change (root mean square over the stations) reaches this, mm.
     pub response_from_mm: f64,
     /// Lower limit of the part's diameter, mm: no offset is released with which the next pass is predicted below it.
     pub lower_limit_mm: Option<f64>,
