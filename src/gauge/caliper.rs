@@ -32,10 +32,21 @@ pub fn largest_caliper(edges: &FrameEdges) -> Option<LargestCaliper> {
         return None;
     }
     let run = widest_run(&widths);
-    vertex(&widths, run.0, run.1).or_else(|| {
-        let u = scatter_of_run(&widths, run.0);
-        Some(LargestCaliper { diameter_px: run.1, u_px: u, end_on: false })
-    })
+    let largest = vertex(&widths, run.0, run.1).unwrap_or_else(|| LargestCaliper {
+        diameter_px: run.1,
+        u_px: scatter_of_run(&widths, run.0),
+        end_on: false,
+    });
+    Some(LargestCaliper { u_px: largest.u_px.hypot(shared_u_px(edges)), ..largest })
+}
+
+/// Root mean square of what the widths' uncertainties share (levels, blind light): it does not average down over the columns.
+fn shared_u_px(edges: &FrameEdges) -> f64 {
+    let usable = edges.top.iter().zip(&edges.bottom).filter(|(t, b)| t.is_usable() && b.is_usable());
+    let (sum, count) = usable.fold((0.0, 0.0_f64), |(sum, count), (top, bottom)| {
+        (sum + f64::from(top.u_shared_px).powi(2) + f64::from(bottom.u_shared_px).powi(2), count + 1.0)
+    });
+    (sum / count.max(1.0)).sqrt()
 }
 
 /// Column and value of the largest running median.

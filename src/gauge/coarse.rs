@@ -4,6 +4,9 @@
 //! separates its grey values best (Otsu), and its largest connected shadow is the part. Specks of dirt, holes and
 //! neighbours that peep in at the border are other components and never seen again.
 
+use image::{GrayImage, Luma};
+use imageproc::region_labelling::{Connectivity, connected_components};
+
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
 use crate::profile::Reason;
@@ -116,57 +119,28 @@ fn separate(values: &[f32]) -> Option<f32> {
 
 /// First and last cell row of the largest shadow (four-connected) in each cell column; of two as large the first.
 fn part_spans(thinned: &Thinned, threshold: f32) -> Option<Vec<Option<(usize, usize)>>> {
-    let mut open: Vec<bool> = thinned.values.iter().map(|v| *v < threshold).collect();
-    let mut largest: Vec<u32> = Vec::new();
-    let mut shadow: Vec<u32> = Vec::new();
-    for seed in 0..open.len() {
-        if open[seed] {
-            flood(&mut open, thinned.columns, seed, &mut shadow);
-            if shadow.len() > largest.len() {
-                std::mem::swap(&mut shadow, &mut largest);
-            }
-        }
-    }
-    if largest.is_empty() {
-        return None;
-    }
+    let rows = thinned.values.len() / thinned.columns;
+    let dark = thinned.values.iter().map(|v| u8::from(*v < threshold)).collect();
+    let dark = GrayImage::from_raw(thinned.columns as u32, rows as u32, dark)?;
+    let labels = connected_components(&dark, Connectivity::Four, Luma([0]));
+    let largest = largest_label(labels.as_raw())?;
     let mut spans: Vec<Option<(usize, usize)>> = vec![None; thinned.columns];
-    for cell in largest {
-        let (row, column) = (cell as usize / thinned.columns, cell as usize % thinned.columns);
+    for (cell, _) in labels.as_raw().iter().enumerate().filter(|(_, label)| **label == largest) {
+        let (row, column) = (cell / thinned.columns, cell % thinned.columns);
         let (first, last) = spans[column].unwrap_or((row, row));
         spans[column] = Some((first.min(row), last.max(row)));
     }
     Some(spans)
 }
 
-/// Collects the open cells connected with `seed` and closes them.
-fn flood(open: &mut [bool], columns: usize, seed: usize, shadow: &mut Vec<u32>) {
-    shadow.clear();
-    shadow.push(seed as u32);
-    open[seed] = false;
-    let (mut next, cells) = (0, open.len());
-    while let Some(cell) = shadow.get(next).map(|c| *c as usize) {
-        next += 1;
-        let column = cell % columns;
-        let mut visit = |neighbour: usize| {
-            if open[neighbour] {
-                open[neighbour] = false;
-                shadow.push(neighbour as u32);
-            }
-        };
-        if column > 0 {
-            visit(cell - 1);
-        }
-        if column + 1 < columns {
-            visit(cell + 1);
-        }
-        if cell >= columns {
-            visit(cell - columns);
-        }
-        if cell + columns < cells {
-            visit(cell + columns);
-        }
+/// The label that most cells carry, the smallest of equals; 0 is no shadow.
+fn largest_label(labels: &[u32]) -> Option<u32> {
+    let mut sizes = vec![0_usize; labels.iter().max().map_or(0, |l| *l as usize) + 1];
+    for label in labels {
+        sizes[*label as usize] += 1;
     }
+    let most = sizes.iter().skip(1).max()?;
+    sizes.iter().skip(1).position(|size| size == most).map(|index| index as u32 + 1)
 }
 
 fn refine<T: Sample>(

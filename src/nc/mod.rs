@@ -6,9 +6,9 @@
 //! No path ever holds what the register holds. What rounding leaves of the offsets is given back to the controller.
 //!
 //! What could be verified: programs of the `linuxcnc` dialect are read by LinuxCNC's stand-alone interpreter in the
-//! tests. `fanuc` follows the 0i-TD operator's manual (G-code system A, custom macro B) and `gsk` the GSK 980TD family's
-//! manuals; neither was run on a control, and for `gsk` the user alarm G65 H99 and the macro statements are stated
-//! there but were not verified on a 980TDi. Run such programs dry, above the part, first.
+//! tests. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD family, both from common
+//! usage, not checked against the makers' manuals; neither was run on a control, and the user alarm G65 H99 of `gsk`
+//! is unverified. Run such programs dry, above the part, first.
 
 mod dialect;
 mod line;
