@@ -5,6 +5,9 @@
 // (8-bit counts, 16-bit counts, f32 counts). The CPU twin is src/render/shadowgraph.rs: same names, same order.
 
 override pixels_per_word: u32 = 2u;
+// What a branch at run time would cost even where it is not taken (a software device runs both sides).
+override with_pattern: u32 = 0u;
+override with_overlap: u32 = 0u;
 
 struct Params {
     rows: u32,
@@ -142,7 +145,7 @@ fn transmitted(edge: Edge, row: i32) -> f32 {
 fn flat_pixel(k: vec4<f32>, mean: f32, column: u32, key: vec4<u32>) -> u32 {
     let sensor_column = params.column0 + column;
     var counts = sample(k, standard_normal(hash(key.xy, sensor_column)));
-    if (params.pattern != 0u) {
+    if (with_pattern != 0u) {
         counts = counts + fixed_pattern(mean, key, sensor_column);
     }
     return quantise(counts);
@@ -158,13 +161,13 @@ fn edge_pixel(row: i32, column: u32, key: vec4<u32>, lower: bool) -> u32 {
         other = c.top;
     }
     var light = transmitted(near, row);
-    if (params.overlap != 0u) {
+    if (with_overlap != 0u) {
         light = light + transmitted(other, row);
     }
     let mean = params.shadow + params.contrast * light;
     let sensor_column = params.column0 + column;
     var counts = sample(shaped(mean), standard_normal(hash(key.xy, sensor_column)));
-    if (params.pattern != 0u) {
+    if (with_pattern != 0u) {
         counts = counts + fixed_pattern(mean, key, sensor_column);
     }
     return quantise(counts);

@@ -36,9 +36,16 @@ pub struct Gpu {
     bindings: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     mappable: bool,
-    pipelines: BTreeMap<u32, Pipelines>,
+    pipelines: BTreeMap<Variant, Pipelines>,
     buffers: Option<Buffers>,
     failure: Arc<Mutex<Option<String>>>,
+}
+
+/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands.
+type Variant = [u32; 3];
+
+fn variant(job: &Job<'_>) -> Variant {
+    [pixels_per_word(job.format), job.params.pattern, job.params.overlap]
 }
 
 struct Pipelines {
@@ -145,7 +152,7 @@ impl Gpu {
     }
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, buffers: &Buffers, job: &Job<'_>, work: Work) {
-        let Some(pipelines) = self.pipelines.get(&pixels_per_word(job.format)) else { return };
+        let Some(pipelines) = self.pipelines.get(&variant(job)) else { return };
         let groups = job.params.words.div_ceil(GROUP);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_bind_group(0, &buffers.group, &[]);
@@ -165,9 +172,9 @@ impl Gpu {
 
     /// Kernels for the job's packing, buffers for its size.
     fn prepare(&mut self, job: &Job<'_>) -> Result<(), RenderError> {
-        let packing = pixels_per_word(job.format);
+        let variant = variant(job);
         let fits = self.buffers.as_ref().is_some_and(|b| b.fits(job));
-        if fits && self.pipelines.contains_key(&packing) {
+        if fits && self.pipelines.contains_key(&variant) {
             return Ok(());
         }
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -176,11 +183,11 @@ impl Gpu {
             self.buffers = Some(Buffers::new(&self.device, &self.bindings, job, self.mappable));
         }
         let pipelines = Pipelines {
-            fill: self.pipeline("fill", packing),
-            band: self.pipeline("band", packing),
-            constant: self.pipeline("constant", packing),
+            fill: self.pipeline("fill", variant),
+            band: self.pipeline("band", variant),
+            constant: self.pipeline("constant", variant),
         };
-        self.pipelines.insert(packing, pipelines);
+        self.pipelines.insert(variant, pipelines);
         let errors = [pollster::block_on(memory.pop()), pollster::block_on(scope.pop())];
         if let Some(e) = errors.into_iter().flatten().next() {
             self.buffers = None;
@@ -189,14 +196,18 @@ impl Gpu {
         Ok(())
     }
 
-    fn pipeline(&self, entry: &str, packing: u32) -> wgpu::ComputePipeline {
+    fn pipeline(&self, entry: &str, variant: Variant) -> wgpu::ComputePipeline {
         self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
             layout: Some(&self.layout),
             module: &self.module,
             entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("pixels_per_word", f64::from(packing))],
+                constants: &[
+                    ("pixels_per_word", f64::from(variant[0])),
+                    ("with_pattern", f64::from(variant[1])),
+                    ("with_overlap", f64::from(variant[2])),
+                ],
                 ..Default::default()
             },
             cache: None,
