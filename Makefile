@@ -22,12 +22,12 @@ vulkan:
 test: vulkan
 	$(CARGO) fmt --check
 	$(CARGO) clippy --release --locked --all-targets -- -D warnings
+	$(CARGO) test --release --locked --doc
 	@if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  $(CARGO) nextest run --release --locked --no-fail-fast; \
 	else \
 	  $(CARGO) test --release --locked --lib --bins --tests --no-fail-fast; \
 	fi
-	$(CARGO) test --release --locked --doc
 
 studies: vulkan build
 	sh scripts/studies.sh

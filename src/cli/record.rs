@@ -69,15 +69,15 @@ impl<'a> Recorder<'a> {
         Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters })
     }
 
-    /// Runs the passes that are left. `what` stands before the progress on a terminal.
+    /// Runs the passes that are left; `progress` shows a bar on a terminal.
     ///
     /// # Errors
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
-    pub fn run(mut self, what: &str) -> Result<Recorded, Failure> {
+    pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.passes.len()];
         let mut sample = None;
         while let Some(pass) = self.chain.next_pass() {
-            let bar = progress_bar(&format!("{what}pass {pass} of {}", self.job.passes()));
+            let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.passes()));
             self.offsets.extend(offset_rows(&self.chain));
             let result = self
                 .chain
@@ -250,8 +250,9 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
 }
 
 /// A bar on a terminal, nothing elsewhere.
-fn progress_bar(what: &str) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+fn progress_bar(shown: bool, what: &str) -> ProgressBar {
+    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(0), target);
     if let Ok(style) =
         ProgressStyle::with_template("{msg} {bar:32} {pos}/{len} frames, {per_sec}, {eta} left")
     {

@@ -11,7 +11,7 @@ use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::run_folder::{PassRow, RunFolder, RunFolderError};
 
-use super::record::Recorder;
+use super::record::{Recorded, Recorder};
 use super::{CommandResult, Failure, Outcome};
 
 /// Folder of the uncontrolled run below the controlled one.
@@ -96,11 +96,8 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
         );
     }
     let start = Instant::now();
-    let main = Recorder::new(job, &folder, &renderer)?.run("")?;
-    let reference = match reference && job.control.controller != ControllerName::None {
-        false => None,
-        true => Some(run_reference(job, out, &renderer)?),
-    };
+    let reference = reference && job.control.controller != ControllerName::None;
+    let (main, reference) = run_both(job, &folder, &renderer, reference)?;
     let page = report::run_report(&report::RunView {
         job,
         folder: &folder,
@@ -126,6 +123,24 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     })
 }
 
+/// The run and, side by side with it, the one without control: while one waits for the device, the other draws
+/// silhouettes, measures and writes.
+fn run_both(
+    job: &Job,
+    folder: &RunFolder,
+    renderer: &Renderer,
+    reference: bool,
+) -> Result<(Recorded, Option<RunFolder>), Failure> {
+    std::thread::scope(|scope| {
+        let beside = reference.then(|| scope.spawn(|| run_reference(job, folder.path(), renderer)));
+        let main = Recorder::new(job, folder, renderer).and_then(|recorder| recorder.run(true));
+        let beside = beside.map(|thread| {
+            thread.join().unwrap_or_else(|_| Err(Failure::fail("the run without control broke off")))
+        });
+        Ok((main?, beside.transpose()?))
+    })
+}
+
 /// The same job without control, in a folder of its own: a second real run.
 fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder, Failure> {
     let mut uncontrolled = job.clone();
@@ -135,7 +150,7 @@ fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder
         Err(_) if RunFolder::is_run(&path) => return RunFolder::open(&path).map_err(folder_failure),
         claimed => claimed?,
     };
-    let done = Recorder::new(&uncontrolled, &folder, renderer)?.run("without control: ")?;
+    let done = Recorder::new(&uncontrolled, &folder, renderer)?.run(false)?;
     let page = report::run_report(&report::RunView {
         job: &uncontrolled,
         folder: &folder,

@@ -40,6 +40,21 @@ pub use station::StationAverager;
 use crate::frame::FrameView;
 
 /// The gauge: settings, checked once.
+///
+/// ```
+/// use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
+/// use shadowgauge::gauge::{Gauge, GaugeSettings};
+///
+/// // A sharp-edged shadow from row 40.5 to row 99.5 in a clean 8-bit frame of 140 x 64 pixels.
+/// let (rows, columns) = (140, 64);
+/// let grey = |row: usize| if (41..100).contains(&row) { 12 } else { 210 };
+/// let pixels: Vec<u8> = (0..rows * columns).map(|i| grey(i / columns)).collect();
+/// let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns)?;
+/// let edges = Gauge::new(GaugeSettings::default())?.edges(&view)?;
+/// let width = edges.width_px(32).ok_or("column 32 is a gap")?;
+/// assert!((width - 59.0).abs() < 0.05, "{width}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Gauge {
     settings: GaugeSettings,
