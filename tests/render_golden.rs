@@ -10,6 +10,8 @@ mod golden;
 mod support;
 
 use golden::*;
+use shadowgauge::frame::{FrameView, PixelFormat, Pixels};
+use shadowgauge::gauge::{Gauge, GaugeSettings};
 use shadowgauge::render::{BackendChoice, Renderer};
 
 fn twin() -> Renderer {
@@ -128,4 +130,39 @@ fn golden_files_are_small() {
             assert!(size <= 64 * 1024, "{}/{file}: {size} bytes", case.name);
         }
     }
+}
+
+/// The third judge of a golden frame: what the gauge, which knows nothing of the scene, reads in it.
+#[test]
+fn gauge_reads_the_true_edges_in_the_golden_frames() {
+    let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+    let mut measured = 0;
+    for case in cases() {
+        let (GoldenFrame(shot), truth) = case.golden().unwrap_or_else(|| panic!("{}: no golden", case.name));
+        let view = FrameView::new(
+            Pixels::U16(&shot.pixels),
+            PixelFormat::Mono16,
+            shot.rows,
+            shot.columns,
+            shot.columns,
+        )
+        .unwrap();
+        let edges = match gauge.edges(&view) {
+            Ok(edges) => edges,
+            Err(refused) => {
+                println!("{}: refused: {refused}", case.name);
+                continue;
+            }
+        };
+        for (line, truth) in [(&edges.top, &truth.top_px), (&edges.bottom, &truth.bottom_px)] {
+            let errors: Vec<f64> =
+                line.iter().zip(truth).filter(|(e, _)| e.is_usable()).map(|(e, t)| e.row_px - t).collect();
+            let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+            println!("{}: {} of {} columns, mean error {mean:.2e} px", case.name, errors.len(), truth.len());
+            assert!(errors.is_empty() || mean.abs() <= SHIFT_LIMIT_PX, "{}: {mean} px", case.name);
+            measured += usize::from(!errors.is_empty());
+        }
+    }
+    // The other cases' frames are smaller than the gauge's own margins; they are refused, never guessed.
+    assert!(measured >= 4, "only {measured} edges of the golden frames could be measured");
 }

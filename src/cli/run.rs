@@ -90,11 +90,6 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     let folder = claim(job, out)?;
     let renderer = Renderer::new(backend).map_err(Failure::fail)?;
     tracing::info!(backend = renderer.backend_name(), adapter = renderer.adapter_name(), "rendering");
-    if renderer.backend_name() == "cpu" && backend == BackendChoice::Auto {
-        eprintln!(
-            "no Vulkan or GL adapter: frames are rendered on the CPU (`shadowgauge doctor` says what is missing)"
-        );
-    }
     let start = Instant::now();
     let reference = reference && job.control.controller != ControllerName::None;
     let (main, reference) = run_both(job, &folder, &renderer, reference)?;
