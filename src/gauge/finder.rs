@@ -5,6 +5,7 @@
 //! is where the edges were, the blur and the tables; every carried thing is checked on the new frame, and a frame that
 //! does not bear it out is measured anew from the coarse search.
 
+use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
 use super::coarse::{CoarseEdge, find_part};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
@@ -12,7 +13,7 @@ use super::esf::{EdgeShape, StepTable};
 use super::gate;
 use super::noise::{NoiseModel, variance_of_differences};
 use super::pixels::{Plane, Sample, all_finite, with_plane};
-use super::settings::{Blur, EsfModel, GaugeSettings, Polarity};
+use super::settings::{Blur, EsfModel, GaugeSettings, Polarity, Rejection};
 use super::side::SideState;
 use super::window::Side;
 use crate::frame::FrameView;
@@ -45,6 +46,8 @@ pub struct EdgeStream {
     sides: [SideState; 2],
     centres: [Vec<CoarseEdge>; 2],
     differences: [Vec<f32>; 2],
+    axis: AxisScratch,
+    one_sided: f64,
     last: Option<Last>,
 }
 
@@ -86,6 +89,8 @@ impl EdgeStream {
             sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
             centres: [Vec::new(), Vec::new()],
             differences: [Vec::new(), Vec::new()],
+            axis: AxisScratch::default(),
+            one_sided: 0.0,
             last: None,
         }
     }
@@ -344,6 +349,9 @@ impl EdgeStream {
         );
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
+        }
+        if self.settings.rejection == Rejection::Full {
+            self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
     }

@@ -1,5 +1,6 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
+mod axis;
 mod blur;
 mod calibration;
 mod caliper;
@@ -37,7 +38,7 @@ pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use settings::{
-    Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings,
+    Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection, StationSettings,
 };
 pub use station::StationAverager;
 

@@ -21,6 +21,8 @@ pub struct GaugeSettings {
     /// Largest departure of an edge from its neighbours' local line, px, beyond six standard uncertainties.
     /// It must exceed the roughness of the surfaces measured. Above 0.
     pub outlier_px: f64,
+    /// Whether columns that matter touches are refused.
+    pub rejection: Rejection,
     /// The edge-spread function that is fitted.
     pub esf: EsfModel,
     /// How bright and dark levels are found.
@@ -42,6 +44,7 @@ impl Default for GaugeSettings {
             max_slope: 1.0,
             residual_false_alarm: 1e-5,
             outlier_px: 1.5,
+            rejection: Rejection::default(),
             esf: EsfModel::default(),
             levels: Levels::default(),
             blur: Blur::default(),
@@ -60,6 +63,20 @@ pub enum Polarity {
     DarkOnBright,
     /// A lit part before a dark ground.
     BrightOnDark,
+}
+
+/// What becomes of columns whose edge noise and neighbours do not explain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Rejection {
+    /// Refused by residual, levels, neighbours along the shaft and the axis: an edge that leaves its place while the other one
+    /// does not is matter on the part. Where the part itself is one-sided (keyways, flats, threads), take `by_edge`.
+    #[default]
+    Full,
+    /// Refused by residual, levels and neighbours, each edge by itself.
+    ByEdge,
+    /// Kept, whatever they show: for comparisons.
+    Off,
 }
 
 /// The edge-spread function that is fitted to every edge.

@@ -11,7 +11,7 @@ use super::levels::{LevelCurve, LevelPool};
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample};
 use super::score::{Place, locate, locate_core, normalise};
-use super::settings::{GaugeSettings, Levels};
+use super::settings::{GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
 use crate::profile::Reason;
@@ -283,7 +283,7 @@ impl SideState {
             let index = self.table(sigma, kappa, free);
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
-            let job = ColumnJob { side: self, noise, table, min_snr: settings.min_snr as f32 };
+            let job = ColumnJob { side: self, noise, table, min_snr: settings.min_snr as f32, reject: settings.rejection != Rejection::Off };
             score_columns(&job, from..to, &mut normalised, line);
             from = to;
         }
@@ -312,12 +312,18 @@ impl SideState {
         let z = gate::upper_normal_quantile(settings.residual_false_alarm);
         self.misfit = gate::misfit(line, freedom, &mut self.floats);
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
+        if settings.rejection != Rejection::Off {
+            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+        }
+        gate::state_misfit(line, freedom);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
             }
         }
-        gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+        if settings.rejection == Rejection::Off {
+            return;
+        }
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }
@@ -328,6 +334,7 @@ struct ColumnJob<'a> {
     noise: &'a NoiseModel,
     table: &'a Table,
     min_snr: f32,
+    reject: bool,
 }
 
 /// The inner loop.
@@ -359,7 +366,7 @@ fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &m
         return Edge::gap(Reason::LowContrast);
     }
     let own = windows.light[column] - windows.dark[column];
-    if !(own > 0.5 * contrast && own < 2.0 * contrast) {
+    if job.reject && !(own > 0.5 * contrast && own < 2.0 * contrast) {
         return Edge::gap(Reason::Contaminated);
     }
     let window = windows.of(column);
