@@ -41,11 +41,11 @@ pub struct Gpu {
     failure: Arc<Mutex<Option<String>>>,
 }
 
-/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands.
-type Variant = [u32; 3];
+/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands, uneven light.
+type Variant = [u32; 4];
 
 fn variant(job: &Job<'_>) -> Variant {
-    [pixels_per_word(job.format), job.params.pattern, job.params.overlap]
+    [pixels_per_word(job.format), job.params.pattern, job.params.overlap, job.params.light]
 }
 
 struct Pipelines {
@@ -207,6 +207,7 @@ impl Gpu {
                     ("pixels_per_word", f64::from(variant[0])),
                     ("with_pattern", f64::from(variant[1])),
                     ("with_overlap", f64::from(variant[2])),
+                    ("with_light", f64::from(variant[3])),
                 ],
                 ..Default::default()
             },
