@@ -230,6 +230,8 @@ impl Scene {
             row_keys: row_keys(window, request.seed, request.frame_id, self.bench.pattern_seed),
             esf: &self.esf,
             quadrature,
+            stacked: false,
+            profiles: Vec::new(),
         })
     }
 }

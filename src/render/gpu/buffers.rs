@@ -31,7 +31,7 @@ impl Size {
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
             bytes(job.row_keys.len(), 16),
-            bytes(job.esf.segments.len(), 16),
+            bytes(job.esf.segments.len() + job.profiles.len(), 16),
             MOST_NODES * 16,
             u64::from(job.params.words) * u64::from(job.params.rows) * 4,
         ])
@@ -117,6 +117,13 @@ impl Buffers {
         ];
         for (buffer, bytes) in self.inputs.iter().zip(parts) {
             queue.write_buffer(buffer, 0, bytes);
+        }
+        if !job.profiles.is_empty() {
+            queue.write_buffer(
+                &self.inputs[4],
+                16 * job.esf.segments.len() as u64,
+                cast_slice(&job.profiles),
+            );
         }
     }
 
