@@ -9,6 +9,8 @@ override pixels_per_word: u32 = 2u;
 override with_pattern: u32 = 0u;
 override with_overlap: u32 = 0u;
 override with_light: u32 = 0u;
+override with_stack: u32 = 0u;
+override with_profiles: u32 = 0u;
 
 struct Params {
     rows: u32,
@@ -54,6 +56,8 @@ struct Edge {
     part: f32,
     across: f32,
     along: f32,
+    table: u32,
+    blend: f32,
 }
 
 struct Column {
@@ -133,22 +137,41 @@ fn quantise(counts: f32) -> u32 {
     return bitcast<u32>(clamp(clipped, 0.0, params.full_scale) + 8388608.0) & 0x7fffffu;
 }
 
-// Share of the light at u, by the tabulated edge-spread function.
-fn edge_spread(u: f32) -> f32 {
+// Share of the light at u, by one tabulated edge-spread function.
+fn edge_spread(u: f32, table: u32) -> f32 {
     let place = clamp((u + params.esf_reach) * params.esf_per_unit, 0.0, f32(params.esf_segments));
     let segment = min(u32(place), params.esf_segments - 1u);
     let t = place - f32(segment);
-    let c = esf[segment];
+    let c = esf[table * params.esf_segments + segment];
     return c.x + t * (c.y + t * (c.z + t * c.w));
+}
+
+// Share of the light of a pixel past an edge that is no straight line: read from the edge's own profile down the column,
+// which lies behind the tables, four rows a vector.
+fn profile(edge: Edge, row: i32) -> f32 {
+    let i = row - edge.whole;
+    if (i < 0 || i >= i32(edge.blend)) {
+        return select(0.0, 1.0, (i < 0) == (edge.across < 0.0));
+    }
+    let at = (edge.table & 0x7fffffffu) + u32(i);
+    return esf[at >> 2u][at & 3u];
 }
 
 // Share of the light that a pixel gets past one edge, integrated over the pixel's area.
 fn transmitted(edge: Edge, row: i32) -> f32 {
+    if (with_profiles != 0u && edge.table >= 0x80000000u) {
+        return profile(edge, row);
+    }
     let centre = ((f32(row - edge.whole)) - edge.part) * edge.across;
     var sum = 0.0;
     for (var i = 0u; i < params.nodes; i++) {
         let node = quadrature[i];
-        sum = sum + node.weight * edge_spread((centre + node.down * edge.across) + node.along * edge.along);
+        let u = (centre + node.down * edge.across) + node.along * edge.along;
+        var light = edge_spread(u, edge.table);
+        if (with_stack != 0u) {
+            light = light + edge.blend * (edge_spread(u, edge.table + 1u) - light);
+        }
+        sum = sum + node.weight * light;
     }
     return sum;
 }

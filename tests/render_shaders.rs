@@ -102,7 +102,7 @@ fn host_and_shader_agree_on_every_struct() {
         light_scale
     );
     same_layout!(&module, "Row", Row, key, light_low, light_high);
-    same_layout!(&module, "Edge", Edge, whole, part, across, along);
+    same_layout!(&module, "Edge", Edge, whole, part, across, along, table, blend);
     same_layout!(&module, "Column", Column, top, bottom);
     same_layout!(&module, "Node", Node, along, down, weight, padding);
 }

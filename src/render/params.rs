@@ -144,6 +144,10 @@ pub struct Job<'a> {
     pub esf: &'a EsfTable,
     /// Nodes over a pixel.
     pub quadrature: Vec<Node>,
+    /// Whether edges lie between two tables.
+    pub stacked: bool,
+    /// Light down the columns whose edges are no straight lines, four rows an element; edges index it behind `esf`.
+    pub profiles: Vec<[f32; 4]>,
 }
 
 /// Pixels in a 32-bit word of a format.

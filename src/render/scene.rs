@@ -261,6 +261,8 @@ impl Scene {
             contamination,
             esf: &self.esf,
             quadrature,
+            stacked: false,
+            profiles: Vec::new(),
         })
     }
 

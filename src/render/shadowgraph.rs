@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::columns::Edge;
+use super::columns::{Edge, PROFILE};
 use super::noise::{DENOMINATOR, NUMERATOR};
 use super::params::{Job, Params, Row};
 
@@ -76,24 +76,43 @@ fn quantise(params: &Params, counts: f32) -> u32 {
     (counts.min(params.ceiling).max(0.0).min(params.full_scale) + 8_388_608.0).to_bits() & 0x7f_ffff
 }
 
-/// Share of the light at u, by the tabulated edge-spread function.
+/// Share of the light at u, by one tabulated edge-spread function.
 #[inline(always)]
-fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32) -> f32 {
+fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32, table: u32) -> f32 {
     let place = ((u + params.esf_reach) * params.esf_per_unit).max(0.0).min(params.esf_segments as f32);
     let segment = (place as u32).min(params.esf_segments - 1);
     let t = place - segment as f32;
-    let c = esf[segment as usize];
+    let c = esf[(table * params.esf_segments + segment) as usize];
     c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+}
+
+/// Share of the light of a pixel past an edge that is no straight line: read from the edge's own profile down the column,
+/// which lies behind the tables, four rows a vector.
+#[inline(always)]
+fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
+    let i = row - edge.whole;
+    if i < 0 || i >= edge.blend as i32 {
+        return f32::from(u8::from((i < 0) == (edge.across < 0.0)));
+    }
+    let at = ((edge.table & !PROFILE) as usize + i as usize) - 4 * job.esf.segments.len();
+    job.profiles[at >> 2][at & 3]
 }
 
 /// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
 #[inline(always)]
 fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
+    if edge.table >= PROFILE {
+        return profile(job, edge, row);
+    }
     let centre = ((row - edge.whole) as f32 - edge.part) * edge.across;
     let mut sum = 0.0;
     for node in &job.quadrature {
         let u = (centre + node.down * edge.across) + node.along * edge.along;
-        sum += node.weight * edge_spread(&job.params, &job.esf.segments, u);
+        let mut light = edge_spread(&job.params, &job.esf.segments, u, edge.table);
+        if job.stacked {
+            light += edge.blend * (edge_spread(&job.params, &job.esf.segments, u, edge.table + 1) - light);
+        }
+        sum += node.weight * light;
     }
     sum
 }

@@ -32,7 +32,7 @@ impl Size {
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
             bytes(job.rows.len(), size_of::<Row>()),
-            bytes(job.esf.segments.len(), 16),
+            bytes(job.esf.segments.len() + job.profiles.len(), 16),
             MOST_NODES * 16,
             u64::from(job.params.words) * u64::from(job.params.rows) * 4,
             bytes(light_words(job).len().max(4), 4),
@@ -129,6 +129,13 @@ impl Buffers {
         let light = light_words(job);
         if !light.is_empty() {
             queue.write_buffer(&self.light, 0, cast_slice(light));
+        }
+        if !job.profiles.is_empty() {
+            queue.write_buffer(
+                &self.inputs[4],
+                16 * job.esf.segments.len() as u64,
+                cast_slice(&job.profiles),
+            );
         }
     }
 
