@@ -1,7 +1,9 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
+pub mod contamination;
 pub mod controllers;
 pub mod deflection;
+pub mod dirty_frames;
 pub mod factor;
 pub mod optimize;
 pub mod reproduce_000;
