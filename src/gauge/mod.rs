@@ -1,10 +1,13 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
+pub mod bench;
 mod blur;
+pub mod budget;
 mod calibration;
 mod caliper;
 mod clipped;
 mod coarse;
+mod curvature;
 mod diameter;
 mod edges;
 mod finder;
@@ -13,6 +16,7 @@ mod gate;
 pub mod judgement;
 mod levels;
 mod model;
+pub mod monte_carlo;
 mod noise;
 pub mod photon_transfer;
 mod pixels;
