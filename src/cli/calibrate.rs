@@ -115,7 +115,11 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(field) = &bench.flat_field {
-        println!("flat field: {} defective pixels, light falls by {:.2} %", field.defects.len(), 1e2 * field.fall_off);
+        println!(
+            "flat field: {} defective pixels, light falls by {:.2} %",
+            field.defects.len(),
+            1e2 * field.fall_off
+        );
     }
     if let Some(check) = bench.check {
         println!(

@@ -8,6 +8,7 @@ mod demo;
 mod doctor;
 mod frame_files;
 mod measure;
+mod measure_judge;
 pub mod measure_ring;
 mod nc;
 mod optimize;

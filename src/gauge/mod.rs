@@ -29,6 +29,8 @@ mod settings;
 mod side;
 mod station;
 mod table;
+pub mod tolerance;
+pub mod turn_form;
 mod window;
 
 pub use calibration::{

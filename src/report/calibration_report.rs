@@ -53,7 +53,9 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
 
 fn verdict(page: &mut Page, bench: &BenchCalibration) {
     let Some(check) = bench.check else {
-        page.text("No check pin was measured: nothing but the masters themselves speaks for this calibration.");
+        page.text(
+            "No check pin was measured: nothing but the masters themselves speaks for this calibration.",
+        );
         return;
     };
     page.text(&format!(
@@ -100,7 +102,8 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
                 Series::new(pin.name.clone(), Mark::Dots, index, points)
             })
             .collect();
-        let chart = Chart { x_label: x_label.into(), y_label: "residual / µm".into(), series, ..Chart::default() };
+        let chart =
+            Chart { x_label: x_label.into(), y_label: "residual / µm".into(), series, ..Chart::default() };
         page.figure(&chart.to_svg().map_err(ReportError::Draw)?, caption);
     }
     Ok(())
@@ -132,7 +135,8 @@ fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> 
         1e2 * sensor.prnu,
         1e2 * sensor.linearity_error
     ));
-    let points: Vec<(f64, f64)> = sensor.curve.iter().map(|p| (p.signal_counts, p.variance_counts2)).collect();
+    let points: Vec<(f64, f64)> =
+        sensor.curve.iter().map(|p| (p.signal_counts, p.variance_counts2)).collect();
     let line = points.iter().map(|p| (p.0, sensor.gain_counts_per_electron * p.0)).collect();
     let chart = Chart {
         x_label: "signal above dark / counts".into(),
