@@ -1,5 +1,6 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
+pub mod calibration;
 pub mod contamination;
 pub mod controllers;
 pub mod deflection;
