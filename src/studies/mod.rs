@@ -4,6 +4,7 @@ pub mod controllers;
 pub mod deflection;
 pub mod factor;
 pub mod optimize;
+pub mod parts;
 pub mod reproduce_000;
 pub mod reproduce_003;
 pub mod reproduction;
