@@ -24,6 +24,7 @@ mod study_controllers;
 mod study_deflection;
 mod study_factor;
 mod study_files;
+mod study_parts;
 mod study_stability;
 
 use std::io::IsTerminal as _;
