@@ -138,7 +138,11 @@ impl AxisScratch {
             let limit = (3.0 * self.spread(&best.1)).max(0.5 * FLOOR_PX);
             let kept = || self.blocks.iter().filter(|b| !far(&best.1, limit, b));
             let bent = fit(kept(), true)?;
-            best.1 = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * best.1[2].abs()) { bent } else { fit(kept(), false)? };
+            best.1 = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * best.1[2].abs()) {
+                bent
+            } else {
+                fit(kept(), false)?
+            };
         }
         Some(best.1)
     }

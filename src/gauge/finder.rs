@@ -71,6 +71,7 @@ struct Scale {
 struct Scene {
     noise: NoiseModel,
     clip: [Option<f32>; 2],
+    quantised: bool,
 }
 
 impl EdgeStream {
@@ -304,7 +305,7 @@ impl EdgeStream {
             || top.pool_levels(&noise, dark, light, levels),
             || bottom.pool_levels(&noise, dark, light, levels),
         );
-        if a && b { Ok(Scene { noise, clip }) } else { Err(none()) }
+        if a && b { Ok(Scene { noise, clip, quantised: scale.floor > 0.0 }) } else { Err(none()) }
     }
 
     fn noise(&mut self, dark: f64, light: f64, clip: [Option<f32>; 2], floor: f64) -> Option<NoiseModel> {
@@ -389,6 +390,7 @@ impl EdgeStream {
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
             misfit: self.misfit(),
+            quantised: scene.quantised,
         }
     }
 }

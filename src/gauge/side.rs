@@ -283,7 +283,13 @@ impl SideState {
             let index = self.table(sigma, kappa, free);
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
-            let job = ColumnJob { side: self, noise, table, min_snr: settings.min_snr as f32, reject: settings.rejection != Rejection::Off };
+            let job = ColumnJob {
+                side: self,
+                noise,
+                table,
+                min_snr: settings.min_snr as f32,
+                reject: settings.rejection != Rejection::Off,
+            };
             score_columns(&job, from..to, &mut normalised, line);
             from = to;
         }

@@ -69,7 +69,8 @@ impl Matter {
 
     /// Settings under which a good part of the frames is harmed.
     fn settings(self) -> Contamination {
-        let clean = Contamination { beam_depth_mm: 30.0, window_distance_mm: 20.0, ..Contamination::default() };
+        let clean =
+            Contamination { beam_depth_mm: 30.0, window_distance_mm: 20.0, ..Contamination::default() };
         let windows = WindowDroplets { per_cm2: 20.0, ..WindowDroplets::default() };
         let air = AirDroplets { per_cm2: 60.0, ..AirDroplets::default() };
         let chips = Chips { per_cm2: 3.0, ..Chips::default() };
