@@ -20,6 +20,7 @@ mod reproduce_003;
 mod run;
 mod schema;
 mod study;
+mod study_contamination;
 mod study_controllers;
 mod study_deflection;
 mod study_factor;

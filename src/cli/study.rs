@@ -3,6 +3,7 @@
 use clap::Subcommand;
 
 use super::CommandResult;
+use super::study_contamination::{self, StudyContaminationArgs};
 use super::study_controllers::{self, StudyControllersArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
@@ -14,6 +15,8 @@ use super::study_stability::{self, StudyStabilityArgs};
 pub enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
+    /// Matter before the shaft and on it: how often it misleads the gauge.
+    Contamination(StudyContaminationArgs),
     /// Every controller on the same shafts, through rendered and measured frames.
     Controllers(StudyControllersArgs),
     /// A batch of parts, with and without learning from part to part.
@@ -31,6 +34,7 @@ pub enum Study {
 pub fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => study_deflection::run(args),
+        Study::Contamination(args) => study_contamination::run(args),
         Study::Controllers(args) => study_controllers::run(args),
         Study::Parts(args) => study_parts::run(args),
         Study::Stability(args) => study_stability::run(args),
