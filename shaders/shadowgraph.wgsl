@@ -8,6 +8,9 @@ override pixels_per_word: u32 = 2u;
 // What a branch at run time would cost even where it is not taken (a software device runs both sides).
 override with_pattern: u32 = 0u;
 override with_overlap: u32 = 0u;
+override with_light: u32 = 0u;
+override with_stack: u32 = 0u;
+override with_profiles: u32 = 0u;
 
 struct Params {
     rows: u32,
@@ -36,6 +39,16 @@ struct Params {
     dsnu: f32,
     hot: f32,
     ceiling: f32,
+    light: u32,
+    light_words: u32,
+    light_centre: f32,
+    light_scale: f32,
+}
+
+struct Row {
+    key: vec4<u32>,
+    light_low: vec4<f32>,
+    light_high: vec4<f32>,
 }
 
 struct Edge {
@@ -43,6 +56,8 @@ struct Edge {
     part: f32,
     across: f32,
     along: f32,
+    table: u32,
+    blend: f32,
 }
 
 struct Column {
@@ -60,10 +75,11 @@ struct Node {
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> columns: array<Column>;
 @group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
-@group(0) @binding(3) var<storage, read> row_keys: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> rows: array<Row>;
 @group(0) @binding(4) var<storage, read> esf: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> quadrature: array<Node>;
 @group(0) @binding(6) var<storage, read_write> image: array<u32>;
+@group(0) @binding(7) var<storage, read> light_map: array<u32>;
 
 // 32 random bits of a pixel.
 fn hash(key: vec2<u32>, column: u32) -> u32 {
@@ -121,24 +137,65 @@ fn quantise(counts: f32) -> u32 {
     return bitcast<u32>(clamp(clipped, 0.0, params.full_scale) + 8388608.0) & 0x7fffffu;
 }
 
-// Share of the light at u, by the tabulated edge-spread function.
-fn edge_spread(u: f32) -> f32 {
+// Share of the light at u, by one tabulated edge-spread function.
+fn edge_spread(u: f32, table: u32) -> f32 {
     let place = clamp((u + params.esf_reach) * params.esf_per_unit, 0.0, f32(params.esf_segments));
     let segment = min(u32(place), params.esf_segments - 1u);
     let t = place - f32(segment);
-    let c = esf[segment];
+    let c = esf[table * params.esf_segments + segment];
     return c.x + t * (c.y + t * (c.z + t * c.w));
+}
+
+// Share of the light of a pixel past an edge that is no straight line: read from the edge's own profile down the column,
+// which lies behind the tables, four rows a vector.
+fn profile(edge: Edge, row: i32) -> f32 {
+    let i = row - edge.whole;
+    if (i < 0 || i >= i32(edge.blend)) {
+        return select(0.0, 1.0, (i < 0) == (edge.across < 0.0));
+    }
+    let at = (edge.table & 0x7fffffffu) + u32(i);
+    return esf[at >> 2u][at & 3u];
 }
 
 // Share of the light that a pixel gets past one edge, integrated over the pixel's area.
 fn transmitted(edge: Edge, row: i32) -> f32 {
+    if (with_profiles != 0u && edge.table >= 0x80000000u) {
+        return profile(edge, row);
+    }
     let centre = ((f32(row - edge.whole)) - edge.part) * edge.across;
     var sum = 0.0;
     for (var i = 0u; i < params.nodes; i++) {
         let node = quadrature[i];
-        sum = sum + node.weight * edge_spread((centre + node.down * edge.across) + node.along * edge.along);
+        let u = (centre + node.down * edge.across) + node.along * edge.along;
+        var light = edge_spread(u, edge.table);
+        if (with_stack != 0u) {
+            light = light + edge.blend * (edge_spread(u, edge.table + 1u) - light);
+        }
+        sum = sum + node.weight * light;
     }
     return sum;
+}
+
+// Light over the field along a row: a polynomial in the distance from the axis.
+fn field_light(low: vec4<f32>, high: vec4<f32>, sensor_column: u32) -> f32 {
+    let u = (f32(sensor_column) - params.light_centre) * params.light_scale;
+    return low.x + u * (low.y + u * (low.z + u * (low.w + u * (high.x + u * (high.y + u * high.z)))));
+}
+
+// What contamination leaves of a pixel's light.
+fn clear_light(row: u32, column: u32) -> f32 {
+    let word = light_map[row * params.light_words + (column >> 1u)];
+    return f32((word >> ((column & 1u) << 4u)) & 0xffffu) * 3.0517578125e-5;
+}
+
+// Light of the bright field at a pixel, 1 where it is even and clear.
+fn field_factor(row: u32, column: u32) -> f32 {
+    let r = rows[row];
+    var factor = field_light(r.light_low, r.light_high, params.column0 + column);
+    if (with_light > 1u) {
+        factor = factor * clear_light(row, min(column, params.columns - 1u));
+    }
+    return factor;
 }
 
 // A pixel far from the edges; the band overwrites what is near.
@@ -149,6 +206,12 @@ fn flat_pixel(k: vec4<f32>, mean: f32, column: u32, key: vec4<u32>) -> u32 {
         counts = counts + fixed_pattern(mean, key, sensor_column);
     }
     return quantise(counts);
+}
+
+// A bright pixel far from the edges where the light is not even.
+fn lit_pixel(row: u32, column: u32, key: vec4<u32>) -> u32 {
+    let mean = params.shadow + params.contrast * field_factor(row, column);
+    return flat_pixel(shaped(mean), mean, column, key);
 }
 
 // A pixel near an edge; the other edge adds light only where the two bands overlap.
@@ -163,6 +226,9 @@ fn edge_pixel(row: i32, column: u32, key: vec4<u32>, lower: bool) -> u32 {
     var light = transmitted(near, row);
     if (with_overlap != 0u) {
         light = light + transmitted(other, row);
+    }
+    if (with_light != 0u) {
+        light = light * field_factor(u32(row), column);
     }
     let mean = params.shadow + params.contrast * light;
     let sensor_column = params.column0 + column;
@@ -179,7 +245,7 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (x >= params.words) {
         return;
     }
-    let key = row_keys[group.y];
+    let key = rows[group.y].key;
     let start = band_start[x];
     let row = i32(group.y);
     let inside = row >= start.x && row < start.y + i32(params.band_rows);
@@ -188,7 +254,11 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let column = x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {
-        word = word | (flat_pixel(k, mean, column + i, key) << (i * (32u / pixels_per_word)));
+        var pixel = flat_pixel(k, mean, column + i, key);
+        if (with_light != 0u) {
+            pixel = select(lit_pixel(group.y, column + i, key), pixel, inside);
+        }
+        word = word | (pixel << (i * (32u / pixels_per_word)));
     }
     image[group.y * params.words + x] = word;
 }
@@ -204,7 +274,7 @@ fn band(@builtin(global_invocation_id) id: vec3<u32>) {
     if (row < 0 || row >= i32(params.rows)) {
         return;
     }
-    let key = row_keys[row];
+    let key = rows[row].key;
     let column = id.x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {

@@ -122,7 +122,9 @@ impl TurningCell for SimulatedCell<'_> {
         let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48));
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
-            .map(|pose| Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }))
+            .map(|pose| {
+                Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
+            })
             .collect();
         self.frame_id = (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();

@@ -12,6 +12,7 @@ use crate::gauge::GaugeSettings;
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
 use crate::process::ProcessSettings;
 use crate::render::RenderError;
+use crate::render::contamination::Contamination;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 
@@ -223,6 +224,8 @@ pub struct Job {
     pub light: Light,
     /// Sensor.
     pub sensor: Sensor,
+    /// What soils the view; clean by default.
+    pub contamination: Contamination,
     /// How far the true optics and sensor may lie from their nominal values (drawn by seed).
     pub departures: Departures,
     /// The turning process.
@@ -248,6 +251,7 @@ impl Default for Job {
             optics: Optics::default(),
             light: Light::default(),
             sensor: Sensor::default(),
+            contamination: Contamination::default(),
             departures: Departures::default(),
             process: ProcessSettings::default(),
             gauge: GaugeSettings::default(),
@@ -264,6 +268,7 @@ impl Job {
             optics: self.optics.clone(),
             light: self.light.clone(),
             sensor: self.sensor.clone(),
+            contamination: self.contamination.clone(),
             departures: self.departures.clone(),
         }
     }

@@ -29,7 +29,14 @@ pub struct Edge {
     pub across: f32,
     /// ±sin β / scale with the opposite sign: units of the table a column.
     pub along: f32,
+    /// Edge-spread table; from [`PROFILE`] on the place of the edge's own profile, counted in f32 from the first table.
+    pub table: u32,
+    /// Share of the next table; of a profile its rows, the first of which is `whole`.
+    pub blend: f32,
 }
+
+/// Marks an edge that is drawn from a profile of its own: no straight line within the blur.
+pub const PROFILE: u32 = 0x8000_0000;
 
 /// Both edges of a column as the kernel reads them.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -115,6 +122,8 @@ fn edge(straight: Straight, defocus: f64, esf: &EsfTable, sign: f64) -> Edge {
         part: (straight.row - whole) as f32,
         across: (sign * cos / scale) as f32,
         along: (-sign * cos * straight.slope / scale) as f32,
+        table: 0,
+        blend: 0.0,
     }
 }
 
@@ -136,6 +145,15 @@ pub struct Bands {
     pub overlap: bool,
 }
 
+/// First and last row that an edge touches.
+fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
+    if e.table >= PROFILE {
+        return (e.whole, e.whole + (e.blend as i32 - 1).max(0));
+    }
+    let half = (esf.reach / e.across.abs() + 0.5 * (1.0 + (e.along / e.across).abs())).ceil() as i32;
+    (e.whole - half, e.whole + half)
+}
+
 /// Bands that hold every pixel where an edge is neither full light nor full shadow.
 pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
     let mut rows = 1;
@@ -145,10 +163,9 @@ pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
         let mut last = [i32::MIN; 2];
         for column in members {
             for (side, e) in [column.top, column.bottom].iter().enumerate() {
-                let half =
-                    (esf.reach / e.across.abs() + 0.5 * (1.0 + (e.along / e.across).abs())).ceil() as i32;
-                first[side] = first[side].min(e.whole - half);
-                last[side] = last[side].max(e.whole + half);
+                let (from, to) = rows_of(e, esf);
+                first[side] = first[side].min(from);
+                last[side] = last[side].max(to);
             }
         }
         rows = rows.max((0..2).map(|s| last[s] - first[s] + 1).max().unwrap_or(1));

@@ -15,6 +15,7 @@ pub mod form;
 pub mod fresnel;
 pub mod gpu;
 pub mod lens;
+pub mod light_map;
 pub mod motion;
 pub mod noise;
 pub mod params;
@@ -24,6 +25,7 @@ mod scene;
 pub mod settings;
 pub mod shadowgraph;
 pub mod silhouette;
+mod veil;
 
 pub use bench::OpticalBench;
 pub use error::RenderError;

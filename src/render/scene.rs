@@ -6,8 +6,10 @@ use super::bench::OpticalBench;
 use super::columns::{ColumnEdges, RowBlur, bands, extremes, kernel_columns};
 use super::error::RenderError;
 use super::esf::{EsfTable, pixel_quadrature};
-use super::params::{Job, Levels, Params, Window, pixels_per_word, row_keys};
+use super::light_map::LightMap;
+use super::params::{FrameKeys, Job, Levels, Params, Window, pixels_per_word, rows_of};
 use super::silhouette::{Outline, Turned};
+use super::veil;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::shaft::Shaft;
 
@@ -42,6 +44,7 @@ pub struct Scene {
     outline: Outline,
     esf: EsfTable,
     blur: RowBlur,
+    wiped: bool,
 }
 
 impl Scene {
@@ -64,7 +67,13 @@ impl Scene {
         }
         let esf = EsfTable::new(&bench.esf, bench.pixel_mm);
         let blur = RowBlur::new(esf.blur_px);
-        Ok(Self { bench: bench.clone(), outline, esf, blur })
+        Ok(Self { bench: bench.clone(), outline, esf, blur, wiped: false })
+    }
+
+    /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
+    #[must_use]
+    pub fn wiped(self) -> Self {
+        Self { wiped: true, ..self }
     }
 
     /// The true bench.
@@ -210,7 +219,21 @@ impl Scene {
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
         let window = self.window(request)?;
         let format = self.format(request);
-        let edges = self.edges_over(request, window, self.blur.reach())?;
+        let reach = self.blur.reach();
+        let mut edges = self.edges_over(request, window, reach)?;
+        let rises = match self.wiped {
+            true => Vec::new(),
+            false => veil::raise_edges(&self.bench, self.outline.shaft(), request, window, &mut edges)?,
+        };
+        let seen = |all: usize| reach.min(all)..all.saturating_sub(reach).max(reach.min(all));
+        let contamination = veil::contamination(
+            &self.bench,
+            request,
+            window,
+            &edges[seen(edges.len())],
+            &rises[seen(rises.len())],
+            self.esf.blur_px,
+        )?;
         let columns = kernel_columns(&edges, &self.defocus(request, window), &self.blur, &self.esf);
         let (max_sin, _) = extremes(&columns, self.esf.scale_px);
         let quadrature = pixel_quadrature(self.esf.blur_px, max_sin);
@@ -222,14 +245,43 @@ impl Scene {
         params.esf_segments = self.esf.segments.len() as u32;
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;
+        self.light_params(&mut params, contamination.as_ref());
+        let keys = FrameKeys {
+            seed: request.seed,
+            frame_id: request.frame_id,
+            pattern_seed: self.bench.pattern_seed,
+        };
+        let sensor = [self.bench.rows(), self.bench.columns()];
         Ok(Job {
             params,
             format,
             columns,
             bands,
-            row_keys: row_keys(window, request.seed, request.frame_id, self.bench.pattern_seed),
+            rows: rows_of(window, keys, &self.bench.nominal.light.field, sensor),
+            contamination,
             esf: &self.esf,
             quadrature,
+            stacked: false,
+            profiles: Vec::new(),
         })
+    }
+
+    fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
+        params.light = match contamination {
+            Some(map) if !map.words.is_empty() => 2,
+            _ => u32::from(!self.bench.nominal.light.field.is_even()),
+        };
+        let half_diagonal = 0.5 * (self.bench.rows() as f64).hypot(self.bench.columns() as f64);
+        params.light_centre = self.bench.centre_column() as f32;
+        params.light_scale = (1.0 / half_diagonal) as f32;
+    }
+
+    /// Takes a frame's contamination back for its memory and gives out its mask.
+    pub(super) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
+        let mask = std::mem::take(&mut map.mask);
+        if let Some(soiling) = &self.bench.soiling {
+            soiling.recycle(map);
+        }
+        mask
     }
 }

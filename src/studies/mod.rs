@@ -1,8 +1,10 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
 pub mod calibration;
+pub mod contamination;
 pub mod controllers;
 pub mod deflection;
+pub mod dirty_frames;
 pub mod factor;
 pub mod optimize;
 pub mod reproduce_000;

@@ -116,6 +116,7 @@ impl SimulatedPlan {
             light: self.light.clone(),
             sensor: self.sensor.clone(),
             departures: self.departures.clone(),
+            ..BenchSettings::default()
         }
     }
 }
