@@ -5,10 +5,12 @@ use clap::Subcommand;
 use super::CommandResult;
 use super::study_contamination::{self, StudyContaminationArgs};
 use super::study_controllers::{self, StudyControllersArgs};
+use super::study_coverage::{self, StudyCoverageArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
 use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
+use super::study_uncertainty::{self, StudyUncertaintyArgs};
 
 /// The studies.
 #[derive(Debug, Subcommand)]
@@ -25,6 +27,10 @@ pub enum Study {
     Stability(StudyStabilityArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
+    /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
+    Coverage(StudyCoverageArgs),
+    /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
+    Uncertainty(StudyUncertaintyArgs),
 }
 
 /// Runs a study.
@@ -38,6 +44,8 @@ pub fn run(study: &Study) -> CommandResult {
         Study::Controllers(args) => study_controllers::run(args),
         Study::Parts(args) => study_parts::run(args),
         Study::Stability(args) => study_stability::run(args),
+        Study::Coverage(args) => study_coverage::run(args),
+        Study::Uncertainty(args) => study_uncertainty::run(args),
         Study::Factor(args) => study_factor::run(args),
     }
 }
