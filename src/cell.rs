@@ -104,7 +104,11 @@ impl<'a> SimulatedCell<'a> {
 impl TurningCell for SimulatedCell<'_> {
     fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError> {
         let cut = self.process.cut(plan)?;
-        self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
+        self.part = Shaft {
+            deflection: std::mem::take(&mut self.part.deflection),
+            spindle: std::mem::take(&mut self.part.spindle),
+            ..cut
+        };
         self.frame_id = u64::from(plan.pass) * FRAMES_OF_A_PASS;
         self.clock_ns = u64::from(plan.pass) * PASS_PERIOD_NS;
         Ok(())
@@ -168,7 +172,7 @@ fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
         let z: f64 = StandardNormal.sample(&mut random);
         size * z.clamp(-2.0, 2.0)
     };
-    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3) }).collect()
+    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3), ..Pose::default() }).collect()
 }
 
 struct SimulatedFrames<'a> {

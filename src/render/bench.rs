@@ -96,7 +96,7 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
         }
         Esf::PartiallyCoherent(p) => {
             let mut scaled = p.clone();
-            scaled.numerical_aperture /= factor;
+            scaled.na /= factor;
             Esf::PartiallyCoherent(scaled)
         }
         Esf::Fresnel(f) => {
@@ -104,10 +104,10 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
             scaled.distance_mm *= factor * factor;
             Esf::Fresnel(scaled)
         }
-        Esf::Table(t) => {
-            let mut scaled = t.clone();
-            scaled.distance_px.iter_mut().for_each(|d| *d *= factor);
-            Esf::Table(scaled)
+        Esf::Measured(m) => {
+            let mut scaled = m.clone();
+            scaled.d_um.iter_mut().for_each(|d| *d *= factor);
+            Esf::Measured(scaled)
         }
     }
 }

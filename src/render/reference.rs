@@ -12,6 +12,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
+use super::esf_families::EdgeSpread;
+
 /// Distance, in σ beyond the pixel, at which Gaussians are cut: Φ(-7) = 1e-12.
 const REACH_SIGMA: f64 = 7.0;
 
@@ -72,6 +74,24 @@ impl GaussianReference {
     fn step(&self, u: f64) -> f64 {
         let v = u / self.sigma_px;
         u * phi(v) + self.sigma_px * (-0.5 * v * v).exp() / (2.0 * PI).sqrt()
+    }
+}
+
+/// Straight edges of any family: F over the distance to the line, integrated over the pixel's square by the closed form
+/// in the table's second integral ([`EdgeSpread::over_pixel`]); the kernels take nodes over the pixel instead.
+#[derive(Clone, Copy, Debug)]
+pub struct StraightReference<'a> {
+    /// The edge spread.
+    pub esf: &'a EdgeSpread,
+    /// Size of a pixel on the object, µm.
+    pub pixel_um: f64,
+}
+
+impl StraightReference<'_> {
+    /// Light on a pixel whose centre lies `above_px` rows above an edge of slope tan β = `slope`, light above the edge.
+    pub fn light(&self, above_px: f64, slope: f64) -> f64 {
+        let distance_um = above_px / slope.hypot(1.0) * self.pixel_um;
+        self.esf.over_pixel(distance_um, self.pixel_um, slope.atan())
     }
 }
 

@@ -183,6 +183,7 @@ impl GoldenScene {
             optics: case.optics.clone(),
             light: case.light.clone(),
             sensor: case.sensor.clone(),
+            motion: Default::default(),
             departures: Departures::none(),
         };
         let bench = OpticalBench::resolve(&settings, case.seed).unwrap();
