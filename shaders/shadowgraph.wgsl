@@ -8,6 +8,7 @@ override pixels_per_word: u32 = 2u;
 // What a branch at run time would cost even where it is not taken (a software device runs both sides).
 override with_pattern: u32 = 0u;
 override with_overlap: u32 = 0u;
+override with_light: u32 = 0u;
 override with_stack: u32 = 0u;
 override with_profiles: u32 = 0u;
 
@@ -38,6 +39,16 @@ struct Params {
     dsnu: f32,
     hot: f32,
     ceiling: f32,
+    light: u32,
+    light_words: u32,
+    light_centre: f32,
+    light_scale: f32,
+}
+
+struct Row {
+    key: vec4<u32>,
+    light_low: vec4<f32>,
+    light_high: vec4<f32>,
 }
 
 struct Edge {
@@ -64,10 +75,11 @@ struct Node {
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> columns: array<Column>;
 @group(0) @binding(2) var<storage, read> band_start: array<vec2<i32>>;
-@group(0) @binding(3) var<storage, read> row_keys: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> rows: array<Row>;
 @group(0) @binding(4) var<storage, read> esf: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> quadrature: array<Node>;
 @group(0) @binding(6) var<storage, read_write> image: array<u32>;
+@group(0) @binding(7) var<storage, read> light_map: array<u32>;
 
 // 32 random bits of a pixel.
 fn hash(key: vec2<u32>, column: u32) -> u32 {
@@ -164,6 +176,28 @@ fn transmitted(edge: Edge, row: i32) -> f32 {
     return sum;
 }
 
+// Light over the field along a row: a polynomial in the distance from the axis.
+fn field_light(low: vec4<f32>, high: vec4<f32>, sensor_column: u32) -> f32 {
+    let u = (f32(sensor_column) - params.light_centre) * params.light_scale;
+    return low.x + u * (low.y + u * (low.z + u * (low.w + u * (high.x + u * (high.y + u * high.z)))));
+}
+
+// What contamination leaves of a pixel's light.
+fn clear_light(row: u32, column: u32) -> f32 {
+    let word = light_map[row * params.light_words + (column >> 1u)];
+    return f32((word >> ((column & 1u) << 4u)) & 0xffffu) * 3.0517578125e-5;
+}
+
+// Light of the bright field at a pixel, 1 where it is even and clear.
+fn field_factor(row: u32, column: u32) -> f32 {
+    let r = rows[row];
+    var factor = field_light(r.light_low, r.light_high, params.column0 + column);
+    if (with_light > 1u) {
+        factor = factor * clear_light(row, min(column, params.columns - 1u));
+    }
+    return factor;
+}
+
 // A pixel far from the edges; the band overwrites what is near.
 fn flat_pixel(k: vec4<f32>, mean: f32, column: u32, key: vec4<u32>) -> u32 {
     let sensor_column = params.column0 + column;
@@ -172,6 +206,12 @@ fn flat_pixel(k: vec4<f32>, mean: f32, column: u32, key: vec4<u32>) -> u32 {
         counts = counts + fixed_pattern(mean, key, sensor_column);
     }
     return quantise(counts);
+}
+
+// A bright pixel far from the edges where the light is not even.
+fn lit_pixel(row: u32, column: u32, key: vec4<u32>) -> u32 {
+    let mean = params.shadow + params.contrast * field_factor(row, column);
+    return flat_pixel(shaped(mean), mean, column, key);
 }
 
 // A pixel near an edge; the other edge adds light only where the two bands overlap.
@@ -186,6 +226,9 @@ fn edge_pixel(row: i32, column: u32, key: vec4<u32>, lower: bool) -> u32 {
     var light = transmitted(near, row);
     if (with_overlap != 0u) {
         light = light + transmitted(other, row);
+    }
+    if (with_light != 0u) {
+        light = light * field_factor(u32(row), column);
     }
     let mean = params.shadow + params.contrast * light;
     let sensor_column = params.column0 + column;
@@ -202,7 +245,7 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if (x >= params.words) {
         return;
     }
-    let key = row_keys[group.y];
+    let key = rows[group.y].key;
     let start = band_start[x];
     let row = i32(group.y);
     let inside = row >= start.x && row < start.y + i32(params.band_rows);
@@ -211,7 +254,11 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let column = x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {
-        word = word | (flat_pixel(k, mean, column + i, key) << (i * (32u / pixels_per_word)));
+        var pixel = flat_pixel(k, mean, column + i, key);
+        if (with_light != 0u) {
+            pixel = select(lit_pixel(group.y, column + i, key), pixel, inside);
+        }
+        word = word | (pixel << (i * (32u / pixels_per_word)));
     }
     image[group.y * params.words + x] = word;
 }
@@ -227,7 +274,7 @@ fn band(@builtin(global_invocation_id) id: vec3<u32>) {
     if (row < 0 || row >= i32(params.rows)) {
         return;
     }
-    let key = row_keys[row];
+    let key = rows[row].key;
     let column = id.x * pixels_per_word;
     var word = 0u;
     for (var i = 0u; i < pixels_per_word; i++) {

@@ -239,6 +239,17 @@ pub enum Buffer {
     F32(Vec<f32>),
 }
 
+/// Pixels of a frame, to be changed in place.
+#[derive(Debug)]
+pub enum PixelsMut<'a> {
+    /// 8-bit counts.
+    U8(&'a mut [u8]),
+    /// Counts in 16-bit containers.
+    U16(&'a mut [u16]),
+    /// Unquantised counts.
+    F32(&'a mut [f32]),
+}
+
 /// Where on the sensor a frame's first pixel lies.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
@@ -308,6 +319,15 @@ impl Frame {
             columns: self.columns,
             row_stride: self.columns,
             column_stride: 1,
+        }
+    }
+
+    /// The pixels, to be corrected in place.
+    pub fn pixels_mut(&mut self) -> PixelsMut<'_> {
+        match &mut self.buffer {
+            Buffer::U8(p) => PixelsMut::U8(p),
+            Buffer::U16(p) => PixelsMut::U16(p),
+            Buffer::F32(p) => PixelsMut::F32(p),
         }
     }
 

@@ -1,6 +1,8 @@
 //! Edges on synthetic frames: error against the Cramér-Rao bound, kept columns, phase bias, honesty of the uncertainty.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "gauge_edges/esf.rs"]
+mod esf;
 #[path = "support/gauge_synth.rs"]
 mod gauge_synth;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use shadowgauge::render::columns::{Column, Edge};
 use shadowgauge::render::esf::Node;
 use shadowgauge::render::noise::{DENOMINATOR, NUMERATOR};
-use shadowgauge::render::params::Params;
+use shadowgauge::render::params::{Params, Row};
 
 fn parse(path: &Path) -> naga::Module {
     let source = std::fs::read_to_string(path).unwrap();
@@ -95,8 +95,13 @@ fn host_and_shader_agree_on_every_struct() {
         prnu,
         dsnu,
         hot,
-        ceiling
+        ceiling,
+        light,
+        light_words,
+        light_centre,
+        light_scale
     );
+    same_layout!(&module, "Row", Row, key, light_low, light_high);
     same_layout!(&module, "Edge", Edge, whole, part, across, along, table, blend);
     same_layout!(&module, "Column", Column, top, bottom);
     same_layout!(&module, "Node", Node, along, down, weight, padding);
@@ -115,7 +120,7 @@ fn twin_has_every_function_of_the_shader() {
     let twin = include_str!("../src/render/shadowgraph.rs");
     for (_, function) in shadowgraph().functions.iter() {
         let name = function.name.as_deref().unwrap();
-        let twin_name = name.replace("flat_pixel", "flat_pixels");
+        let twin_name = name.replace("flat_pixel", "flat_pixels").replace("lit_pixel", "lit_pixels");
         assert!(twin.contains(&format!("fn {twin_name}")), "{name} has no twin");
     }
 }

@@ -41,6 +41,14 @@ impl FileFormat {
     }
 }
 
+/// A mask of a frame's size as an 8-bit PNG.
+///
+/// # Errors
+/// When the encoder refuses it.
+pub fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<Vec<u8>, IoError> {
+    write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, um_per_px)
+}
+
 /// Widest preview, px.
 const PREVIEW_COLUMNS: usize = 1224;
 

@@ -1,4 +1,4 @@
-//! `shadowgauge measure`: edges and diameters of frames in files.
+//! `shadowgauge measure`: edges and diameters of frames in files; what is said of them beyond that is in `measure_judge`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,8 +7,12 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::measure_judge::{Follower, JudgeArgs, turn_table};
+use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
-use crate::frame::{Frame, FrameView};
+use crate::frame::{Frame, FrameMeta, FrameView};
+use crate::gauge::bench::{Conditions, Date};
+use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::{RingScale, RingSettings};
 use crate::gauge::{
     Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
@@ -29,6 +33,23 @@ pub struct MeasureArgs {
     /// Calibration file (JSON) with scale, edge offset and their uncertainty.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
+    /// Refuses a calibration of other optics than these.
+    #[arg(long, value_name = "ID", requires = "calibration")]
+    optics_id: Option<String>,
+    /// Uses a calibration whose time is over, with a warning.
+    #[arg(long, requires = "calibration")]
+    accept_expired: bool,
+    /// Judges the calibration's validity on this day instead of today, YYYY-MM-DD.
+    #[arg(long, value_name = "DATE", requires = "calibration")]
+    as_of: Option<Date>,
+    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; the calibration's own without it.
+    #[arg(long, value_name = "FILE.toml")]
+    conditions: Option<PathBuf>,
+    /// Temperature of the part, °C, in place of the conditions' one.
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    part_temperature: Option<f64>,
+    #[command(flatten)]
+    judge: JudgeArgs,
     /// Writes both edges of every column to this CSV file.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
@@ -71,6 +92,7 @@ fn positive(text: &str) -> Result<f64, String> {
 /// One frame's result.
 struct Measured {
     stem: String,
+    meta: FrameMeta,
     columns: usize,
     result: Result<FrameEdges, (Reason, String)>,
 }
@@ -81,6 +103,10 @@ struct Measured {
 /// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be measured (3).
 pub fn run(args: &MeasureArgs) -> CommandResult {
     let calibration = calibration(args)?;
+    let conditions = conditions(args, calibration.as_ref())?;
+    if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
+        return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
+    }
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
     let gauge =
         Gauge::new(GaugeSettings { polarity, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
@@ -89,26 +115,35 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         paths.extend(list_images(input).map_err(Failure::fail)?);
     }
     if args.shape == Shape::Ring {
-        return rings(args, calibration.as_ref(), paths);
+        return rings(args, calibration.as_ref(), &conditions, paths);
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
         .map_err(Failure::fail)?;
-    pool.install(|| measure_all(args, &gauge, calibration.as_ref(), paths))
+    pool.install(|| measure_all(args, &gauge, calibration.as_ref(), conditions, paths))
 }
 
 /// Measures rings; files that give no frame are warned of, and fail the command where none is left.
-fn rings(args: &MeasureArgs, calibration: Option<&Calibration>, paths: Vec<PathBuf>) -> CommandResult {
+fn rings(
+    args: &MeasureArgs,
+    calibration: Option<&Calibration>,
+    conditions: &Conditions,
+    paths: Vec<PathBuf>,
+) -> CommandResult {
     if args.edges.is_some() || args.bench.is_some() || args.vertical {
         return Err(Failure::refuse("--edges, --bench and --vertical belong to --shape shaft"));
     }
+    if let Some(name) = args.judge.needs_scale() {
+        return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
+    }
     let scale = calibration.map(|c| {
+        let at_20 = conditions.to_reference();
         let [scale_variance, _, offset_variance] = c.covariance;
         // The calibration's offset is that of both edges together, in mm.
         let per_edge = |offset_mm: f64| 0.5 * offset_mm / c.scale_mm_per_px;
         RingScale {
-            um_per_px: 1e3 * c.scale_mm_per_px,
+            um_per_px: 1e3 * at_20 * c.scale_mm_per_px,
             u_um_per_px: 1e3 * scale_variance.sqrt(),
             edge_offset_px: per_edge(c.offset_mm),
             u_edge_offset_px: per_edge(offset_variance.sqrt()),
@@ -136,13 +171,47 @@ fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
     let Some(path) = &args.calibration else { return Ok(args.um_per_px.map(Calibration::from_scale)) };
     let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
     let file = fs::File::open(path).map_err(|e| named(&e))?;
-    Calibration::read(std::io::BufReader::new(file)).map(Some).map_err(|e| named(&e))
+    let calibration = Calibration::read(std::io::BufReader::new(file)).map_err(|e| named(&e))?;
+    if let Some(id) = &args.optics_id {
+        calibration.check_optics(id).map_err(|e| named(&e))?;
+    }
+    let today = args.as_of.unwrap_or_else(|| Date::of(std::time::SystemTime::now()));
+    if let Some(Err(error)) = calibration.bench.as_ref().map(|b| b.check_date(today)) {
+        if !args.accept_expired {
+            return Err(named(&error));
+        }
+        tracing::warn!("{}: {error}; used with consent", path.display());
+    }
+    Ok(Some(calibration))
+}
+
+/// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
+fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
+    let mut conditions = match &args.conditions {
+        Some(path) => ConfigText::read(path)?.parse()?,
+        None => calibration.map_or_else(Conditions::default, Calibration::conditions),
+    };
+    conditions.temperature_c = args.part_temperature.unwrap_or(conditions.temperature_c);
+    conditions.validate().map_err(Failure::refuse)?;
+    Ok(conditions)
+}
+
+/// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
+fn prepared(frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
+    let Some(bench) = calibration.and_then(|c| c.bench.as_ref()) else { return Ok(frame) };
+    let view = frame.view();
+    bench.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
+    Ok(match &bench.flat_field {
+        Some(field) => field.corrected(frame),
+        None => frame,
+    })
 }
 
 fn measure_all(
     args: &MeasureArgs,
     gauge: &Gauge,
     calibration: Option<&Calibration>,
+    conditions: Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
     let mut source = FileFrames::new(paths);
@@ -150,16 +219,20 @@ fn measure_all(
     let (mut results, mut frames) = (Vec::new(), Vec::new());
     while let Some(stem) = source.next_stem() {
         let Some(read) = source.next_stored() else { break };
-        match read {
-            Ok(stored) => {
-                results.push(measure_one(&mut stream, stem, &view(args, &stored.frame)));
+        let read = read.map_err(|e| e.to_string());
+        let frame = read
+            .and_then(|stored| prepared(stored.frame, calibration).map_err(|e| format!("frame {stem}: {e}")));
+        match frame {
+            Ok(frame) => {
+                let meta = frame.meta.clone();
+                results.push(measure_one(&mut stream, stem, meta, &view(args, &frame)));
                 if args.bench.is_some() {
-                    frames.push(stored.frame);
+                    frames.push(frame);
                 }
             }
             Err(error) => {
-                let result = Err((Reason::Unreadable, error.to_string()));
-                results.push(Measured { stem, columns: 0, result });
+                let result = Err((Reason::Unreadable, error));
+                results.push(Measured { stem, meta: FrameMeta::default(), columns: 0, result });
             }
         }
     }
@@ -168,30 +241,64 @@ fn measure_all(
         write_edges(path, &results)?;
     }
     let bench = args.bench.map(|count| bench(args, gauge, &frames, count));
-    let figures: Vec<Value> = results.iter().map(|m| figures(m, calibration)).collect();
-    if args.json {
-        let mut out = json!({ "frames": figures });
-        if let Some(bench) = bench {
-            out["bench"] = bench;
+    let mut follower = calibration.map(|c| Follower::new(&args.judge, c, conditions)).transpose()?;
+    let mut out = serde_json::Map::new();
+    let mut figures = Vec::new();
+    for measured in &results {
+        let mut row = frame_figures(measured, calibration, &conditions);
+        if let (Some(follower), Some(row)) = (&mut follower, row.as_object_mut()) {
+            follower.add(&measured.meta, measured.result.as_ref().ok(), row);
         }
-        println!("{out}");
-    } else {
-        print_table(&figures, bench.as_ref());
+        figures.push(row);
     }
-    Ok(Outcome::Done)
+    if let Some(follower) = &follower {
+        follower.finish(&mut out)?;
+    }
+    out.extend(bench.map(|b| ("bench".to_owned(), b)));
+    if args.json {
+        out.insert("frames".to_owned(), figures.into());
+        println!("{}", Value::Object(out));
+    } else {
+        print_table(&figures, out.get("bench"));
+        if args.judge.budget() {
+            print_budgets(args, &results, calibration, &conditions);
+        }
+        if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
+            println!("statistics of the frames' mean diameters: {statistics}");
+        }
+        if let Some(turn) = out.get("turn") {
+            print!("{}", turn_table(turn));
+        }
+    }
+    Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn print_budgets(
+    args: &MeasureArgs,
+    results: &[Measured],
+    calibration: Option<&Calibration>,
+    conditions: &Conditions,
+) {
+    for measured in results {
+        let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
+        if let Some(reading) = WidthReading::of_largest(edges) {
+            println!("\nbudget of the largest diameter of frame {}", measured.stem);
+            print!("{}", reading.budget(calibration, conditions).to_table(args.judge.coverage_factor()));
+        }
+    }
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
     if args.vertical { frame.view().transposed() } else { frame.view() }
 }
 
-fn measure_one(stream: &mut EdgeStream, stem: String, view: &FrameView<'_>) -> Measured {
+fn measure_one(stream: &mut EdgeStream, stem: String, meta: FrameMeta, view: &FrameView<'_>) -> Measured {
     let mut edges = FrameEdges::default();
     let result = match stream.measure(view, &mut edges) {
         Ok(()) => Ok(edges),
         Err(refused) => Err((refused.reason, format!("frame {stem}: {refused}"))),
     };
-    Measured { stem, columns: view.columns(), result }
+    Measured { stem, meta, columns: view.columns(), result }
 }
 
 /// Warns of refused frames; fails with the first one's reason where none could be measured.
@@ -211,7 +318,7 @@ fn report_refusals(results: &[Measured]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn figures(measured: &Measured, calibration: Option<&Calibration>) -> Value {
+fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Value {
     let mut flags = BTreeMap::<&str, usize>::new();
     let mut largest: Option<LargestCaliper> = None;
     let mut valid = 0;
@@ -228,12 +335,9 @@ fn figures(measured: &Measured, calibration: Option<&Calibration>) -> Value {
             flags.insert(reason.as_str(), measured.columns.max(1));
         }
     }
-    let in_mm = largest.zip(calibration).map(|(largest, calibration)| {
-        let random = calibration.scale_mm_per_px * largest.u_px;
-        (
-            calibration.diameter_mm(largest.diameter_px),
-            random.hypot(calibration.u_common_mm(largest.diameter_px)),
-        )
+    let in_mm = calibration.zip(measured.result.as_ref().ok()).and_then(|(calibration, edges)| {
+        let budget = WidthReading::of_largest(edges)?.budget(calibration, conditions);
+        Some((budget.diameter_mm, budget.u_mm()))
     });
     json!({
         "frame": measured.stem,
@@ -255,8 +359,8 @@ fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
 
 fn print_table(figures: &[Value], bench: Option<&Value>) {
     println!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  flags",
-        "frame", "columns", "valid", "max px", "max mm", "u mm"
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} flags",
+        "frame", "columns", "valid", "max px", "max mm", "u mm", ""
     );
     let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     for f in figures {
@@ -264,13 +368,14 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
         println!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10}  {flags}",
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
             number(&f["max_diameter_px"], 4),
             number(&f["max_diameter_mm"], 5),
             number(&f["u_max_mm"], 6),
+            f["judgement"].as_str().unwrap_or(""),
         );
     }
     if let Some(bench) = bench {

@@ -3,10 +3,12 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+mod calibrate;
 mod demo;
 mod doctor;
 mod frame_files;
 mod measure;
+mod measure_judge;
 pub mod measure_ring;
 mod nc;
 mod optimize;
@@ -22,6 +24,7 @@ mod study_controllers;
 mod study_deflection;
 mod study_factor;
 mod study_files;
+mod study_parts;
 mod study_stability;
 
 use std::io::IsTerminal as _;
@@ -92,6 +95,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs),
+    /// Calibrate a bench: dark and flat fields, master pins, a check pin.
+    Calibrate(calibrate::CalibrateArgs),
     /// Measure edges and diameters of frames in files.
     Measure(measure::MeasureArgs),
     /// Print the JSON Schema of a config file.
@@ -114,6 +119,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Run(args) => run::run(args),
         Command::Render(args) => render::run(args),
         Command::Doctor(args) => doctor::run(args),
+        Command::Calibrate(args) => calibrate::run(args),
         Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),

@@ -4,13 +4,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample};
+use crate::control::OnAlarm;
 use crate::gauge::Calibration;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    DiameterRow, OffsetRow, PassRow, RunFolder, StationRow, TruthRow, profile_of, read_diameters,
+    ControlRecord, DiameterRow, OffsetRow, PassRecord, PassRow, RunFolder, StationRow, TruthRow, profile_of,
+    read_diameters,
 };
 
 use super::Failure;
@@ -26,6 +28,8 @@ pub struct Recorded {
     pub sample: Option<Sample>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
     pub in_tolerance: Option<bool>,
+    /// Why not all passes were cut: an alarm.
+    pub stopped: Option<String>,
 }
 
 /// A run being written.
@@ -38,6 +42,7 @@ pub struct Recorder<'a> {
     stations: Vec<StationRow>,
     offsets: Vec<OffsetRow>,
     diameters: Vec<DiameterRow>,
+    control: ControlRecord,
 }
 
 impl<'a> Recorder<'a> {
@@ -61,12 +66,19 @@ impl<'a> Recorder<'a> {
         let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         let mut offsets = Vec::new();
-        for row in &passes {
+        let control = match passes.is_empty() {
+            true => ControlRecord::default(),
+            false => folder.control().map_err(folder_failure)?,
+        };
+        if !passes.is_empty() {
+            chain.resume_stock(control.stock.clone());
+        }
+        for (row, told) in passes.iter().zip(&control.passes) {
             offsets.extend(offset_rows(&chain));
-            chain.replay(&profile_of(row.pass, &stations)).map_err(loop_failure)?;
+            chain.replay(&profile_of(row.pass, &stations), &told.evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -76,7 +88,14 @@ impl<'a> Recorder<'a> {
     pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.passes.len()];
         let mut sample = None;
+        let mut stopped = None;
         while let Some(pass) = self.chain.next_pass() {
+            if let Some(alarm) = self.chain.alarm().filter(|_| self.stops()) {
+                tracing::error!("stopped before pass {pass}: {alarm}");
+                stopped = Some(format!("stopped before pass {pass}: {alarm}"));
+                break;
+            }
+            self.chain.begin().map_err(loop_failure)?;
             let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.passes()));
             self.offsets.extend(offset_rows(&self.chain));
             let result = self
@@ -90,16 +109,18 @@ impl<'a> Recorder<'a> {
             for refused in &result.refused {
                 tracing::warn!("pass {pass}: {refused}");
             }
-            if let Some(Decision::Held(reason)) = &result.decision {
-                tracing::warn!("pass {pass}: the last offsets hold: {reason}");
-            }
+            log_decision(&result);
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.write(&result)?;
             self.write_timings(&seconds)?;
             sample = result.sample.or(sample);
         }
         let in_tolerance = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, in_tolerance })
+        Ok(Recorded { passes: self.passes, seconds, sample, in_tolerance, stopped })
+    }
+
+    fn stops(&self) -> bool {
+        self.job.control.guards.on_alarm == OnAlarm::Stop
     }
 
     /// All tables, `passes.csv` last: a pass that stands there has all its data.
@@ -111,6 +132,8 @@ impl<'a> Recorder<'a> {
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
         self.passes.push(pass_row(result, truth));
+        self.control.stock = self.chain.stock().cloned();
+        self.control.passes.push(pass_record(result));
         let truth_rows: Vec<TruthRow> = self
             .stations
             .iter()
@@ -122,6 +145,7 @@ impl<'a> Recorder<'a> {
             .and_then(|()| folder.write_offsets(&self.offsets))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
+            .and_then(|()| folder.write_control(&self.control))
             .and_then(|()| folder.write_passes(&self.passes))
             .map_err(folder_failure)
     }
@@ -139,10 +163,46 @@ impl<'a> Recorder<'a> {
     fn verdict(&self) -> Option<bool> {
         let tolerance = self.job.part.tolerance?;
         let last = self.job.part.passes();
-        (self.job.passes() == last).then(|| {
+        (self.passes.len() == last).then(|| {
             let mut rows = self.stations.iter().filter(|s| s.pass as usize == last).peekable();
             rows.peek().is_some() && rows.all(|s| s.d_mm.is_some_and(|d| tolerance.contains(d)))
         })
+    }
+}
+
+fn log_decision(result: &PassResult) {
+    let pass = result.plan.pass;
+    if let Some(Decision::Held(reason)) = &result.decision {
+        tracing::warn!("pass {pass}: the last offsets hold: {reason}");
+    }
+    if let Some(alarm) = &result.alarm {
+        tracing::error!("pass {pass}: alarm: {alarm}");
+    }
+    for note in &result.notes {
+        tracing::info!("pass {pass}: {note}");
+    }
+}
+
+fn pass_record(result: &PassResult) -> PassRecord {
+    let reason = match &result.decision {
+        Some(Decision::Held(reason)) => Some(reason.to_string()),
+        _ => None,
+    };
+    PassRecord {
+        pass: result.plan.pass,
+        decision: decision_word(result).to_owned(),
+        reason,
+        alarm: result.alarm.clone(),
+        notes: result.notes.clone(),
+        evidence: result.evidence.clone(),
+    }
+}
+
+fn decision_word(result: &PassResult) -> &'static str {
+    match &result.decision {
+        None => "last",
+        Some(Decision::Offset(_)) => "released",
+        Some(Decision::Held(_)) => "held",
     }
 }
 
@@ -183,11 +243,13 @@ fn offset_rows(chain: &ClosedLoop<'_>) -> Vec<OffsetRow> {
     plan.station_z_mm
         .iter()
         .zip(&plan.offset.o_mm)
+        .zip(&chain.asked().o_mm)
         .zip(commanded)
-        .map(|((&z_mm, &offset_mm), commanded_mm)| OffsetRow {
+        .map(|(((&z_mm, &offset_mm), &asked_mm), commanded_mm)| OffsetRow {
             pass: plan.pass,
             z_mm,
             offset_mm,
+            asked_mm,
             commanded_mm,
             status: status.to_owned(),
             reason: reason.clone(),
@@ -240,12 +302,7 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
         rms_error_over_u: rms(&mut measured.iter().map(|(d, t)| (d.d_mm - t) / d.u_mm())),
         stations_measured: measured.len(),
         frames: result.frames,
-        decision: match &result.decision {
-            None => "last",
-            Some(Decision::Offset(_)) => "released",
-            Some(Decision::Held(_)) => "held",
-        }
-        .to_owned(),
+        decision: decision_word(result).to_owned(),
     }
 }
 

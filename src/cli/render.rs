@@ -13,7 +13,7 @@ use crate::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Rend
 use crate::shaft::ProfileKnot;
 use crate::truth;
 
-use super::frame_files::{FileFormat, encode, preview};
+use super::frame_files::{FileFormat, encode, encode_mask, preview};
 use super::{CommandResult, Failure, Outcome};
 
 /// Frames drawn before a bench starts its clock: pipelines are compiled and caches filled.
@@ -155,11 +155,14 @@ fn write_frames(
     let mut spare = None;
     for index in 0..count {
         let request = request(args, job, index);
-        let frame = renderer.render(scene, &request, spare.take()).map_err(of_render)?;
+        let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
         let stem = format!("{index:06}");
         let path = folder.join("frames").join(format!("{stem}.{}", args.format.extension()));
         put(&path, encode(&frame, args.format, um_per_px))?;
         put(&folder.join("previews").join(format!("{stem}.png")), preview(&frame, um_per_px))?;
+        if let Some(mask) = mask {
+            put_mask(&folder.join("masks"), &stem, &frame, &mask, um_per_px)?;
+        }
         describe(&mut frames_csv, &stem, &frame, um_per_px);
         let edges = truth::true_edges(scene, &request).map_err(of_render)?;
         for (column, e) in edges.iter().enumerate() {
@@ -170,6 +173,12 @@ fn write_frames(
     put(&folder.join("frames.csv"), Ok(frames_csv.into_bytes()))?;
     put(&folder.join("truth.csv"), Ok(truth_csv.into_bytes()))?;
     put(&folder.join("truth.json"), Ok(true_bench(scene).into_bytes()))
+}
+
+/// What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
+fn put_mask(folder: &Path, stem: &str, frame: &Frame, mask: &[u8], um_per_px: f64) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| disk(folder, &e))?;
+    put(&folder.join(format!("{stem}.png")), encode_mask(&frame.view(), mask, um_per_px))
 }
 
 fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {

@@ -3,6 +3,7 @@
 //! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
 //! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
 
+use super::esf::EdgeShape;
 use super::levels::LevelCurve;
 use super::model::column_sigma;
 use super::score::{dot, locate, normalise};
@@ -88,6 +89,7 @@ pub(crate) fn rough(windows: &Windows, columns: usize, pool: &mut Vec<f32>) -> O
 /// What a refinement needs beside the windows.
 pub(crate) struct BlurContext<'a> {
     pub(crate) windows: &'a Windows,
+    pub(crate) shape: &'a EdgeShape,
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],
@@ -103,7 +105,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64) -> BlurEstimate {
     let mut sums = [BlurSums::default(); BLOCKS];
     let mut normalised = vec![0.0; context.windows.width];
     for _ in 0..8 {
-        let table = Table::new(sigma, context.kappa, context.windows.width, false, COARSE);
+        let table = Table::new(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
         for (block, sum) in sums.iter_mut().enumerate() {
             *sum = block_sums(context, &table, sample(block, columns), &mut normalised);
         }
@@ -134,7 +136,7 @@ fn block_sums(
             continue;
         }
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
-        let start = normalise(context.windows.of(column), dark, light - dark, normalised);
+        let start = normalise(context.windows.of(column), dark, light - dark, normalised) - table.centroid;
         let Some(found) = locate(normalised, table, start) else { continue };
         let scalars = found.phase.scalars;
         let score = dot(found.phase.blur_scores, normalised)

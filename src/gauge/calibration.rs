@@ -13,6 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edges::FrameEdges;
 
@@ -39,7 +40,7 @@ impl MasterCertificate {
         self.expanded_u_mm / self.coverage_factor
     }
 
-    fn check(&self, master: usize) -> Result<(), CalibrationError> {
+    pub(crate) fn check(&self, master: usize) -> Result<(), CalibrationError> {
         let fine = |v: f64| v.is_finite() && v > 0.0;
         if fine(self.diameter_mm) && fine(self.expanded_u_mm) && fine(self.coverage_factor) {
             Ok(())
@@ -144,6 +145,9 @@ pub enum CalibrationError {
         /// Optics in use.
         expected: String,
     },
+    /// A condition that cannot be.
+    #[error("calibration key bench.{0}")]
+    Setting(String),
     /// A number that cannot be.
     #[error("calibration key {key} = {value} is impossible; right would be {right}")]
     Value {
@@ -172,6 +176,9 @@ pub struct Calibration {
     pub covariance: [f64; 3],
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
+    /// Lens, sensor, validity and every source's share, where `calibrate` made it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bench: Option<Box<BenchCalibration>>,
 }
 
 impl Calibration {
@@ -215,7 +222,22 @@ impl Calibration {
             offset_mm: fit.offset,
             covariance: fit.covariance,
             masters: masters.to_vec(),
+            bench: None,
         })
+    }
+
+    /// From a bench's adjustment.
+    pub fn of_bench(adjusted: &Adjusted, masters: Vec<MasterFigure>, bench: BenchCalibration) -> Self {
+        let sum = |i: usize, j: usize| bench.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
+        Self {
+            version: CALIBRATION_VERSION,
+            optics_id: String::new(),
+            scale_mm_per_px: adjusted.parameters[0],
+            offset_mm: adjusted.parameters[1],
+            covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
+            masters,
+            bench: Some(Box::new(bench)),
+        }
     }
 
     /// Names the optics it belongs to.
@@ -233,6 +255,7 @@ impl Calibration {
             offset_mm: 0.0,
             covariance: [0.0; 3],
             masters: Vec::new(),
+            bench: None,
         }
     }
 
@@ -266,7 +289,36 @@ impl Calibration {
                 right: "a positive semidefinite matrix",
             });
         }
+        calibration.check_bench()?;
         Ok(calibration)
+    }
+
+    fn check_bench(&self) -> Result<(), CalibrationError> {
+        let Some(bench) = &self.bench else { return Ok(()) };
+        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
+        let lens = &bench.lens;
+        let small =
+            [lens.radial, lens.keystone_across, lens.keystone_along].into_iter().find(|v| !(v.abs() < 0.2));
+        if let Some(value) = small {
+            return impossible("bench.lens", value, "distortion and keystone below 0.2");
+        }
+        if !(lens.half_diagonal_px >= 1.0 && lens.half_diagonal_px.is_finite()) {
+            return impossible("bench.lens.half_diagonal_px", lens.half_diagonal_px, "1 px or more");
+        }
+        let finite = [lens.telecentricity_per_mm, lens.centre_row_px, lens.centre_column_px];
+        if let Some(value) = finite.into_iter().find(|v| !v.is_finite()) {
+            return impossible("bench.lens", value, "finite numbers");
+        }
+        let entries = bench.parts.iter().flat_map(|p| p.matrix.iter().flatten());
+        if let Some(value) = entries.copied().find(|v| !v.is_finite()) {
+            return impossible("bench.parts", value, "finite numbers");
+        }
+        let negative =
+            bench.parts.iter().flat_map(|p| (0..PARAMETERS).map(|i| p.matrix[i][i])).find(|v| *v < 0.0);
+        if let Some(value) = negative {
+            return impossible("bench.parts", value, "variances of 0 or more");
+        }
+        bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }
 
     /// Refuses frames of other optics.
@@ -303,7 +355,17 @@ impl Calibration {
 
     /// Diameters of a frame's columns, corrected for the axis' tilt; gaps stay gaps.
     pub fn diameters(&self, edges: &FrameEdges) -> ColumnDiameters {
-        column_diameters(self, edges)
+        column_diameters(self, edges, &self.conditions())
+    }
+
+    /// As [`Self::diameters`], at 20 °C from a part under these conditions.
+    pub fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
+        column_diameters(self, edges, conditions)
+    }
+
+    /// Conditions of use that the calibration itself assumes.
+    pub fn conditions(&self) -> Conditions {
+        self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
     }
 }
 

@@ -4,6 +4,8 @@
 //! an ellipse. It is fitted robustly around the widest place and its vertex is D. A shaft has no such vertex; there the largest median
 //! of 65 columns stands for the largest diameter.
 
+use super::curvature::bias_per_curvature;
+use super::diameter::Pose;
 use super::edges::FrameEdges;
 
 /// Columns of a running median.
@@ -20,6 +22,10 @@ pub struct LargestCaliper {
     pub diameter_px: f64,
     /// Standard uncertainty of it (noise, levels and scatter of the edge about the fit), px.
     pub u_px: f64,
+    /// The part of it that columns do not share (noise and scatter), px.
+    pub u_own_px: f64,
+    /// Column where it stands, px.
+    pub column_px: f64,
     /// Whether it is the vertex of a round part seen end-on.
     pub end_on: bool,
 }
@@ -35,9 +41,27 @@ pub fn largest_caliper(edges: &FrameEdges) -> Option<LargestCaliper> {
     let largest = vertex(&widths, run.0, run.1).unwrap_or_else(|| LargestCaliper {
         diameter_px: run.1,
         u_px: scatter_of_run(&widths, run.0),
+        u_own_px: 0.0,
+        column_px: run.0,
         end_on: false,
     });
-    Some(LargestCaliper { u_px: largest.u_px.hypot(shared_u_px(edges)), ..largest })
+    // A disc's width is that along the column, whatever its pose; its edges are curved. A shaft's is that square to its axis.
+    let (factor, bias) = match largest.end_on {
+        true => (1.0, end_on_bias(edges, largest.diameter_px)),
+        false => (Pose::of(edges).chord_factor(), 0.0),
+    };
+    Some(LargestCaliper {
+        diameter_px: factor * largest.diameter_px + bias,
+        u_px: factor * largest.u_px.hypot(shared_u_px(edges)),
+        u_own_px: factor * largest.u_px,
+        ..largest
+    })
+}
+
+/// What the curvature of both edges of a disc takes from its diameter, px.
+fn end_on_bias(edges: &FrameEdges, diameter_px: f64) -> f64 {
+    let sum: f64 = edges.figures.sigma_px.iter().map(|s| bias_per_curvature(*s)).sum();
+    2.0 * sum / diameter_px
 }
 
 /// Root mean square of what the widths' uncertainties share (levels, blind light): it does not average down over the columns.
@@ -96,7 +120,14 @@ fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCali
         }
         let at = -0.5 * p[1] / p[2];
         let diameter_px = (p[0] + 0.5 * p[1] * at).max(0.0).sqrt();
-        found = Some(LargestCaliper { diameter_px, u_px: u / (2.0 * diameter_px), end_on: true });
+        let u_px = u / (2.0 * diameter_px);
+        found = Some(LargestCaliper {
+            diameter_px,
+            u_px,
+            u_own_px: u_px,
+            column_px: centre + at * reach,
+            end_on: true,
+        });
         if at.abs() < 0.02 {
             break;
         }

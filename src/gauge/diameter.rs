@@ -1,9 +1,13 @@
 //! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
 //!
 //! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
-//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder.
+//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. Before
+//! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
+//! diameter is taken to 20 °C.
 
+use super::bench::{Conditions, CovariancePart, PARAMETERS};
 use super::calibration::Calibration;
+use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
 use crate::frame::FrameMeta;
 use crate::profile::{Diameter, Reading, Reason};
@@ -21,6 +25,8 @@ pub struct ColumnDiameters {
     pub pitch_mm: f64,
     /// Shadow width of each column across the axis, px; NaN in a gap.
     pub width_px: Vec<f64>,
+    /// Height of the middle between both edges above a fixed row of the frame, mm; NaN in a gap.
+    pub middle_mm: Vec<f64>,
 }
 
 impl ColumnDiameters {
@@ -137,29 +143,116 @@ fn robust_slope(points: &[(f64, f64)]) -> f64 {
     slope
 }
 
-pub(crate) fn column_diameters(calibration: &Calibration, edges: &FrameEdges) -> ColumnDiameters {
-    let factor = Pose::of(edges).chord_factor();
-    let scale = calibration.scale_mm_per_px * factor;
+/// What turns a frame's rows into diameters.
+struct Reader<'a> {
+    calibration: &'a Calibration,
+    conditions: &'a Conditions,
+    factor: f64,
+    /// Sum of the sources' shares.
+    covariance: CovariancePart,
+}
+
+impl<'a> Reader<'a> {
+    fn new(calibration: &'a Calibration, conditions: &'a Conditions, pose: Pose) -> Self {
+        let mut covariance =
+            CovariancePart { source: String::new(), matrix: [[0.0; PARAMETERS]; PARAMETERS] };
+        for part in calibration.bench.iter().flat_map(|b| &b.parts) {
+            let entries = covariance.matrix.iter_mut().flatten().zip(part.matrix.iter().flatten());
+            entries.for_each(|(sum, value)| *sum += value);
+        }
+        Self { calibration, conditions, factor: pose.chord_factor(), covariance }
+    }
+
+    /// Width across the axis, px, as a perfect lens would have shown it.
+    fn width_px(&self, column: usize, top_px: f64, bottom_px: f64) -> f64 {
+        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * self.factor };
+        let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
+        let near = 1.0 + bench.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
+        (row(bottom_px) - row(top_px)) * self.factor * near
+    }
+
+    /// Height of the middle of two edges above a fixed row of the frame, mm.
+    fn middle_mm(&self, column: usize, rows_px: (f64, f64)) -> f64 {
+        let middle = |rows: (f64, f64)| -0.5 * (rows.0 + rows.1) * self.calibration.scale_mm_per_px;
+        match &self.calibration.bench {
+            Some(bench) => {
+                let row = |r| bench.lens.ideal_row(column as f64, r) - bench.lens.centre_row_px;
+                middle((row(rows_px.0), row(rows_px.1)))
+            }
+            None => middle(rows_px),
+        }
+    }
+
+    /// Diameter at 20 °C, mm.
+    fn diameter_mm(&self, width_px: f64) -> f64 {
+        self.calibration.diameter_mm(width_px) * self.conditions.to_reference()
+    }
+
+    /// Common standard uncertainty of the diameter at 20 °C, mm.
+    fn u_common_mm(&self, column: usize, rows_px: (f64, f64), width_px: f64) -> f64 {
+        let d_mm = self.calibration.diameter_mm(width_px);
+        let conditions = conditions_variance(self.calibration, self.conditions, d_mm);
+        let Some(bench) = &self.calibration.bench else {
+            return self.calibration.u_common_mm(width_px).hypot(conditions.sqrt());
+        };
+        let scale = self.calibration.scale_mm_per_px;
+        let by = bench.diameter_by(scale, column as f64, rows_px, self.factor, self.conditions.axis_y_mm);
+        (self.covariance.variance(&by) + conditions).sqrt()
+    }
+}
+
+/// Variance by the conditions, mm².
+fn conditions_variance(calibration: &Calibration, conditions: &Conditions, d_mm: f64) -> f64 {
+    let (t, u_t) = calibration
+        .bench
+        .as_ref()
+        .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
+    [
+        conditions.u_temperature_mm(d_mm),
+        conditions.u_expansion_mm(d_mm),
+        conditions.u_focus_mm(d_mm, t, u_t),
+        conditions.u_edges_mm(),
+        conditions.u_drift_mm(d_mm),
+    ]
+    .iter()
+    .map(|u| u * u)
+    .sum()
+}
+
+pub(crate) fn column_diameters(
+    calibration: &Calibration,
+    edges: &FrameEdges,
+    conditions: &Conditions,
+) -> ColumnDiameters {
+    let reader = Reader::new(calibration, conditions, Pose::of(edges));
+    let scale = calibration.scale_mm_per_px * reader.factor * conditions.to_reference();
+    let [bias_top, bias_bottom] = [
+        curvature_bias(&edges.top, edges.figures.sigma_px[0]),
+        curvature_bias(&edges.bottom, edges.figures.sigma_px[1]),
+    ];
     let mut out = ColumnDiameters {
         shared_length: f64::from(edges.shared_length[0].min(edges.shared_length[1])),
         pitch_mm: calibration.scale_mm_per_px,
         ..ColumnDiameters::default()
     };
-    for (top, bottom) in edges.top.iter().zip(&edges.bottom) {
+    for (column, (top, bottom)) in edges.top.iter().zip(&edges.bottom).enumerate() {
         if let Some(reason) = gap(top, bottom) {
             out.readings.push(Reading::Gap(reason));
             out.shared_mm.push(f64::NAN);
             out.width_px.push(f64::NAN);
+            out.middle_mm.push(f64::NAN);
             continue;
         }
-        let width_px = (bottom.row_px - top.row_px) * factor;
+        let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
+        let width_px = reader.width_px(column, rows_px.0, rows_px.1);
         out.readings.push(Reading::Value(Diameter {
-            d_mm: calibration.diameter_mm(width_px),
+            d_mm: reader.diameter_mm(width_px),
             u_random_mm: scale * top.u_px().hypot(bottom.u_px()),
-            u_common_mm: calibration.u_common_mm(width_px),
+            u_common_mm: reader.u_common_mm(column, rows_px, width_px),
         }));
         out.shared_mm.push(scale * f64::from(top.u_shared_px).hypot(f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);
+        out.middle_mm.push(reader.middle_mm(column, rows_px));
     }
     out
 }

@@ -77,6 +77,8 @@ pub struct FrameFigures {
     /// Median residual χ² over its expectation: 1 where model and noise describe the frame. Uncertainties are
     /// multiplied by its root where it exceeds 1.2.
     pub misfit: f64,
+    /// Whether grey values are whole counts.
+    pub quantised: bool,
 }
 
 /// Both edges of every column of a frame.

@@ -5,15 +5,16 @@
 //! is where the edges were, the blur and the tables; every carried thing is checked on the new frame, and a frame that
 //! does not bear it out is measured anew from the coarse search.
 
+use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
 use super::coarse::{CoarseEdge, find_part};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use super::esf::{EdgeShape, StepTable};
 use super::gate;
 use super::noise::{NoiseModel, variance_of_differences};
 use super::pixels::{Plane, Sample, all_finite, with_plane};
-use super::settings::{Blur, GaugeSettings, Polarity};
+use super::settings::{Blur, EsfModel, GaugeSettings, Polarity, Rejection};
 use super::side::SideState;
-use super::table::window_width;
 use super::window::Side;
 use crate::frame::FrameView;
 use crate::profile::Reason;
@@ -31,6 +32,8 @@ const CLIPPED_FRACTION: f64 = 1e-3;
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
 const MOST_MISFIT: f64 = 1.1;
+/// Times that the edge-spread function is learnt and fitted with.
+const LESSONS: usize = 3;
 /// Frames after which the part is searched anew, in case another has come in.
 const SEARCH_EVERY: u32 = 256;
 
@@ -38,9 +41,13 @@ const SEARCH_EVERY: u32 = 256;
 #[derive(Clone, Debug)]
 pub struct EdgeStream {
     settings: GaugeSettings,
+    /// The edge-spread function of the settings.
+    shape: EdgeShape,
     sides: [SideState; 2],
     centres: [Vec<CoarseEdge>; 2],
     differences: [Vec<f32>; 2],
+    axis: AxisScratch,
+    one_sided: f64,
     last: Option<Last>,
 }
 
@@ -64,16 +71,27 @@ struct Scale {
 struct Scene {
     noise: NoiseModel,
     clip: [Option<f32>; 2],
+    quantised: bool,
 }
 
 impl EdgeStream {
     /// A stream that knows nothing yet.
     pub fn new(settings: GaugeSettings) -> Self {
+        let shape = match &settings.esf {
+            EsfModel::Table(samples) => {
+                let table = StepTable::new(samples.reach_px(), |d| samples.at(d));
+                EdgeShape::Table(std::sync::Arc::new(table))
+            }
+            EsfModel::Gaussian {} | EsfModel::Learnt {} => EdgeShape::Gaussian,
+        };
         Self {
+            shape,
             settings,
             sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
             centres: [Vec::new(), Vec::new()],
             differences: [Vec::new(), Vec::new()],
+            axis: AxisScratch::default(),
+            one_sided: 0.0,
             last: None,
         }
     }
@@ -187,11 +205,12 @@ impl EdgeStream {
     ) -> Result<(), FrameRefused> {
         let coarse = find_part(plane, &self.settings).map_err(|reason| refused(reason, explain(reason)))?;
         self.centres = [coarse.top, coarse.bottom];
+        self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),
             Blur::Estimated {} => None,
         };
-        let mut sigma = match given {
+        let mut sigma = match given.or(self.shape.own_sigma()) {
             Some(sigma) => sigma,
             None => self.rough_blur(plane)?,
         };
@@ -199,7 +218,7 @@ impl EdgeStream {
         if given.is_none() {
             self.refine_blur(&scene, sigma);
             let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
-            if window_width(largest) != self.sides[0].windows.width {
+            if self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
             }
@@ -207,7 +226,23 @@ impl EdgeStream {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
         self.fit(&scene, out);
+        if self.settings.esf == (EsfModel::Learnt {}) {
+            self.learn(&scene, out);
+        }
         self.judge(out)
+    }
+
+    /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps the Gaussian.
+    fn learn(&mut self, scene: &Scene, out: &mut FrameEdges) {
+        for _ in 0..LESSONS {
+            let [top, bottom] = &mut self.sides;
+            let clipped = scene.clip.map(|c| c.is_some());
+            let learnt = (!clipped[0] && top.learn(&out.top), !clipped[1] && bottom.learn(&out.bottom));
+            if learnt == (false, false) {
+                return;
+            }
+            self.fit(scene, out);
+        }
     }
 
     fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
@@ -270,7 +305,7 @@ impl EdgeStream {
             || top.pool_levels(&noise, dark, light, levels),
             || bottom.pool_levels(&noise, dark, light, levels),
         );
-        if a && b { Ok(Scene { noise, clip }) } else { Err(none()) }
+        if a && b { Ok(Scene { noise, clip, quantised: scale.floor > 0.0 }) } else { Err(none()) }
     }
 
     fn noise(&mut self, dark: f64, light: f64, clip: [Option<f32>; 2], floor: f64) -> Option<NoiseModel> {
@@ -316,6 +351,9 @@ impl EdgeStream {
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
         }
+        if self.settings.rejection == Rejection::Full {
+            self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
+        }
         out.figures = self.figures(scene);
     }
 
@@ -352,6 +390,7 @@ impl EdgeStream {
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
             misfit: self.misfit(),
+            quantised: scene.quantised,
         }
     }
 }

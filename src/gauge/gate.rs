@@ -19,7 +19,13 @@ pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
         / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
 }
 
-/// Median χ² ratio of a line's usable edges over what noise alone would give; 1 without any.
+/// Share of the columns that a frame's own misfit is read from: the best fitting ones. What is wrong with more than half of a frame's
+/// columns may still be dirt; what is wrong with four in five is the model.
+const BEST: f64 = 0.2;
+/// Normal quantile of [`BEST`].
+const BEST_QUANTILE: f64 = -0.8416;
+
+/// χ² ratio of the best fitting fifth of a line's usable edges over what noise alone would give; 1 without any.
 pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
     let step = line.len().div_ceil(512).max(1);
@@ -27,9 +33,33 @@ pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     if pool.is_empty() {
         return 1.0;
     }
-    let middle = pool.len() / 2;
-    let (_, median, _) = pool.select_nth_unstable_by(middle, f32::total_cmp);
-    f64::from(*median) / chi2_ratio_limit(freedom, 0.0)
+    let fifth = (BEST * pool.len() as f64) as usize;
+    let (_, value, _) = pool.select_nth_unstable_by(fifth, f32::total_cmp);
+    f64::from(*value) / chi2_ratio_limit(freedom, BEST_QUANTILE)
+}
+
+/// Columns over which residuals are averaged to tell a misfit that neighbours share.
+const MISFIT_BLOCK: usize = 32;
+/// Mean χ² ratio of a block above which it is a misfit: three standard deviations of a mean over 32 columns with 15 degrees of freedom.
+const MISFIT: f32 = 1.2;
+
+/// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of neighbours exceeds the noise by
+/// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
+/// the residual shows of it may have moved the edge: u = u_own·√λ.
+pub(crate) fn state_misfit(line: &mut [Edge], freedom: f64) {
+    for block in line.chunks_mut(MISFIT_BLOCK) {
+        let (mut sum, mut count) = (0.0_f32, 0.0_f32);
+        for edge in block.iter().filter(|e| e.is_usable()) {
+            (sum, count) = (sum + edge.chi2, count + 1.0);
+        }
+        if !(sum > MISFIT * count) {
+            continue;
+        }
+        let hidden = freedom as f32 * (sum / count - 1.0);
+        for edge in block.iter_mut() {
+            edge.u_shared_px = edge.u_shared_px.hypot(edge.u_own_px * hidden.sqrt());
+        }
+    }
 }
 
 /// Refuses edges whose χ² exceeds `limit`.

@@ -1,18 +1,25 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
+mod axis;
+pub mod bench;
 mod blur;
+pub mod budget;
 mod calibration;
 mod caliper;
 mod clipped;
 mod coarse;
+mod curvature;
 mod diameter;
 mod edges;
+mod esf;
 mod finder;
 pub mod form;
 mod gate;
 pub mod judgement;
+mod learn;
 mod levels;
 mod model;
+pub mod monte_carlo;
 mod noise;
 pub mod photon_transfer;
 mod pixels;
@@ -25,6 +32,8 @@ mod settings;
 mod side;
 mod station;
 mod table;
+pub mod tolerance;
+pub mod turn_form;
 mod window;
 
 pub use calibration::{
@@ -34,7 +43,10 @@ pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
-pub use settings::{Blur, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, StationSettings};
+pub use settings::{
+    Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
+    StationSettings,
+};
 pub use station::StationAverager;
 
 use crate::frame::FrameView;

@@ -131,7 +131,7 @@ pub(crate) fn locate_core<const C: usize>(
         *n = Lanes((m.0 - dark) * scale, (m.1 - dark) * scale);
         area = area.with(*n, |s, n| s + n);
     }
-    let mut x = (4 * C + 1) as f32 - 0.5 - area.total();
+    let mut x = (4 * C + 1) as f32 - 0.5 - area.total() - table.centroid;
     for count in 0..4 {
         if !(x.abs() <= PHASE_REACH) {
             return None;

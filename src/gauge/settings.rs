@@ -21,6 +21,10 @@ pub struct GaugeSettings {
     /// Largest departure of an edge from its neighbours' local line, px, beyond six standard uncertainties.
     /// It must exceed the roughness of the surfaces measured. Above 0.
     pub outlier_px: f64,
+    /// Whether columns that matter touches are refused.
+    pub rejection: Rejection,
+    /// The edge-spread function that is fitted.
+    pub esf: EsfModel,
     /// How bright and dark levels are found.
     pub levels: Levels,
     /// How the edge blur is found.
@@ -40,6 +44,8 @@ impl Default for GaugeSettings {
             max_slope: 1.0,
             residual_false_alarm: 1e-5,
             outlier_px: 1.5,
+            rejection: Rejection::default(),
+            esf: EsfModel::default(),
             levels: Levels::default(),
             blur: Blur::default(),
             noise: Noise::default(),
@@ -57,6 +63,49 @@ pub enum Polarity {
     DarkOnBright,
     /// A lit part before a dark ground.
     BrightOnDark,
+}
+
+/// What becomes of columns whose edge noise and neighbours do not explain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Rejection {
+    /// Refused by residual, levels, neighbours along the shaft and the axis: an edge that leaves its place while the other one
+    /// does not is matter on the part. Where the part itself is one-sided (keyways, flats, threads), take `by_edge`.
+    #[default]
+    Full,
+    /// Refused by residual, levels and neighbours, each edge by itself.
+    ByEdge,
+    /// Kept, whatever they show: for comparisons.
+    Off,
+}
+
+/// The edge-spread function that is fitted to every edge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum EsfModel {
+    /// Gaussian blur.
+    Gaussian {},
+    /// As measured or computed: light over the distance from the geometric edge. Its width is scaled to the frame's blur.
+    Table(EsfSamples),
+    /// Learnt from the first frame of a stream, where both edges travel through all sub-pixel phases; else the Gaussian.
+    /// It has no absolute zero: calibrate with it.
+    Learnt {},
+}
+
+impl Default for EsfModel {
+    fn default() -> Self {
+        Self::Gaussian {}
+    }
+}
+
+/// An edge-spread function as samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EsfSamples {
+    /// Distances from the geometric edge into the light, px, rising. 8 or more.
+    pub distance_px: Vec<f64>,
+    /// Light there as a share of the bright field: 0 at the first and 1 at the last distance, within 0.02.
+    pub light: Vec<f64>,
 }
 
 /// Levels of light and shadow beside each edge.
@@ -167,7 +216,73 @@ impl GaugeSettings {
         if let Blur::Given { sigma_px } = self.blur {
             within("blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
         }
+        self.esf.validate()?;
         self.noise.validate()
+    }
+}
+
+impl EsfModel {
+    fn validate(&self) -> Result<(), GaugeSettingsError> {
+        let Self::Table(EsfSamples { distance_px, light }) = self else { return Ok(()) };
+        let refuse = |key, value, right| Err(GaugeSettingsError { key, value, right });
+        if distance_px.len() < 8 || distance_px.len() > 100_000 {
+            let right = "8 to 100000 samples";
+            return refuse("esf.table.distance_px", distance_px.len() as f64, right);
+        }
+        if light.len() != distance_px.len() {
+            return refuse("esf.table.light", light.len() as f64, "as many values as distance_px has");
+        }
+        for pair in distance_px.windows(2) {
+            if !(pair[1] > pair[0] && pair[0].abs() <= 64.0 && pair[1].abs() <= 64.0) {
+                return refuse("esf.table.distance_px", pair[1], "rising distances within 64 px of the edge");
+            }
+        }
+        if let Some(bad) = light.iter().find(|l| !(-0.5..=2.0).contains(*l)) {
+            return refuse("esf.table.light", *bad, "shares of the bright field, about 0 to 1");
+        }
+        let (first, last) = (light[0], light[light.len() - 1]);
+        if !(first.abs() <= 0.02) {
+            return refuse("esf.table.light", first, "0 at the first distance, within 0.02");
+        }
+        within("esf.table.light", last, 0.98, 1.02, "1 at the last distance, within 0.02")?;
+        let (a, b) = (distance_px[0], distance_px[distance_px.len() - 1]);
+        if !(a < 0.0 && b > 0.0) {
+            return refuse("esf.table.distance_px", a, "distances to both sides of the edge at 0");
+        }
+        Ok(())
+    }
+}
+
+impl EsfSamples {
+    /// Light at a distance, px: a cubic through the samples, 0 before and 1 after them.
+    pub(crate) fn at(&self, distance_px: f64) -> f64 {
+        let (d, l) = (&self.distance_px, &self.light);
+        let n = d.len();
+        if distance_px <= d[0] {
+            return 0.0;
+        }
+        if distance_px >= d[n - 1] {
+            return 1.0;
+        }
+        let k = d.partition_point(|x| *x <= distance_px).clamp(1, n - 1) - 1;
+        // Slopes of the parabola through three neighbours.
+        let slope = |i: usize| {
+            if i == 0 || i == n - 1 {
+                return 0.0;
+            }
+            let (h0, h1) = (d[i] - d[i - 1], d[i + 1] - d[i]);
+            (h1 * (l[i] - l[i - 1]) / h0 + h0 * (l[i + 1] - l[i]) / h1) / (h0 + h1)
+        };
+        let h = d[k + 1] - d[k];
+        let t = (distance_px - d[k]) / h;
+        let (da, db) = (h * slope(k), h * slope(k + 1));
+        let rise = l[k + 1] - l[k];
+        l[k] + t * (da + t * (3.0 * rise - 2.0 * da - db + t * (da + db - 2.0 * rise)))
+    }
+
+    /// Farthest distance, px.
+    pub(crate) fn reach_px(&self) -> f64 {
+        self.distance_px[0].abs().max(self.distance_px[self.distance_px.len() - 1])
     }
 }
 

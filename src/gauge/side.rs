@@ -4,13 +4,15 @@ use super::blur::{self, BLOCKS, BlurContext, BlurEstimate};
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
 use super::edges::{Edge, EdgeState};
+use super::esf::EdgeShape;
 use super::gate::{self, OutlierScratch};
+use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample};
 use super::score::{Place, locate, locate_core, normalise};
-use super::settings::{GaugeSettings, Levels};
-use super::table::{FINE, Table, window_width};
+use super::settings::{GaugeSettings, Levels, Rejection};
+use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
 use crate::profile::Reason;
 
@@ -30,6 +32,10 @@ pub(crate) struct SideState {
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
+    /// The edge-spread function fitted.
+    shape: EdgeShape,
+    /// Blur for which the windows were laid out, px.
+    laid_out: f64,
     tables: Vec<Table>,
     normalised: Vec<f32>,
     floats: Vec<f32>,
@@ -54,6 +60,8 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
+            shape: EdgeShape::Gaussian,
+            laid_out: 1.0,
             tables: Vec::new(),
             normalised: Vec::new(),
             floats: Vec::new(),
@@ -64,6 +72,33 @@ impl SideState {
 
     pub(crate) fn forget(&mut self) {
         self.tables.clear();
+    }
+
+    /// Takes another edge-spread function.
+    pub(crate) fn set_shape(&mut self, shape: EdgeShape) {
+        if self.shape != shape {
+            self.shape = shape;
+            self.tables.clear();
+        }
+    }
+
+    /// Width of the windows for a blur.
+    pub(crate) fn window_width(&self, sigma: f64) -> usize {
+        window_width(&self.shape, sigma)
+    }
+
+    /// Learns the edge-spread function from the places in `line`; false where the frame does not tell it.
+    pub(crate) fn learn(&mut self, line: &[Edge]) -> bool {
+        let lesson = Lesson {
+            windows: &self.windows,
+            dark: &self.dark,
+            light: &self.light,
+            slope: &self.slope,
+            sigma: self.blur.mean(),
+        };
+        let Some(table) = learn::learn(&lesson, line) else { return false };
+        self.set_shape(EdgeShape::Table(std::sync::Arc::new(table)));
+        true
     }
 
     /// A first blur from wide windows on a few columns; `None` where they do not fit the field.
@@ -79,7 +114,8 @@ impl SideState {
         for column in (0..BLOCKS).flat_map(|b| blur::sample(b, centres.len())) {
             windows.centre[column] = centres[column];
         }
-        windows.prepare(widest, window_width(widest), plane.columns);
+        let gaussian = EdgeShape::Gaussian;
+        windows.prepare(&gaussian, widest, window_width(&gaussian, widest), plane.columns);
         windows.read(plane);
         blur::rough(windows, plane.columns, &mut self.floats)
     }
@@ -95,7 +131,8 @@ impl SideState {
         self.windows.centre.clear();
         self.windows.centre.extend_from_slice(centres);
         self.windows.centred = centring.is_none();
-        self.windows.prepare(sigma, window_width(sigma), plane.columns);
+        self.laid_out = sigma;
+        self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
         self.windows.read(plane);
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
@@ -154,8 +191,28 @@ impl SideState {
             Levels::PerColumn {} => 33,
         };
         let sd = |level: f64| (noise.variance(level) / self.windows.flat as f64).sqrt() as f32;
-        self.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
-            && self.pool.pool(&self.windows.light, sd(light), knots, &mut self.light)
+        let pooled = self.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
+            && self.pool.pool(&self.windows.light, sd(light), knots, &mut self.light);
+        if pooled && self.shape != EdgeShape::Gaussian {
+            self.take_tails_off();
+        }
+        pooled
+    }
+
+    /// The flat ends of the windows still see a little of a long-tailed edge.
+    fn take_tails_off(&mut self) {
+        let windows = &self.windows;
+        let (e_dark, e_light) =
+            self.shape.flat_ends(self.laid_out, windows.width, windows.flat, half(windows.width));
+        let span = (e_light - e_dark) as f32;
+        for (dark, light) in self.dark.level.iter_mut().zip(&mut self.light.level) {
+            let contrast = (*light - *dark) / span;
+            *dark -= contrast * e_dark as f32;
+            *light = *dark + contrast;
+        }
+        let contrast = (self.light.mean - self.dark.mean) / f64::from(span);
+        self.dark.mean -= contrast * e_dark;
+        self.light.mean = self.dark.mean + contrast;
     }
 
     /// Refines the blur from `start`, px.
@@ -163,6 +220,7 @@ impl SideState {
         let (dark, light) = (self.dark.mean, self.light.mean);
         let context = BlurContext {
             windows: &self.windows,
+            shape: &self.shape,
             dark: &self.dark,
             light: &self.light,
             slope: &self.slope,
@@ -184,7 +242,7 @@ impl SideState {
         if self.tables.len() >= MOST_TABLES {
             self.tables.clear();
         }
-        self.tables.push(Table::new(sigma, kappa, width, free_levels, FINE));
+        self.tables.push(Table::new(&self.shape, sigma, kappa, width, free_levels, FINE));
         self.tables.len() - 1
     }
 
@@ -225,7 +283,13 @@ impl SideState {
             let index = self.table(sigma, kappa, free);
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
-            let job = ColumnJob { side: self, noise, table, min_snr: settings.min_snr as f32 };
+            let job = ColumnJob {
+                side: self,
+                noise,
+                table,
+                min_snr: settings.min_snr as f32,
+                reject: settings.rejection != Rejection::Off,
+            };
             score_columns(&job, from..to, &mut normalised, line);
             from = to;
         }
@@ -254,12 +318,18 @@ impl SideState {
         let z = gate::upper_normal_quantile(settings.residual_false_alarm);
         self.misfit = gate::misfit(line, freedom, &mut self.floats);
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
+        if settings.rejection != Rejection::Off {
+            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+        }
+        gate::state_misfit(line, freedom);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
             }
         }
-        gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+        if settings.rejection == Rejection::Off {
+            return;
+        }
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }
@@ -270,6 +340,7 @@ struct ColumnJob<'a> {
     noise: &'a NoiseModel,
     table: &'a Table,
     min_snr: f32,
+    reject: bool,
 }
 
 /// The inner loop.
@@ -301,7 +372,7 @@ fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &m
         return Edge::gap(Reason::LowContrast);
     }
     let own = windows.light[column] - windows.dark[column];
-    if !(own > 0.5 * contrast && own < 2.0 * contrast) {
+    if job.reject && !(own > 0.5 * contrast && own < 2.0 * contrast) {
         return Edge::gap(Reason::Contaminated);
     }
     let window = windows.of(column);
@@ -333,7 +404,7 @@ fn locate_in_whole(
     contrast: f32,
     normalised: &mut [f32],
 ) -> Option<Place> {
-    let start = normalise(window, dark, contrast, normalised);
+    let start = normalise(window, dark, contrast, normalised) - job.table.centroid;
     let found = locate(normalised, job.table, start)?;
     Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
 }

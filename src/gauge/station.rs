@@ -226,6 +226,7 @@ mod tests {
             shared_length: 400.0,
             pitch_mm,
             width_px: vec![500.0; 400],
+            middle_mm: vec![0.0; 400],
         };
         (meta, diameters)
     }

@@ -11,7 +11,8 @@
 //! has its own. So the weights and Σ w_k E_k are tabulated once and a step costs one multiply-add a pixel. Phases lie 1/64 px apart;
 //! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
-use super::model::{EdgeSample, edge_samples};
+use super::esf::EdgeShape;
+use super::model::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
 pub(crate) const FINE: u32 = 64;
@@ -69,6 +70,8 @@ pub(crate) struct Table {
     pub(crate) freedom: f32,
     /// Phases per pixel.
     pub(crate) per_px: f32,
+    /// Where the area of the light puts the edge, px into the light from where it is.
+    pub(crate) centroid: f32,
     core: usize,
     /// Weights, model values and inverse variances of the core alone, in eights, phase after phase.
     core_arrays: [Vec<[f32; 8]>; 3],
@@ -81,20 +84,15 @@ pub(crate) fn half(width: usize) -> usize {
     width / 2 - 1
 }
 
-/// Pixels either side of the edge that carry information on its place.
-pub(crate) fn reach(sigma: f64) -> f64 {
-    3.6 * sigma + 1.25
-}
-
 /// Width of the window for a blur: the edge itself and five flat pixels or more either side.
-pub(crate) fn window_width(sigma: f64) -> usize {
-    let half = (reach(sigma) + 5.0 + f64::from(PHASE_REACH)).ceil() as usize;
+pub(crate) fn window_width(shape: &EdgeShape, sigma: f64) -> usize {
+    let half = (shape.reach(sigma) + 5.0 + f64::from(PHASE_REACH)).ceil() as usize;
     (2 * half + 2).next_multiple_of(8).clamp(24, 72)
 }
 
 /// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
-fn core_width(sigma: f64) -> usize {
-    let half = (reach(sigma) + f64::from(PHASE_REACH)).ceil() as usize;
+fn core_width(shape: &EdgeShape, sigma: f64) -> usize {
+    let half = (shape.reach(sigma) + f64::from(PHASE_REACH)).ceil() as usize;
     (2 * half + 2).next_multiple_of(8)
 }
 
@@ -109,7 +107,14 @@ impl Table {
     }
 
     /// Tabulates the weights. `free_levels`: each column has levels of its own.
-    pub(crate) fn new(sigma: f64, kappa: f64, width: usize, free_levels: bool, per_px: u32) -> Self {
+    pub(crate) fn new(
+        shape: &EdgeShape,
+        sigma: f64,
+        kappa: f64,
+        width: usize,
+        free_levels: bool,
+        per_px: u32,
+    ) -> Self {
         let steps = (PHASE_REACH * per_px as f32) as i32;
         let count = (2 * steps + 1) as usize;
         let mut table = Self {
@@ -118,16 +123,17 @@ impl Table {
             width,
             freedom: 0.0,
             per_px: per_px as f32,
-            core: if free_levels { width } else { core_width(sigma) },
+            core: if free_levels { width } else { core_width(shape, sigma) },
+            centroid: shape.centroid(sigma) as f32,
             core_arrays: [Vec::new(), Vec::new(), Vec::new()],
             arrays: vec![0.0; count * ARRAYS * width],
             scalars: Vec::with_capacity(count),
         };
         let mut samples = vec![EdgeSample::default(); width - 1];
-        let reach = if free_levels { width as f64 } else { reach(sigma) };
+        let reach = if free_levels { width as f64 } else { shape.reach(sigma) };
         for (index, step) in (-steps..=steps).enumerate() {
             let phase = f64::from(step) / f64::from(per_px);
-            edge_samples(-(half(width) as f64), phase, sigma, &mut samples);
+            shape.samples(-(half(width) as f64), phase, sigma, &mut samples);
             let rows = &mut table.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             let scalars = fill_phase(&samples, phase, kappa, reach, free_levels, rows, width);
             table.scalars.push(scalars);
@@ -242,10 +248,17 @@ mod tests {
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
-            let table = Table::new(0.8, 1.2, window_width(0.8), free, FINE);
+            let table = Table::new(
+                &EdgeShape::Gaussian,
+                0.8,
+                1.2,
+                window_width(&EdgeShape::Gaussian, 0.8),
+                free,
+                FINE,
+            );
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
-                edge_samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
+                EdgeShape::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
                 let phase = table.phase(x0 as f32);
                 let step: f64 =
                     samples.iter().zip(phase.weights).map(|(s, w)| f64::from(*w) * s.value).sum::<f64>()
@@ -262,7 +275,7 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let table = Table::new(sigma, 0.0, 32, false, FINE);
+        let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, 32, false, FINE);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");

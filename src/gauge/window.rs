@@ -1,8 +1,9 @@
 //! Windows around the edges of one side: reading them, centring them, their flat ends.
 
 use super::coarse::CoarseEdge;
+use super::esf::EdgeShape;
 use super::pixels::{Plane, Sample};
-use super::table::{PHASE_REACH, half, reach};
+use super::table::{PHASE_REACH, half};
 use crate::profile::Reason;
 
 /// An edge this close to the central pixel is centred, px. More than half a pixel, so that noise cannot keep a window hopping.
@@ -48,6 +49,8 @@ pub(crate) struct Windows {
     pub(crate) light: Vec<f32>,
     /// Whether the centres are known to be right: then only the flat ends are looked at.
     pub(crate) centred: bool,
+    /// Where the area of the light puts the edge, px into the light from where it is.
+    centroid: f32,
     tile: Vec<[f32; TILE]>,
 }
 
@@ -63,14 +66,17 @@ impl Windows {
             dark: Vec::new(),
             light: Vec::new(),
             centred: false,
+            centroid: 0.0,
             tile: Vec::new(),
         }
     }
 
     /// Sets the width from the blur and makes room for a frame.
-    pub(crate) fn prepare(&mut self, sigma: f64, width: usize, columns: usize) {
+    pub(crate) fn prepare(&mut self, shape: &EdgeShape, sigma: f64, width: usize, columns: usize) {
         self.width = width;
-        self.flat = ((half(width) as f64 - reach(sigma) - f64::from(PHASE_REACH)).floor() as usize).max(3);
+        self.centroid = shape.centroid(sigma) as f32;
+        self.flat =
+            ((half(width) as f64 - shape.reach(sigma) - f64::from(PHASE_REACH)).floor() as usize).max(3);
         self.pixels.resize(columns * width, 0.0);
         for values in [&mut self.start, &mut self.dark, &mut self.light] {
             values.clear();
@@ -147,7 +153,8 @@ impl Windows {
                 (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
                 continue;
             }
-            let (dark, light, x) = area_start(window, self.flat);
+            let (dark, light, area) = area_start(window, self.flat);
+            let x = area - self.centroid;
             if light > dark && x.abs() <= CENTRED {
                 self.start[column] = x;
                 self.dark[column] = dark;
@@ -171,7 +178,8 @@ impl Windows {
                 self.centre[column] = Err(Reason::Border);
                 return;
             }
-            let (dark, light, x) = area_start(window, self.flat);
+            let (dark, light, area) = area_start(window, self.flat);
+            let x = area - self.centroid;
             if !(light > dark) {
                 break;
             }

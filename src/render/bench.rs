@@ -1,17 +1,24 @@
 //! The true bench: what the optics really are, drawn by seed around the nominal settings. Only `truth` may know it.
 
+use std::sync::Arc;
+
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::contamination::{FieldGeometry, Soiling};
 use super::error::RenderError;
-use super::settings::{BenchSettings, Esf};
+use super::esf::{EsfTable, Extent};
+use super::settings::{BenchSettings, Esf, Optics};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
 
 /// Stream of the sensor's fixed pattern.
 const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
+
+/// Stream of the contamination.
+const SOIL_STREAM: u64 = 0x0000_0000_736f_696c;
 
 /// Draws are cut here, so that no seed gives an absurd lens.
 const LARGEST_DRAW: f64 = 2.5;
@@ -29,6 +36,8 @@ pub struct OpticalBench {
     pub electrons_per_count: f64,
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
+    /// What soils the view, where anything does.
+    pub soiling: Option<Arc<Soiling>>,
 }
 
 impl OpticalBench {
@@ -47,10 +56,14 @@ impl OpticalBench {
         let magnification = settings.optics.magnification * factor(departures.magnification_rel);
         let blur = factor(departures.blur_rel);
         let gain = factor(departures.gain_rel);
+        let pixel_mm = settings.camera.pixel_um * 1e-3 / magnification;
+        let esf = scaled_blur(&settings.optics.esf, blur);
+        let soiling = soiling(settings, &esf, pixel_mm, seed)?;
         Ok(Self {
             nominal: settings.clone(),
-            pixel_mm: settings.camera.pixel_um * 1e-3 / magnification,
-            esf: scaled_blur(&settings.optics.esf, blur),
+            pixel_mm,
+            esf,
+            soiling: soiling.map(Arc::new),
             electrons_per_count: settings.sensor.electrons_per_count * gain,
             pattern_seed: seed ^ PATTERN_STREAM,
         })
@@ -85,6 +98,32 @@ impl OpticalBench {
     pub fn row_of_x(&self, x_mm: f64) -> f64 {
         self.centre_row() - x_mm / self.pixel_mm
     }
+}
+
+/// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
+fn soiling(
+    settings: &BenchSettings,
+    esf: &Esf,
+    pixel_mm: f64,
+    seed: u64,
+) -> Result<Option<Soiling>, RenderError> {
+    if settings.contamination.is_clean() {
+        return Ok(None);
+    }
+    let effective_na = match esf {
+        Esf::PartiallyCoherent(p) => p.na * p.coherence_ratio.min(1.0),
+        _ => settings.optics.defocus_na,
+    };
+    let dull = Optics { reflection: None, ..settings.optics.clone() };
+    let in_focus = Extent { pixel_mm, depth_mm: 0.0, radius_mm: (1.0, 1.0) };
+    let geometry = FieldGeometry {
+        rows: settings.camera.rows as usize,
+        columns: settings.camera.columns as usize,
+        pixel_um: pixel_mm * 1e3,
+        effective_na,
+        sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
+    };
+    Soiling::new(&settings.contamination, geometry, seed ^ SOIL_STREAM)
 }
 
 fn scaled_blur(esf: &Esf, factor: f64) -> Esf {

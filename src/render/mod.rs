@@ -13,6 +13,7 @@ mod exposure;
 pub mod form;
 pub mod gpu;
 pub mod lens;
+pub mod light_map;
 pub mod motion;
 pub mod noise;
 mod optics;
@@ -24,6 +25,7 @@ mod scene;
 pub mod settings;
 pub mod shadowgraph;
 pub mod silhouette;
+mod veil;
 
 pub use bench::OpticalBench;
 pub use error::RenderError;

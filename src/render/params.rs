@@ -1,8 +1,9 @@
 //! What the kernel is told about a frame: the same bytes for the shader and for its CPU twin.
 
+use super::light_map::{LightMap, row_light};
 use super::noise::row_key;
 use super::shadowgraph::shaped;
-use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node};
+use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node, lens::FieldLight};
 use crate::frame::PixelFormat;
 
 /// Uniforms of `shaders/shadowgraph.wgsl`.
@@ -61,6 +62,26 @@ pub struct Params {
     pub hot: f32,
     /// Counts at which the full well clips.
     pub ceiling: f32,
+    /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it as well.
+    pub light: u32,
+    /// 32-bit words a row of the contamination's factors.
+    pub light_words: u32,
+    /// Sensor column of the optical axis.
+    pub light_centre: f32,
+    /// Half diagonals of the sensor a column.
+    pub light_scale: f32,
+}
+
+/// What the kernel knows of a row.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Row {
+    /// Two words for the frame's noise, two for the sensor's pattern.
+    pub key: [u32; 4],
+    /// Light over the field as a polynomial in the distance from the axis along the row: constant to cubic term.
+    pub light_low: [f32; 4],
+    /// The terms of fourth to sixth order.
+    pub light_high: [f32; 4],
 }
 
 /// Levels and noise of a sensor, in counts of one format.
@@ -115,8 +136,10 @@ pub struct Job<'a> {
     pub columns: Vec<Column>,
     /// Rows that an edge touches.
     pub bands: Bands,
-    /// Keys of every row: two words for the frame's noise, two for the sensor's pattern.
-    pub row_keys: Vec<[u32; 4]>,
+    /// Noise keys and field light of every row.
+    pub rows: Vec<Row>,
+    /// What contamination leaves of the light, pixel by pixel; none where nothing dims it.
+    pub contamination: Option<LightMap>,
     /// The edge-spread table.
     pub esf: &'a EsfTable,
     /// Nodes over a pixel.
@@ -179,6 +202,10 @@ impl Params {
             dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
             hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
             ceiling: (levels.black + levels.full_well_e / levels.electrons_per_count) as f32,
+            light: 0,
+            light_words: window.columns.div_ceil(2),
+            light_centre: 0.0,
+            light_scale: 0.0,
         };
         params.flat_bright = shaped(&params, params.shadow + params.contrast);
         params.flat_shadow = shaped(&params, params.shadow);
@@ -186,12 +213,26 @@ impl Params {
     }
 }
 
-/// Keys of a window's rows: noise by (seed, frame), pattern by the sensor alone.
-pub fn row_keys(window: Window, seed: u64, frame_id: u64, pattern_seed: u64) -> Vec<[u32; 4]> {
+/// The rows of a window: noise by (seed, frame), pattern by the sensor alone, light over a sensor of `rows` x `columns`.
+pub fn rows_of(window: Window, keys: FrameKeys, light: &FieldLight, sensor: [usize; 2]) -> Vec<Row> {
     (window.row..window.row + window.rows)
         .map(|row| {
-            let ([a, b], [c, d]) = (row_key(seed, frame_id, row), row_key(pattern_seed, u64::MAX, row));
-            [a, b, c, d]
+            let [a, b] = row_key(keys.seed, keys.frame_id, row);
+            let [c, d] = row_key(keys.pattern_seed, u64::MAX, row);
+            let k = row_light(light, row as usize, sensor);
+            let (light_low, light_high) = ([k[0], k[1], k[2], k[3]], [k[4], k[5], k[6], 0.0]);
+            Row { key: [a, b, c, d], light_low, light_high }
         })
         .collect()
+}
+
+/// What keys a frame's noise and its sensor's pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameKeys {
+    /// Seed of the temporal noise.
+    pub seed: u64,
+    /// The frame's number.
+    pub frame_id: u64,
+    /// Seed of the sensor's fixed pattern.
+    pub pattern_seed: u64,
 }

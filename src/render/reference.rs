@@ -31,6 +31,17 @@ pub struct GaussianReference {
 impl GaussianReference {
     /// Grey values of a frame, row-major; `edges(x)` gives the rows of both edges at a fractional column.
     pub fn frame(&self, rows: usize, columns: usize, edges: impl Fn(f64) -> [f64; 2]) -> Vec<f64> {
+        self.lit_frame(rows, columns, edges, |_, _| 1.0)
+    }
+
+    /// [`Self::frame`] where the light is not even: `factor(row, column)` multiplies the light above the shadow.
+    pub fn lit_frame(
+        &self,
+        rows: usize,
+        columns: usize,
+        edges: impl Fn(f64) -> [f64; 2],
+        factor: impl Fn(usize, usize) -> f64,
+    ) -> Vec<f64> {
         let step = self.sigma_px / 4.0;
         let reach = (REACH_SIGMA * self.sigma_px + 0.5) / step;
         let offsets: Vec<f64> =
@@ -47,7 +58,8 @@ impl GaussianReference {
                         w * (self.down(top - row as f64) + self.down(row as f64 - bottom))
                     })
                     .sum();
-                out[row * columns + column] = self.shadow + (self.bright - self.shadow) * light;
+                out[row * columns + column] =
+                    self.shadow + (self.bright - self.shadow) * light * factor(row, column);
             }
         }
         out

@@ -90,11 +90,27 @@ impl Renderer {
         request: &FrameRequest,
         reuse: Option<Frame>,
     ) -> Result<Frame, RenderError> {
-        let job = scene.job(request)?;
+        Ok(self.render_masked(scene, request, reuse)?.0)
+    }
+
+    /// [`Self::render`] with the truth of the contamination: bits of [`super::contamination::mask`] for every pixel of
+    /// the frame, row-major; `None` where the scene is clean.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn render_masked(
+        &self,
+        scene: &Scene,
+        request: &FrameRequest,
+        reuse: Option<Frame>,
+    ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
+        let mut job = scene.job(request)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
         let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
-        Frame::new(buffer, job.format, rows, columns, scene.meta(request))
-            .map_err(|e| RenderError::Device { what: e.to_string() })
+        let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request))
+            .map_err(|e| RenderError::Device { what: e.to_string() })?;
+        let contamination = job.contamination.take();
+        Ok((frame, contamination.map(|map| scene.recycle(map))))
     }
 
     /// Draws a job into a buffer of its format.

@@ -10,9 +10,11 @@ use super::error::RenderError;
 use super::esf::{EsfTable, Extent, pixel_quadrature};
 use super::esf_families::EdgeSpread;
 use super::exposure::{self, Instant};
-use super::params::{Job, Levels, Params, Window, pixels_per_word, row_keys};
+use super::light_map::LightMap;
+use super::params::{FrameKeys, Job, Levels, Params, Window, pixels_per_word, rows_of};
 use super::profiles::Profiles;
 use super::silhouette::{Outline, Turned, View};
+use super::veil;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::shaft::Shaft;
 
@@ -58,6 +60,7 @@ pub struct Scene {
     largest_sigma_px: f64,
     /// How far along z tilt, perspective and distortion may carry a corner, mm.
     margin_mm: f64,
+    wiped: bool,
 }
 
 impl Scene {
@@ -95,7 +98,23 @@ impl Scene {
         let widest = if esf.widens { esf.place(depth_mm, radius_mm.1, 0.0).scale_px } else { esf.blur_px };
         let blur = RowBlur::new(esf.blur_px);
         let (bench, largest_sigma_px) = (bench.clone(), widest);
-        Ok(Self { bench, outline, esf, blur, per_distance, depth_mm, largest_sigma_px, margin_mm })
+        Ok(Self {
+            bench,
+            outline,
+            esf,
+            blur,
+            per_distance,
+            depth_mm,
+            largest_sigma_px,
+            margin_mm,
+            wiped: false,
+        })
+    }
+
+    /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
+    #[must_use]
+    pub fn wiped(self) -> Self {
+        Self { wiped: true, ..self }
     }
 
     /// The true bench.
@@ -290,9 +309,26 @@ impl Scene {
         let window = self.window(request)?;
         let format = self.format(request);
         let halo = self.blur.reach();
-        let instants = exposure::instants(self, request, window, halo)?;
+        let mut instants = exposure::instants(self, request, window, halo)?;
+        let mut rises = Vec::new();
+        if !self.wiped {
+            for instant in &mut instants {
+                let edges = &mut instant.edges;
+                rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
+            }
+        }
+        let edges = exposure::mean(&instants);
+        let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
+        let contamination = veil::contamination(
+            &self.bench,
+            request,
+            window,
+            &edges[seen(edges.len())],
+            &rises[seen(rises.len())],
+            self.esf.blur_px,
+        )?;
         let depth = self.depth(&instants[0], window);
-        let mut columns = kernel_columns(&exposure::mean(&instants), &depth, &self.blur, &self.esf);
+        let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
         let quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
         let profiles = if instants.len() > 1 || self.outline.has_breaks() {
             let (scene, esf, instants) = (self, &self.esf, &instants[..]);
@@ -310,17 +346,44 @@ impl Scene {
         params.esf_segments = self.esf.per_table;
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;
+        self.light_params(&mut params, contamination.as_ref());
+        let keys = FrameKeys {
+            seed: request.seed,
+            frame_id: request.frame_id,
+            pattern_seed: self.bench.pattern_seed,
+        };
+        let sensor = [self.bench.rows(), self.bench.columns()];
         Ok(Job {
             params,
             format,
             columns,
             bands,
-            row_keys: row_keys(window, request.seed, request.frame_id, self.bench.pattern_seed),
+            rows: rows_of(window, keys, &self.bench.nominal.light.field, sensor),
+            contamination,
             esf: &self.esf,
             quadrature,
             stacked: self.esf.is_stacked(),
             profiles,
         })
+    }
+
+    fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
+        params.light = match contamination {
+            Some(map) if !map.words.is_empty() => 2,
+            _ => u32::from(!self.bench.nominal.light.field.is_even()),
+        };
+        let half_diagonal = 0.5 * (self.bench.rows() as f64).hypot(self.bench.columns() as f64);
+        params.light_centre = self.bench.centre_column() as f32;
+        params.light_scale = (1.0 / half_diagonal) as f32;
+    }
+
+    /// Takes a frame's contamination back for its memory and gives out its mask.
+    pub(super) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
+        let mask = std::mem::take(&mut map.mask);
+        if let Some(soiling) = &self.bench.soiling {
+            soiling.recycle(map);
+        }
+        mask
     }
 }
 

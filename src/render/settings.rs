@@ -6,7 +6,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::contamination::Contamination;
 use super::error::{RenderError, within};
+use super::lens::FieldLight;
 use super::motion::Motion;
 pub use super::optics::{Entocentric, Esf, GaussianEsf, Optics};
 use crate::frame::PixelFormat;
@@ -56,12 +58,14 @@ pub struct Light {
     pub bright_counts: f64,
     /// Mean grey value in the shadow (black level + stray light), counts.
     pub shadow_counts: f64,
+    /// Brightness over the field; `bright_counts` is what its centre has.
+    pub field: FieldLight,
 }
 
 impl Default for Light {
     /// Three quarters of a 12-bit scale, stray light of 1.5 %.
     fn default() -> Self {
-        Self { bright_counts: 3100.0, shadow_counts: 110.0 }
+        Self { bright_counts: 3100.0, shadow_counts: 110.0, field: FieldLight::default() }
     }
 }
 
@@ -73,7 +77,8 @@ impl Light {
     pub fn check(&self, sensor: &Sensor) -> Result<(), RenderError> {
         within("light.shadow_counts", self.shadow_counts, sensor.black_level_counts, 65535.0)?;
         let full = f64::from(sensor.format.full_scale().unwrap_or(u16::MAX));
-        within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)
+        within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)?;
+        self.field.check()
     }
 }
 
@@ -184,6 +189,8 @@ pub struct BenchSettings {
     pub sensor: Sensor,
     /// What moves during an exposure.
     pub motion: Motion,
+    /// What soils the view.
+    pub contamination: Contamination,
     /// Distance of the true bench from the nominal one.
     pub departures: Departures,
 }
@@ -199,6 +206,7 @@ impl BenchSettings {
         self.motion.check(self.camera.exposure_us)?;
         self.sensor.check()?;
         self.light.check(&self.sensor)?;
+        self.contamination.check()?;
         self.departures.check()
     }
 

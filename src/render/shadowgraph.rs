@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::columns::{Edge, PROFILE};
 use super::noise::{DENOMINATOR, NUMERATOR};
-use super::params::{Job, Params};
+use super::params::{Job, Params, Row};
 
 /// Columns treated together: their counts stay in the first-level cache.
 const BLOCK: usize = 256;
@@ -117,6 +117,33 @@ fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     sum
 }
 
+/// Light over the field along a row: a polynomial in the distance from the axis.
+#[inline(always)]
+fn field_light(params: &Params, low: [f32; 4], high: [f32; 4], sensor_column: u32) -> f32 {
+    let u = (sensor_column as f32 - params.light_centre) * params.light_scale;
+    low[0] + u * (low[1] + u * (low[2] + u * (low[3] + u * (high[0] + u * (high[1] + u * high[2])))))
+}
+
+/// What contamination leaves of a pixel's light.
+#[inline(always)]
+fn clear_light(params: &Params, words: &[u32], row: usize, column: usize) -> f32 {
+    let word = words[row * params.light_words as usize + (column >> 1)];
+    ((word >> ((column & 1) << 4)) & 0xffff) as f32 * 3.051_757_8e-5
+}
+
+/// Light of the bright field at a pixel, 1 where it is even and clear.
+#[inline(always)]
+fn field_factor(job: &Job<'_>, row: &Row, at: At) -> f32 {
+    let sensor_column = job.params.column0 + at.column as u32;
+    let factor = field_light(&job.params, row.light_low, row.light_high, sensor_column);
+    match &job.contamination {
+        Some(map) if job.params.light > 1 => {
+            factor * clear_light(&job.params, &map.words, at.row as usize, at.column)
+        }
+        _ => factor,
+    }
+}
+
 /// How counts become pixels of a container.
 pub trait Pixel: Copy + Send + Sync + Default {
     /// One pixel from unquantised counts.
@@ -183,6 +210,45 @@ fn flat_pattern(job: &Job<'_>, at: At, counts: &mut [f32; BLOCK]) {
     }
 }
 
+/// Light of the bright field over a block of a row.
+#[inline(always)]
+fn field_factors(job: &Job<'_>, at: At, factors: &mut [f32; BLOCK]) {
+    let row = &job.rows[at.row as usize];
+    let count = BLOCK.min(job.columns.len() - at.column);
+    for (i, factor) in factors[..count].iter_mut().enumerate() {
+        let sensor_column = job.params.column0 + (at.column + i) as u32;
+        *factor = field_light(&job.params, row.light_low, row.light_high, sensor_column);
+    }
+    let Some(map) = job.contamination.as_ref().filter(|_| job.params.light > 1) else { return };
+    let first = at.row as usize * job.params.light_words as usize + at.column / 2;
+    let words = &map.words[first..first + count.div_ceil(2)];
+    for (pair, word) in factors.chunks_exact_mut(2).zip(words) {
+        pair[0] *= (word & 0xffff) as f32 * 3.051_757_8e-5;
+        pair[1] *= (word >> 16) as f32 * 3.051_757_8e-5;
+    }
+}
+
+/// Counts of a block of flat pixels where the light is not even, their fixed pattern with them.
+#[inline(always)]
+fn lit_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let params = &job.params;
+    let mut means = [1.0; BLOCK];
+    field_factors(job, at, &mut means);
+    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
+    for (mean, c) in means.iter_mut().zip(columns) {
+        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
+        *mean = params.shadow + if inside { 0.0 } else { params.contrast * *mean };
+    }
+    for i in 0..BLOCK {
+        counts[i] = sample(shaped(params, means[i]), z[i]);
+    }
+    if params.pattern != 0 {
+        for i in 0..BLOCK {
+            counts[i] += fixed_pattern(params, means[i], at.key, params.column0 + (at.column + i) as u32);
+        }
+    }
+}
+
 /// Counts of a pixel near an edge.
 #[inline(always)]
 fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
@@ -190,6 +256,9 @@ fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
     let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
     if job.params.overlap != 0 {
         light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
+    }
+    if job.params.light != 0 {
+        light *= field_factor(job, &job.rows[at.row as usize], at);
     }
     let mean = job.params.shadow + job.params.contrast * light;
     let column = job.params.column0 + at.column as u32;
@@ -231,7 +300,12 @@ impl BlockExtent {
         if row <= self.top.0 || row >= self.bottom.1 {
             return Some(params.flat_bright);
         }
-        (row > self.top.1 && row < self.bottom.0).then_some(params.flat_shadow)
+        self.dark(row).then_some(params.flat_shadow)
+    }
+
+    /// Whether the whole block lies in the shadow in this row.
+    fn dark(&self, row: i32) -> bool {
+        row > self.top.1 && row < self.bottom.0
     }
 }
 
@@ -252,16 +326,21 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
         let row = (first + r) as i32;
-        let key = job.row_keys[first + r];
+        let key = job.rows[first + r].key;
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
             let column = block * BLOCK;
             deviates(key, job.params.column0 + column as u32, &mut z);
-            match extents[block].even(&job.params, row) {
-                Some(k) => even_pixels(k, &z, &mut counts),
-                None => flat_pixels(job, At { row, column, key }, &z, &mut counts),
-            }
-            if job.params.pattern != 0 {
-                flat_pattern(job, At { row, column, key }, &mut counts);
+            let at = At { row, column, key };
+            if job.params.light != 0 && !extents[block].dark(row) {
+                lit_pixels(job, at, &z, &mut counts);
+            } else {
+                match extents[block].even(&job.params, row) {
+                    Some(k) => even_pixels(k, &z, &mut counts),
+                    None => flat_pixels(job, at, &z, &mut counts),
+                }
+                if job.params.pattern != 0 {
+                    flat_pattern(job, at, &mut counts);
+                }
             }
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);
@@ -281,7 +360,7 @@ fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
         for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
             let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
             for row in rows {
-                let at = At { row, column, key: job.row_keys[row as usize] };
+                let at = At { row, column, key: job.rows[row as usize].key };
                 let counts = edge_pixel(job, at, side == 1);
                 out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
             }

@@ -1,9 +1,13 @@
 //! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
 
+pub mod calibration;
+pub mod contamination;
 pub mod controllers;
 pub mod deflection;
+pub mod dirty_frames;
 pub mod factor;
 pub mod optimize;
+pub mod parts;
 pub mod reproduce_000;
 pub mod reproduce_003;
 pub mod reproduction;

@@ -82,6 +82,22 @@ impl Synth {
         self.digitise(&counts)
     }
 
+    /// As [`Self::frame`], with another edge: `step` is the light on a pixel whose centre lies so far (px) in the light.
+    #[allow(dead_code, reason = "not every test binary needs it")]
+    pub fn frame_of(
+        &self,
+        edges: impl Fn(usize) -> (f64, f64),
+        step: impl Fn(f64) -> f64,
+        seed: Option<u64>,
+    ) -> Frame {
+        let gaussless = |row: usize, column: usize, _: f64| {
+            let (top, bottom) = edges(column);
+            let light = step(top - row as f64) + step(row as f64 - bottom);
+            self.dark + (self.light - self.dark) * light
+        };
+        self.frame_with(&edges, gaussless, seed)
+    }
+
     fn digitise(&self, counts: &[f32]) -> Frame {
         let top = self.format.full_scale().map_or(f32::INFINITY, f32::from);
         let digital = counts.iter().map(|m| m.round().clamp(0.0, top));

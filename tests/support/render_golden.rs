@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use shadowgauge::frame::{PixelFormat, Pixels};
+use shadowgauge::render::contamination::Contamination;
 use shadowgauge::render::form::form_shaft;
 use shadowgauge::render::reference::GaussianReference;
 use shadowgauge::render::settings::{BenchSettings, Camera, Departures, Esf, Light, Optics, Sensor};
@@ -28,6 +29,7 @@ pub struct Case {
     pub optics: Optics,
     pub light: Light,
     pub sensor: Sensor,
+    pub contamination: Contamination,
 }
 
 impl Default for Case {
@@ -44,6 +46,7 @@ impl Default for Case {
             optics: Optics::default(),
             light: Light::default(),
             sensor: Sensor::default(),
+            contamination: Contamination::default(),
         }
     }
 }
@@ -184,6 +187,7 @@ impl GoldenScene {
             light: case.light.clone(),
             sensor: case.sensor.clone(),
             motion: Default::default(),
+            contamination: case.contamination.clone(),
             departures: Departures::none(),
         };
         let bench = OpticalBench::resolve(&settings, case.seed).unwrap();

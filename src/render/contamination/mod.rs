@@ -17,6 +17,7 @@ mod map;
 pub mod mask;
 mod settings;
 pub mod shapes;
+mod soiling;
 
 pub use field::{ContaminationField, FieldGeometry};
 pub use films::{AdheringFilms, Film};
@@ -24,3 +25,4 @@ pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
+pub use soiling::{Rise, Soiling, mark_rise};

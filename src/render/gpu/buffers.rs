@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use bytemuck::cast_slice;
 
 use super::super::error::RenderError;
-use super::super::params::{Job, Params};
+use super::super::params::{Job, Params, Row};
 
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;
@@ -15,13 +15,14 @@ pub(super) struct Buffers {
     pub(super) group: wgpu::BindGroup,
     size: Size,
     inputs: [wgpu::Buffer; 6],
+    light: wgpu::Buffer,
     image: wgpu::Buffer,
     readback: Option<wgpu::Buffer>,
 }
 
 /// Bytes of every binding.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Size([u64; 7]);
+struct Size([u64; 8]);
 
 impl Size {
     fn of(job: &Job<'_>) -> Self {
@@ -30,15 +31,21 @@ impl Size {
             size_of::<Params>() as u64,
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
-            bytes(job.row_keys.len(), 16),
+            bytes(job.rows.len(), size_of::<Row>()),
             bytes(job.esf.segments.len() + job.profiles.len(), 16),
             MOST_NODES * 16,
             u64::from(job.params.words) * u64::from(job.params.rows) * 4,
+            bytes(light_words(job).len().max(4), 4),
         ])
     }
 }
 
-/// The bind-group layout: a uniform, five read-only buffers, the image.
+/// Factors of the contamination; none where nothing dims the light.
+fn light_words<'a>(job: &'a Job<'_>) -> &'a [u32] {
+    job.contamination.as_ref().map_or(&[], |map| &map.words)
+}
+
+/// The bind-group layout: a uniform, five read-only buffers, the image, the contamination's factors.
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
         binding,
@@ -56,7 +63,7 @@ pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("shadowgraph"),
-        entries: &std::array::from_fn::<_, 7, _>(|i| entry(i as u32)),
+        entries: &std::array::from_fn::<_, 8, _>(|i| entry(i as u32)),
     })
 }
 
@@ -81,12 +88,13 @@ impl Buffers {
             let usage = if i == 0 { Use::UNIFORM } else { Use::STORAGE };
             buffer(size.0[i], usage | Use::COPY_DST)
         });
+        let light = buffer(size.0[7], Use::STORAGE | Use::COPY_DST);
         let image_use = if mappable { Use::STORAGE | Use::MAP_READ } else { Use::STORAGE | Use::COPY_SRC };
         let image = buffer(size.0[6], image_use);
         let readback = (!mappable).then(|| buffer(size.0[6], Use::MAP_READ | Use::COPY_DST));
         let entries: Vec<_> = inputs
             .iter()
-            .chain([&image])
+            .chain([&image, &light])
             .enumerate()
             .map(|(i, b): (usize, &wgpu::Buffer)| wgpu::BindGroupEntry {
                 binding: i as u32,
@@ -98,7 +106,7 @@ impl Buffers {
             layout,
             entries: &entries,
         });
-        Self { group, size, inputs, image, readback }
+        Self { group, size, inputs, light, image, readback }
     }
 
     /// Whether the job has exactly this size.
@@ -111,12 +119,16 @@ impl Buffers {
             bytemuck::bytes_of(&job.params),
             cast_slice(&job.columns),
             cast_slice(&job.bands.start),
-            cast_slice(&job.row_keys),
+            cast_slice(&job.rows),
             cast_slice(&job.esf.segments),
             cast_slice(&job.quadrature),
         ];
         for (buffer, bytes) in self.inputs.iter().zip(parts) {
             queue.write_buffer(buffer, 0, bytes);
+        }
+        let light = light_words(job);
+        if !light.is_empty() {
+            queue.write_buffer(&self.light, 0, cast_slice(light));
         }
         if !job.profiles.is_empty() {
             queue.write_buffer(

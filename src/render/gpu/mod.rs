@@ -41,12 +41,14 @@ pub struct Gpu {
     failure: Arc<Mutex<Option<String>>>,
 }
 
-/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands, stacked tables, profiles.
-type Variant = [u32; 5];
+/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands, uneven light, stacked tables,
+/// profiles.
+type Variant = [u32; 6];
 
 fn variant(job: &Job<'_>) -> Variant {
+    let params = &job.params;
     let (stack, profiles) = (u32::from(job.stacked), u32::from(!job.profiles.is_empty()));
-    [pixels_per_word(job.format), job.params.pattern, job.params.overlap, stack, profiles]
+    [pixels_per_word(job.format), params.pattern, params.overlap, params.light, stack, profiles]
 }
 
 struct Pipelines {
@@ -208,8 +210,9 @@ impl Gpu {
                     ("pixels_per_word", f64::from(variant[0])),
                     ("with_pattern", f64::from(variant[1])),
                     ("with_overlap", f64::from(variant[2])),
-                    ("with_stack", f64::from(variant[3])),
-                    ("with_profiles", f64::from(variant[4])),
+                    ("with_light", f64::from(variant[3])),
+                    ("with_stack", f64::from(variant[4])),
+                    ("with_profiles", f64::from(variant[5])),
                 ],
                 ..Default::default()
             },

@@ -1,0 +1,174 @@
+//! `shadowgauge calibrate`: a bench from dark and flat fields, master pins and a check pin.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::study_files::{ConfigText, json_text};
+use super::{CommandResult, Failure, Outcome};
+use crate::frame::Frame;
+use crate::gauge::Calibration;
+use crate::render::{BackendChoice, Renderer};
+use crate::report;
+use crate::run_folder::write_atomically;
+use crate::source::{FileFrames, list_images};
+use crate::studies::calibration::{
+    CalibrateError, Calibrated, CalibrationPlan, PinPlan, Position, Recordings, SimulatedRecordings,
+    calibrate, parameter_table,
+};
+
+/// Arguments of `calibrate`.
+#[derive(Debug, clap::Args)]
+pub struct CalibrateArgs {
+    /// The calibration, as configs/calibrate.toml.
+    config: PathBuf,
+    /// Where the calibration goes; its report goes beside it as .html.
+    #[arg(long, value_name = "FILE.json")]
+    out: PathBuf,
+    /// Where a [simulate] table's frames are rendered.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    backend: BackendChoice,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Makes the calibration. Where the check pin refuses it, the report is written but no calibration, and the exit code is 1.
+///
+/// # Errors
+/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk that fails.
+pub fn run(args: &CalibrateArgs) -> CommandResult {
+    let text = ConfigText::read(&args.config)?;
+    let plan: CalibrationPlan = text.parse()?;
+    plan.validate().map_err(|e| text.refuse(e))?;
+    let calibrated = if plan.simulate.is_some() {
+        let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+        let mut recordings = SimulatedRecordings::new(&plan, &renderer).map_err(|e| text.refuse(e))?;
+        calibrate(&plan, &mut recordings)
+    } else {
+        let folder = args.config.parent().unwrap_or(Path::new(".")).to_owned();
+        calibrate(&plan, &mut RecordedFrames { folder })
+    };
+    let calibrated = calibrated.map_err(|e| match e {
+        CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
+        other => Failure::fail(format!("{}: {other}", text.name)),
+    })?;
+    let page = report::calibration_report(&plan, &calibrated).map_err(Failure::fail)?;
+    write_atomically(&args.out.with_extension("html"), page.as_bytes()).map_err(Failure::fail)?;
+    let accepted = check(&calibrated.calibration);
+    if accepted {
+        let json = json_text(&calibrated.calibration)? + "\n";
+        write_atomically(&args.out, json.as_bytes()).map_err(Failure::fail)?;
+    } else {
+        tracing::error!(
+            "the check pin refuses this calibration; {} is not written, the report says why",
+            args.out.display()
+        );
+    }
+    say(args, &calibrated, accepted);
+    Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn check(calibration: &Calibration) -> bool {
+    calibration.bench.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
+}
+
+fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
+    let calibration = &calibrated.calibration;
+    let Some(bench) = &calibration.bench else { return };
+    if args.json {
+        let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
+        println!(
+            "{}",
+            json!({
+                "accepted": accepted,
+                "optics_id": calibration.optics_id,
+                "scale_mm_per_px": calibration.scale_mm_per_px,
+                "offset_mm": calibration.offset_mm,
+                "lens": bench.lens,
+                "birge_ratio": bench.birge_ratio,
+                "rms_residual_um": residual_um,
+                "check": bench.check,
+                "expires": bench.validity.expires(),
+                "sensor": bench.sensor.as_ref().map(|s| json!({
+                    "gain_counts_per_electron": s.gain_counts_per_electron,
+                    "read_noise_electrons": s.read_noise_electrons,
+                    "prnu": s.prnu,
+                    "black_counts": s.black_counts,
+                })),
+                "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
+            })
+        );
+        return;
+    }
+    println!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
+    for [name, value, u] in parameter_table(calibration) {
+        println!("{name:<42} {value:>14} {u:>12}");
+    }
+    println!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
+    if let Some(sensor) = &bench.sensor {
+        println!(
+            "sensor: {:.4} electrons a count, read noise {:.2} e, PRNU {:.3} %",
+            1.0 / sensor.gain_counts_per_electron,
+            sensor.read_noise_electrons,
+            1e2 * sensor.prnu
+        );
+    }
+    if let Some(field) = &bench.flat_field {
+        println!(
+            "flat field: {} defective pixels, light falls by {:.2} %",
+            field.defects.len(),
+            1e2 * field.fall_off
+        );
+    }
+    if let Some(check) = bench.check {
+        println!(
+            "check pin: {:+.3} um off, U = {:.3} um, E_n = {:.2}: {}",
+            1e3 * check.error_mm,
+            1e3 * check.expanded_u_mm,
+            check.e_n,
+            if check.accepted { "accepted" } else { "REFUSED" }
+        );
+    }
+    if let Some(budget) = &calibrated.example {
+        print!("\nbudget of a part like the middle master\n{}", budget.to_table(2.0));
+    }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0.0_f64), |(s, n), v| (s + v * v, n + 1.0));
+    (sum / n.max(1.0)).sqrt()
+}
+
+/// Frames in the folders that a plan names.
+struct RecordedFrames {
+    folder: PathBuf,
+}
+
+impl RecordedFrames {
+    fn read(&self, path: Option<&PathBuf>) -> Result<Vec<Frame>, CalibrateError> {
+        let Some(path) = path else { return Ok(Vec::new()) };
+        let frames = |e: &dyn std::fmt::Display| CalibrateError::Frames(e.to_string());
+        let images = list_images(&self.folder.join(path)).map_err(|e| frames(&e))?;
+        let mut source = FileFrames::new(images);
+        let mut all = Vec::new();
+        while let Some(read) = source.next_stored() {
+            all.push(read.map_err(|e| frames(&e))?.frame);
+        }
+        Ok(all)
+    }
+}
+
+impl Recordings for RecordedFrames {
+    fn pin(&mut self, _: usize, _: &PinPlan, position: &Position) -> Result<Vec<Frame>, CalibrateError> {
+        self.read(position.frames.as_ref())
+    }
+
+    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+        self.read(plan.fields.dark.as_ref())
+    }
+
+    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+        self.read(plan.fields.flats[index].frames.as_ref())
+    }
+}

@@ -1,0 +1,364 @@
+//! What `measure` says beyond edges: stations, judgement, averages, statistics, form over a turn.
+
+use serde_json::{Map, Value, json};
+
+use super::Failure;
+use crate::frame::FrameMeta;
+use crate::gauge::bench::Conditions;
+use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::form::Cutoff;
+use crate::gauge::judgement::{Judge, Judgement, Limits};
+use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
+use crate::gauge::tolerance::parse_tolerance;
+use crate::gauge::turn_form::{PartForm, TurnAverager};
+use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
+use crate::profile::{Diameter, Reading};
+
+/// What to say of diameters.
+#[derive(Debug, clap::Args)]
+pub struct JudgeArgs {
+    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good.
+    #[arg(long, value_name = "T", value_parser = parse_tolerance)]
+    tolerance: Option<Limits>,
+    /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    conformance_probability: f64,
+    /// Length of the stations that are judged, mm; the whole frame without it.
+    #[arg(long, value_name = "MM", value_parser = length)]
+    station_mm: Option<f64>,
+    /// Averages successive frames: moving:N, median:N or recursive:W.
+    #[arg(long, value_name = "HOW", value_parser = averaging)]
+    average: Option<Averaging>,
+    /// Coverage factor k of the expanded uncertainties.
+    #[arg(long, value_name = "K", default_value_t = 2.0, value_parser = length)]
+    coverage_factor: f64,
+    /// Uncertainty budget of every frame's largest diameter.
+    #[arg(long)]
+    budget: bool,
+    /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and harmonics.
+    #[arg(long)]
+    turn: bool,
+    /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
+    #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
+    angle_step: Option<f64>,
+    /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
+    #[arg(long, value_name = "UPR", default_value_t = 50.0, value_parser = length)]
+    cutoff_upr: f64,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a number above 0 is needed".to_owned()),
+    }
+}
+
+fn averaging(text: &str) -> Result<Averaging, String> {
+    let right = || "right would be moving:8, median:5 or recursive:0.2".to_owned();
+    let (how, number) = text.split_once(':').ok_or_else(right)?;
+    let averaging = match how {
+        "moving" => Averaging::Moving { readings: number.parse().map_err(|_| right())? },
+        "median" => Averaging::Median { readings: number.parse().map_err(|_| right())? },
+        "recursive" => Averaging::Recursive { weight: number.parse().map_err(|_| right())? },
+        _ => return Err(right()),
+    };
+    Average::new(averaging).map(|_| averaging).map_err(|e| e.to_string())
+}
+
+impl JudgeArgs {
+    /// Whether anything here needs millimetres.
+    pub fn needs_scale(&self) -> Option<&'static str> {
+        [
+            (self.tolerance.is_some(), "--tolerance"),
+            (self.station_mm.is_some(), "--station-mm"),
+            (self.average.is_some(), "--average"),
+            (self.budget, "--budget"),
+            (self.turn, "--turn"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Whether budgets were asked for.
+    pub fn budget(&self) -> bool {
+        self.budget
+    }
+
+    /// k.
+    pub fn coverage_factor(&self) -> f64 {
+        self.coverage_factor
+    }
+}
+
+/// Follows the frames of one command.
+pub struct Follower<'a> {
+    args: &'a JudgeArgs,
+    calibration: &'a Calibration,
+    conditions: Conditions,
+    judge: Option<(Judge, (f64, f64))>,
+    average: Average,
+    statistics: RunningStatistics,
+    worst: Judgement,
+    turn: Vec<(FrameMeta, ColumnDiameters)>,
+    frames: usize,
+}
+
+impl<'a> Follower<'a> {
+    /// Checks the arguments.
+    ///
+    /// # Errors
+    /// Exit 2 for limits and probabilities that judge nothing.
+    pub fn new(
+        args: &'a JudgeArgs,
+        calibration: &'a Calibration,
+        conditions: Conditions,
+    ) -> Result<Self, Failure> {
+        let judge = args
+            .tolerance
+            .map(|limits| {
+                let ends = match limits {
+                    Limits::Tolerance { lower_mm, upper_mm } => (lower_mm, upper_mm),
+                    Limits::Four { ll_mm, hh_mm, .. } => (ll_mm, hh_mm),
+                };
+                Judge::new(limits, args.conformance_probability).map(|j| (j, ends))
+            })
+            .transpose()
+            .map_err(Failure::refuse)?;
+        Cutoff::upr(args.cutoff_upr).map_err(Failure::refuse)?;
+        Ok(Self {
+            args,
+            calibration,
+            conditions,
+            judge,
+            average: Average::new(args.average.unwrap_or_default()).map_err(Failure::refuse)?,
+            statistics: RunningStatistics::default(),
+            worst: Judgement::GO,
+            turn: Vec::new(),
+            frames: 0,
+        })
+    }
+
+    /// What a frame adds to its JSON object.
+    pub fn add(&mut self, meta: &FrameMeta, edges: Option<&FrameEdges>, out: &mut Map<String, Value>) {
+        let index = self.frames;
+        self.frames += 1;
+        let Some(edges) = edges else { return };
+        let diameters = self.calibration.diameters_under(edges, &self.conditions);
+        let mean = diameters.mean(0..diameters.readings.len());
+        if let Some(d) = mean.value() {
+            put(out, "mean_diameter_mm", d.d_mm);
+            put(out, "u_mean_mm", d.u_mm());
+            self.statistics.push(d.d_mm);
+        }
+        if let Some(budget) =
+            WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions))
+        {
+            self.add_budget(&budget, out);
+        }
+        let averaged = self.average.push(mean);
+        if let (Some(d), true) = (averaged.value(), self.args.average.is_some()) {
+            put(out, "average_mm", d.d_mm);
+            put(out, "u_average_mm", d.u_mm());
+        }
+        self.judge_frame(meta, &diameters, averaged, out);
+        if self.args.turn {
+            let mut meta = meta.clone();
+            if let Some(step) = self.args.angle_step {
+                meta.angle_deg = step * index as f64;
+            }
+            self.turn.push((meta, diameters));
+        }
+    }
+
+    fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
+        let k = self.args.coverage_factor;
+        put(out, "u_random_mm", budget.u_random_mm());
+        put(out, "u_common_mm", budget.u_common_mm());
+        put(out, "expanded_u_max_mm", k * budget.u_mm());
+        put(out, "coverage_factor", k);
+        if self.args.budget {
+            out.insert("budget".to_owned(), json!(budget.contributions));
+            out.insert("effective_freedom".to_owned(), json!(finite(budget.effective_freedom())));
+        }
+    }
+
+    fn judge_frame(
+        &mut self,
+        meta: &FrameMeta,
+        diameters: &ColumnDiameters,
+        averaged: Reading,
+        out: &mut Map<String, Value>,
+    ) {
+        let stations: Vec<(f64, Reading)> = match (self.args.average, self.args.station_mm) {
+            (None, Some(length)) => diameters.record(meta, length),
+            _ => vec![(meta.z_mm, averaged)],
+        };
+        let mut worst = None;
+        let rows: Vec<Value> = stations
+            .iter()
+            .map(|(z_mm, reading)| {
+                let mut row = station_row(*z_mm, reading);
+                if let (Some((judge, _)), Some(d)) = (&self.judge, reading.value()) {
+                    let judgement = judge.judge(&d);
+                    row["judgement"] = json!(judgement);
+                    row["guard_mm"] = json!(judge.guard_mm(&d));
+                    worst = Some(worse(worst.unwrap_or(Judgement::GO), judgement));
+                }
+                row
+            })
+            .collect();
+        if let Some(worst) = worst {
+            self.worst = worse(self.worst, worst);
+            out.insert("judgement".to_owned(), json!(worst));
+        } else if self.judge.is_some() {
+            // What was not measured is not proven good.
+            out.insert("judgement".to_owned(), Value::Null);
+            self.worst = worse(self.worst, Judgement::HI);
+        }
+        if self.args.station_mm.is_some() {
+            out.insert("stations".to_owned(), rows.into());
+        }
+    }
+
+    /// Whether every value is proven good; true where nothing is judged.
+    pub fn all_good(&self) -> bool {
+        self.worst == Judgement::GO
+    }
+
+    /// What all frames together add to the document.
+    ///
+    /// # Errors
+    /// Exit 3 for frames that make no turn.
+    pub fn finish(&self, out: &mut Map<String, Value>) -> Result<(), Failure> {
+        if self.statistics.count() > 0 {
+            out.insert("statistics".to_owned(), self.statistics_json());
+        }
+        if self.args.turn {
+            out.insert("turn".to_owned(), turn_json(&self.part_form()?));
+        }
+        Ok(())
+    }
+
+    fn statistics_json(&self) -> Value {
+        let s = &self.statistics;
+        let (min, max) = s.extremes().unwrap_or_default();
+        let mut all = json!({
+            "count": s.count(), "mean_mm": s.mean(), "sd_mm": s.sd(), "u_mean_mm": s.u_mean(),
+            "min_mm": min, "max_mm": max, "range_mm": max - min,
+        });
+        if let Some((_, (lower, upper))) = self.judge {
+            all["cp"] = json!(s.cp(lower, upper, 0.95).ok());
+            all["cpk"] = json!(s.cpk(lower, upper, 0.95).ok());
+        }
+        all
+    }
+
+    fn part_form(&self) -> Result<PartForm, Failure> {
+        let cutoff = Cutoff::upr(self.args.cutoff_upr).map_err(Failure::refuse)?;
+        let ends = self
+            .turn
+            .iter()
+            .filter(|(_, d)| !d.readings.is_empty())
+            .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
+        let (low, high) =
+            ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
+        if !(high > low) {
+            return Err(Failure::fail("no frame of the turn could be measured"));
+        }
+        let length = self.args.station_mm.unwrap_or(high - low + 1e-9).min(high - low + 1e-9);
+        let count = ((high - low) / length + 1e-6).floor().clamp(1.0, 1e5) as usize;
+        let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length).collect();
+        let mut averager = TurnAverager::new(z_mm, length);
+        self.turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
+        let form = averager.finish(cutoff);
+        match form.refused.first() {
+            Some((z, why)) if form.sections.is_empty() => {
+                Err(Failure::fail(format!("the frames make no turn at z = {z:.3} mm: {why}")))
+            }
+            _ => Ok(form),
+        }
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn put(out: &mut Map<String, Value>, key: &str, value: f64) {
+    out.insert(key.to_owned(), json!(value));
+}
+
+fn station_row(z_mm: f64, reading: &Reading) -> Value {
+    match reading {
+        Reading::Value(Diameter { d_mm, u_random_mm, u_common_mm }) => {
+            json!({ "z_mm": z_mm, "d_mm": d_mm, "u_random_mm": u_random_mm, "u_common_mm": u_common_mm })
+        }
+        Reading::Gap(reason) => json!({ "z_mm": z_mm, "flag": reason.as_str() }),
+    }
+}
+
+/// The one that is farther from good.
+fn worse(a: Judgement, b: Judgement) -> Judgement {
+    let rank = |j: Judgement| match j {
+        Judgement::GO => 0,
+        Judgement::LO | Judgement::HI => 1,
+        Judgement::LL | Judgement::HH => 2,
+    };
+    if rank(b) > rank(a) { b } else { a }
+}
+
+fn turn_json(form: &PartForm) -> Value {
+    let mut all = json!(form);
+    all["of"] = json!("the silhouette: sizes and roundness of the sections' convex hulls");
+    all["refused"] = form.refused.iter().map(|(z, why)| json!({ "z_mm": z, "why": why })).collect();
+    if let Some(sections) = all["sections"].as_array_mut() {
+        for section in sections {
+            let [lsci, mzci, mici, mcci] = [0, 1, 2, 3].map(|k| section["roundness_mm"][k].clone());
+            section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
+        }
+    }
+    all
+}
+
+/// The part's form for people.
+pub fn turn_table(turn: &Value) -> String {
+    let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
+    let mm = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.5}"));
+    let mut text = format!(
+        "\nform over the turn, of {}\n{:>10} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
+        turn["of"].as_str().unwrap_or(""),
+        "z/mm",
+        "GG/mm",
+        "GN/mm",
+        "GX/mm",
+        "run-out",
+        "LSCI",
+        "MZCI",
+        "MICI",
+        "MCCI um"
+    );
+    for s in turn["sections"].as_array().into_iter().flatten() {
+        let r = &s["roundness_mm"];
+        text += &format!(
+            "{:>10.3} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
+            s["z_mm"].as_f64().unwrap_or(f64::NAN),
+            mm(&s["gg_mm"]),
+            mm(&s["gn_mm"]),
+            mm(&s["gx_mm"]),
+            um(&s["run_out_mm"]),
+            um(&r["lsci"]),
+            um(&r["mzci"]),
+            um(&r["mici"]),
+            um(&r["mcci"])
+        );
+    }
+    text += &format!(
+        "total run-out {}, cylindricity {}, straightness of axis {}, of flanks {} um; taper {} um/mm\n",
+        um(&turn["total_run_out_mm"]),
+        um(&turn["cylindricity_mm"]),
+        um(&turn["axis_straightness_mm"]),
+        um(&turn["generatrix_straightness_mm"]),
+        um(&turn["taper"])
+    );
+    text
+}

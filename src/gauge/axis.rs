@@ -1,0 +1,289 @@
+//! One edge that leaves its place while the other one does not: matter on the part, not its form.
+//!
+//! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle (top + bottom)/2 follows the axis: over
+//! one field a parabola, whatever the profile. Matter that adheres to one side, or a chip that touches it, moves the middle by half of
+//! what it adds to the diameter. The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
+//! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::edges::{Edge, EdgeState};
+use crate::profile::Reason;
+
+/// Columns of a block.
+const BLOCK: usize = 16;
+/// Fewest blocks that tell an axis from an excursion.
+const LEAST_BLOCKS: usize = 8;
+/// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
+const COLUMN_LIMIT: f64 = 5.5;
+const BLOCK_LIMIT: f64 = 4.0;
+/// Departures below this are left alone, px: they move a diameter by twice as much, well inside what a station's scatter says.
+const FLOOR_PX: f64 = 0.02;
+/// A refused stretch grows over neighbours that depart to the same side by so many standard deviations, this far at most.
+const GROW_LIMIT: f64 = 1.5;
+const GROWTH: usize = 64;
+/// Neighbours of a refused stretch that go with it: half the width of an edge's window.
+const GUARD: usize = 3;
+/// Trial axes of the robust fit.
+const TRIALS: usize = 96;
+/// Bend of the axis over half a field that is as likely as not, px. A film as long as the field looks like one; a real one costs trials
+/// their spread times √(1 + (bend/this)²) only.
+const USUAL_BEND_PX: f64 = 0.1;
+
+/// Memory of [`refuse_one_sided`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AxisScratch {
+    /// Middle of every column, NaN without both edges; then its departure from the axis.
+    departures: Vec<f32>,
+    /// (abscissa in −1..1, median, columns) of the blocks.
+    blocks: Vec<(f64, f64)>,
+    pool: Vec<f32>,
+    sizes: Vec<f64>,
+    refused: Vec<bool>,
+}
+
+/// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
+pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
+    let usable = scratch.middles(top, bottom);
+    if scratch.blocks.len() < LEAST_BLOCKS {
+        return 0.0;
+    }
+    let Some(axis) = scratch.axis() else { return 0.0 };
+    let (column_sd, block_sd) = scratch.depart(&axis, top.len());
+    let refused = scratch.mark(column_sd, block_sd);
+    if refused == 0 {
+        return 0.0;
+    }
+    for (column, refuse) in scratch.refused.iter().enumerate() {
+        if *refuse && top[column].is_usable() && bottom[column].is_usable() {
+            let outwards_above = scratch.departures[column] < 0.0;
+            let edge = if outwards_above { &mut top[column] } else { &mut bottom[column] };
+            edge.state = EdgeState::Gap(Reason::Contaminated);
+        }
+    }
+    refused as f64 / usable.max(1) as f64
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn abscissa(column: f64, columns: usize) -> f64 {
+    2.0 * column / columns.max(1) as f64 - 1.0
+}
+
+fn basis(x: f64) -> Vector3<f64> {
+    Vector3::new(1.0, x, x * x)
+}
+
+impl AxisScratch {
+    /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
+    fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
+        let columns = top.len();
+        self.departures.clear();
+        self.blocks.clear();
+        // Rows relative to the first, so that f32 keeps 1e-5 px.
+        let origin = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
+        let origin = origin.map_or(0.0, |(t, b)| 0.5 * (t.row_px + b.row_px));
+        self.departures.extend(top.iter().zip(bottom).map(|(t, b)| {
+            let both = t.is_usable() && b.is_usable();
+            if both { (0.5 * (t.row_px + b.row_px) - origin) as f32 } else { f32::NAN }
+        }));
+        let mut usable = 0;
+        for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
+            self.pool.clear();
+            self.pool.extend(chunk.iter().filter(|m| m.is_finite()));
+            usable += self.pool.len();
+            if self.pool.len() >= BLOCK / 2 {
+                let middle = self.pool.len() / 2;
+                let (_, median, _) = self.pool.select_nth_unstable_by(middle, f32::total_cmp);
+                let at = index * BLOCK + chunk.len() / 2;
+                self.blocks.push((abscissa(at as f64, columns), f64::from(*median)));
+            }
+        }
+        usable
+    }
+
+    /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half the blocks
+    /// agree with best.
+    fn axis(&mut self) -> Option<Vector3<f64>> {
+        let plain = fit(self.blocks.iter(), true)?;
+        let limit = (4.0 * self.spread(&plain)).max(FLOOR_PX);
+        if plain[2].abs() < USUAL_BEND_PX && !self.blocks.iter().any(|b| far(&plain, limit, b)) {
+            return Some(plain);
+        }
+        let mut best = (self.cost(&plain), plain);
+        let n = self.blocks.len();
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut draw = |from: usize, to: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            from + ((state >> 33) as usize) % (to - from).max(1)
+        };
+        for trial in 0..TRIALS {
+            // One block from each third: an axis through neighbours says nothing of the rest.
+            let three = [draw(0, n / 3), draw(n / 3, 2 * n / 3), draw(2 * n / 3, n)];
+            let Some(axis) = fit(three.iter().map(|k| &self.blocks[*k]), trial % 2 == 0) else { continue };
+            let cost = self.cost(&axis);
+            if cost < best.0 {
+                best = (cost, axis);
+            }
+        }
+        for _ in 0..3 {
+            let limit = (3.0 * self.spread(&best.1)).max(0.5 * FLOOR_PX);
+            let kept = || self.blocks.iter().filter(|b| !far(&best.1, limit, b));
+            let bent = fit(kept(), true)?;
+            best.1 = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * best.1[2].abs()) {
+                bent
+            } else {
+                fit(kept(), false)?
+            };
+        }
+        Some(best.1)
+    }
+
+    /// Spread about an axis, dearer where it bends.
+    fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
+        self.spread(axis) * (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+    }
+
+    /// Robust standard deviation of the blocks about an axis, px.
+    fn spread(&mut self, axis: &Vector3<f64>) -> f64 {
+        self.sizes.clear();
+        self.sizes.extend(self.blocks.iter().map(|(x, m)| (m - axis.dot(&basis(*x))).abs()));
+        1.4826 * median(&mut self.sizes)
+    }
+
+    /// Turns middles into departures; gives the robust standard deviations of a column and of a block, px.
+    fn depart(&mut self, axis: &Vector3<f64>, columns: usize) -> (f64, f64) {
+        let scale = 2.0 / columns.max(1) as f64;
+        for (column, departure) in self.departures.iter_mut().enumerate() {
+            let x = column as f64 * scale - 1.0;
+            *departure -= (axis[0] + x * (axis[1] + x * axis[2])) as f32;
+        }
+        let block_sd = self.spread(axis);
+        self.sizes.clear();
+        let step = columns.div_ceil(256).max(1);
+        let every = self.departures.iter().step_by(step);
+        self.sizes.extend(every.filter(|d| d.is_finite()).map(|d| f64::from(d.abs())));
+        let column_sd = if self.sizes.is_empty() { 0.0 } else { 1.4826 * median(&mut self.sizes) };
+        (column_sd, block_sd)
+    }
+
+    /// Marks what departs, and what belongs to it; gives the number of columns marked.
+    fn mark(&mut self, column_sd: f64, block_sd: f64) -> usize {
+        let columns = self.departures.len();
+        let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
+        let block_limit = (BLOCK_LIMIT * block_sd).max(FLOOR_PX) as f32;
+        let grow = (GROW_LIMIT * column_sd).max(0.5 * FLOOR_PX) as f32;
+        self.refused.clear();
+        self.refused.resize(columns, false);
+        let mut any = false;
+        for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
+            let (mut sum, mut count, mut least, mut most) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
+            for d in chunk.iter().filter(|d| d.is_finite()) {
+                (sum, count) = (sum + d, count + 1.0);
+                (least, most) = (least.min(*d), most.max(*d));
+            }
+            if sum.abs() > block_limit * count && count >= 4.0 {
+                self.refused[index * BLOCK..index * BLOCK + chunk.len()].fill(true);
+                any = true;
+            } else if most.max(-least) > column_limit {
+                for (k, d) in chunk.iter().enumerate() {
+                    self.refused[index * BLOCK + k] |= d.abs() > column_limit;
+                }
+                any = true;
+            }
+        }
+        if !any {
+            return 0;
+        }
+        self.grow(grow);
+        self.refused.iter().zip(&self.departures).filter(|(r, d)| **r && d.is_finite()).count()
+    }
+
+    /// Extends refused stretches over neighbours that still depart to the same side, and a guard beyond.
+    fn grow(&mut self, limit: f32) {
+        let columns = self.departures.len() as isize;
+        let seeds: Vec<isize> = (0..columns).filter(|c| self.refused[*c as usize]).collect();
+        let ends = seeds.iter().filter(|c| {
+            let open = |n: isize| n >= 0 && n < columns && !self.refused[n as usize];
+            open(**c - 1) || open(**c + 1)
+        });
+        let ends: Vec<isize> = ends.copied().collect();
+        for seed in ends {
+            let sign = self.departures[seed as usize].signum();
+            for step in [-1_isize, 1] {
+                let (mut at, mut quiet, mut last) = (seed, 0, seed);
+                while quiet < 4 && (at - seed).unsigned_abs() < GROWTH {
+                    at += step;
+                    if at < 0 || at >= columns {
+                        break;
+                    }
+                    let d = self.departures[at as usize] * sign;
+                    if d > limit || !d.is_finite() {
+                        (quiet, last) = (0, at);
+                    } else {
+                        quiet += 1;
+                    }
+                }
+                let reach = (last + step * GUARD as isize).clamp(0, columns - 1);
+                let (a, b) = (seed.min(reach) as usize, seed.max(reach) as usize);
+                self.refused[a..=b].fill(true);
+            }
+        }
+    }
+}
+
+/// Whether a block lies further than `limit` px from an axis.
+fn far(axis: &Vector3<f64>, limit: f64, block: &(f64, f64)) -> bool {
+    (block.1 - axis.dot(&basis(block.0))).abs() > limit
+}
+
+/// Parabola or line by least squares; `None` where the points do not tell it.
+fn fit<'a>(points: impl Iterator<Item = &'a (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
+    let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
+    for (x, y) in points {
+        let b = if bent { basis(*x) } else { Vector3::new(1.0, *x, 0.0) };
+        normal += b * b.transpose();
+        right += b * *y;
+    }
+    if !bent {
+        normal[(2, 2)] = 1.0;
+    }
+    normal.cholesky().map(|c| c.solve(&right))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(middle: impl Fn(usize) -> f64, half: impl Fn(usize) -> f64) -> (Vec<Edge>, Vec<Edge>) {
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+        // A rough, reproducible scatter of ±0.02 px.
+        let scatter = |c: usize, k: usize| 0.04 * ((((c * 7919 + k * 104_729) % 1000) as f64) / 1000.0 - 0.5);
+        let line = |sign: f64, k: usize| -> Vec<Edge> {
+            (0..512).map(|c| edge(middle(c) + sign * half(c) + scatter(c, k))).collect()
+        };
+        (line(-1.0, 1), line(1.0, 2))
+    }
+
+    #[test]
+    fn form_is_kept_and_matter_on_one_side_is_refused() {
+        // A step of 9 px, a taper and a bow.
+        let half = |c: usize| 300.0 + if c > 200 { 9.0 } else { 0.0 } + 0.002 * c as f64;
+        let middle = |c: usize| 500.0 + 0.003 * c as f64 + 4e-6 * (c as f64 - 250.0).powi(2);
+        let (mut top, mut bottom) = lines(middle, half);
+        assert!(refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default()) < 1e-9);
+        // Matter 0.6 px high above, from column 300 to 420.
+        for edge in &mut top[300..420] {
+            edge.row_px -= 0.6;
+        }
+        let share = refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
+        assert!((0.22..0.32).contains(&share), "{share}");
+        assert!(bottom.iter().all(Edge::is_usable));
+        assert!((300..420).all(|c| top[c].reason() == Some(Reason::Contaminated)));
+        assert!((0..280).chain(440..512).all(|c| top[c].is_usable()));
+    }
+}

@@ -1,0 +1,447 @@
+//! Least squares over the masters' observations and everything that is uncertain about the masters themselves.
+//!
+//! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p of each
+//! certificate, the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of a frame share.
+//! The residual of an observation is
+//!
+//! ```text
+//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f]·χ + o − (D_p + δ_p)·(1 + (α + δα)(T + δT − 20 °C))
+//! ```
+//!
+//! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
+//! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
+//! Where the residuals scatter more than the edges' own uncertainties say, the latter are multiplied (Birge's ratio).
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::super::calibration::{CalibrationError, MasterCertificate};
+use super::lens::{LensLimits, LensModel, PARAMETERS};
+use super::{Observation, SettingError};
+
+/// Masters' shadows must differ by this much, px, for scale and offset to be told apart.
+const LEAST_SPREAD_PX: f64 = 8.0;
+/// Gauss-Newton steps: the problem is linear to parts in 1e3.
+const STEPS: usize = 5;
+
+/// A master as the adjustment sees it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MasterPrior {
+    /// Its name in budgets and reports.
+    pub name: String,
+    /// Its certificate, at 20 °C.
+    pub certificate: MasterCertificate,
+}
+
+/// Temperature of the masters while they were recorded: one thermometer, one material.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Thermometer {
+    /// Temperature of the masters, °C. -50 ..= 400.
+    pub temperature_c: f64,
+    /// Limits of its error, ± K. 0 ..= 100.
+    pub limit_temperature_k: f64,
+    /// Coefficient of expansion of the masters, µm/(m·K). 0 ..= 100.
+    pub expansion_um_per_m_k: f64,
+    /// Limits of its error, ± µm/(m·K). 0 ..= 50.
+    pub limit_expansion_um_per_m_k: f64,
+}
+
+impl Default for Thermometer {
+    fn default() -> Self {
+        Self {
+            temperature_c: 20.0,
+            limit_temperature_k: 0.0,
+            expansion_um_per_m_k: 11.5,
+            limit_expansion_um_per_m_k: 0.0,
+        }
+    }
+}
+
+impl Thermometer {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
+        let at = |key: &str, v, low, high, right| {
+            super::within(&format!("thermometer.{key}"), v, low, high, right)
+        };
+        at("temperature_c", self.temperature_c, -50.0, 400.0, "-50 to 400 °C")?;
+        at("limit_temperature_k", self.limit_temperature_k, 0.0, 100.0, "0 to 100 K")?;
+        at("expansion_um_per_m_k", self.expansion_um_per_m_k, 0.0, 100.0, "0 to 100 µm/(m K); steel 11.5")?;
+        at("limit_expansion_um_per_m_k", self.limit_expansion_um_per_m_k, 0.0, 50.0, "0 to 50 µm/(m K)")
+    }
+
+    /// Standard uncertainties of T and α, K and 1/K.
+    pub fn u(&self) -> [f64; 2] {
+        let root = 3.0_f64.sqrt();
+        [self.limit_temperature_k / root, 1e-6 * self.limit_expansion_um_per_m_k / root]
+    }
+
+    fn alpha(&self) -> f64 {
+        1e-6 * self.expansion_um_per_m_k
+    }
+}
+
+/// A source's share of the parameters' covariance, in the order s, o, a, q, g, t (mm/px, mm, 1, 1, 1, 1/mm).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CovariancePart {
+    /// What it comes from.
+    pub source: String,
+    /// The share.
+    pub matrix: [[f64; PARAMETERS]; PARAMETERS],
+}
+
+impl CovariancePart {
+    /// Variance that this source gives to a quantity with these derivatives by the parameters.
+    pub fn variance(&self, by: &[f64; PARAMETERS]) -> f64 {
+        let row = |i: usize| (0..PARAMETERS).map(|j| self.matrix[i][j] * by[j]).sum::<f64>();
+        (0..PARAMETERS).map(|i| by[i] * row(i)).sum::<f64>().max(0.0)
+    }
+}
+
+/// What an observation leaves after the fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Residual {
+    /// Index of the master.
+    pub master: usize,
+    /// Index of the frame over all masters.
+    pub frame: usize,
+    /// Middle of the block of columns, px from the frame's centre.
+    pub column_px: f64,
+    /// Middle of the shadow, rows from the frame's centre.
+    pub middle_px: f64,
+    /// Axis from the masters' plane, mm.
+    pub axis_y_mm: f64,
+    /// Calibrated minus certified diameter, mm.
+    pub residual_mm: f64,
+    /// Its standard uncertainty by the edges, mm.
+    pub u_mm: f64,
+}
+
+/// The adjustment, ready to be solved for its own data and for deviated data.
+#[derive(Clone, Debug)]
+pub struct Adjustment {
+    masters: Vec<MasterPrior>,
+    observations: Vec<Observation>,
+    thermometer: Thermometer,
+    perfect: LensModel,
+    u_lens: [f64; 4],
+    frames: usize,
+    /// Own standard deviation of each observation's residual, mm.
+    sigma: Vec<f64>,
+    /// Step of each unknown that makes the normal equations dimensionless.
+    unit: Vec<f64>,
+    start: DVector<f64>,
+}
+
+/// A solved adjustment.
+#[derive(Clone, Debug)]
+pub struct Adjusted {
+    /// s, o, a, q, g, t.
+    pub parameters: [f64; PARAMETERS],
+    /// The lens part of them.
+    pub lens: LensModel,
+    /// Covariance by source.
+    pub parts: Vec<CovariancePart>,
+    /// What is left.
+    pub residuals: Vec<Residual>,
+    /// √(χ²/ν), by which the edges' uncertainties were multiplied where above 1.
+    pub birge_ratio: f64,
+}
+
+impl Adjustment {
+    /// Sets the problem up.
+    ///
+    /// # Errors
+    /// Refuses fewer than two masters, masters not seen or of one size, certificates that say nothing.
+    pub fn new(
+        masters: Vec<MasterPrior>,
+        observations: Vec<Observation>,
+        thermometer: Thermometer,
+        limits: &LensLimits,
+        size: (usize, usize),
+    ) -> Result<Self, CalibrationError> {
+        if masters.len() < 2 {
+            return Err(CalibrationError::TooFew { found: masters.len() });
+        }
+        let mut means = Vec::new();
+        for (index, master) in masters.iter().enumerate() {
+            master.certificate.check(index)?;
+            let widths: Vec<f64> = observations
+                .iter()
+                .filter(|o| o.master == index)
+                .map(|o| (o.bottom_px - o.top_px) * o.chord)
+                .collect();
+            if widths.is_empty() {
+                return Err(CalibrationError::Unseen { diameter_mm: master.certificate.diameter_mm });
+            }
+            means.push(widths.iter().sum::<f64>() / widths.len() as f64);
+        }
+        let spread_px = means.iter().fold(f64::NEG_INFINITY, |m, w| m.max(*w))
+            - means.iter().fold(f64::INFINITY, |m, w| m.min(*w));
+        if !(spread_px >= LEAST_SPREAD_PX) {
+            return Err(CalibrationError::SameSize { spread_px });
+        }
+        let scale = masters[0].certificate.diameter_mm / means[0];
+        let perfect = LensModel::perfect(size.0, size.1);
+        let frames = observations.iter().map(|o| o.frame + 1).max().unwrap_or(0);
+        let mut adjustment = Self {
+            u_lens: limits.u_parameters(scale * perfect.half_diagonal_px),
+            sigma: observations.iter().map(|o| (scale * o.chord * o.u_width_px).max(1e-9)).collect(),
+            unit: Vec::new(),
+            start: DVector::zeros(0),
+            masters,
+            observations,
+            thermometer,
+            perfect,
+            frames,
+        };
+        adjustment.unit = adjustment.units(scale);
+        adjustment.start = DVector::zeros(adjustment.unit.len());
+        adjustment.start[0] = scale / adjustment.unit[0];
+        Ok(adjustment)
+    }
+
+    /// Steps that make every unknown about 1: prior uncertainties, and 1e-4 of the scale, 1 µm for the offset.
+    fn units(&self, scale: f64) -> Vec<f64> {
+        let some = |u: f64| u.max(1e-15);
+        let [u_t, u_alpha] = self.thermometer.u();
+        let mut unit = vec![1e-4 * scale, 1e-3];
+        unit.extend(self.u_lens.map(some));
+        unit.extend(self.masters.iter().map(|m| m.certificate.u_mm()));
+        unit.extend([some(u_t), some(u_alpha)]);
+        unit.extend((0..self.frames).map(|f| some(self.u_frame(f))));
+        unit
+    }
+
+    fn u_frame(&self, frame: usize) -> f64 {
+        self.observations.iter().find(|o| o.frame == frame).map_or(0.0, |o| o.u_shared_px)
+    }
+
+    fn first_master(&self) -> usize {
+        PARAMETERS
+    }
+
+    fn thermal(&self) -> usize {
+        PARAMETERS + self.masters.len()
+    }
+
+    fn first_frame(&self) -> usize {
+        self.thermal() + 2
+    }
+
+    /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width (px), then one for
+    /// each prior: a, q, g, t, the masters' δ_p, δT, δα, the frames' ε_f, in units of their standard uncertainties.
+    pub fn inputs(&self) -> usize {
+        self.observations.len() + self.unit.len() - 2
+    }
+
+    /// The masters.
+    pub fn masters(&self) -> &[MasterPrior] {
+        &self.masters
+    }
+
+    /// The observations.
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// Standard deviation of each observation's residual, mm, Birge's ratio included once it is solved.
+    pub fn sigma_mm(&self) -> &[f64] {
+        &self.sigma
+    }
+
+    fn lens_of(&self, z: &DVector<f64>) -> LensModel {
+        LensModel {
+            radial: z[2] * self.unit[2],
+            keystone_across: z[3] * self.unit[3],
+            keystone_along: z[4] * self.unit[4],
+            telecentricity_per_mm: z[5] * self.unit[5],
+            ..self.perfect
+        }
+    }
+
+    /// Residual of an observation whose width is `deviation_px` larger, mm.
+    fn residual(&self, z: &DVector<f64>, lens: &LensModel, index: usize, deviation_px: f64) -> f64 {
+        let o = &self.observations[index];
+        let v = |k: usize| z[k] * self.unit[k];
+        let certificate = &self.masters[o.master].certificate;
+        let thermal = self.thermal();
+        let alpha = self.thermometer.alpha() + v(thermal + 1);
+        let warm = 1.0 + alpha * (self.thermometer.temperature_c + v(thermal) - 20.0);
+        let width = lens.ideal(o.column_px, o.bottom_px) - lens.ideal(o.column_px, o.top_px);
+        let seen = width + deviation_px + v(self.first_frame() + o.frame);
+        v(0) * (1.0 + v(5) * o.axis_y_mm) * seen * o.chord + v(1)
+            - (certificate.diameter_mm + v(self.first_master() + o.master)) * warm
+    }
+
+    /// Derivatives of the residual by the unknowns in their units, as (index, value).
+    fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 10] {
+        let o = &self.observations[index];
+        let v = |k: usize| z[k] * self.unit[k];
+        let thermal = self.thermal();
+        let lag = self.thermometer.temperature_c + v(thermal) - 20.0;
+        let alpha = self.thermometer.alpha() + v(thermal + 1);
+        let diameter = self.masters[o.master].certificate.diameter_mm + v(self.first_master() + o.master);
+        let width = lens.ideal(o.column_px, o.bottom_px) - lens.ideal(o.column_px, o.top_px);
+        let near = (1.0 + v(5) * o.axis_y_mm) * o.chord;
+        let by = lens.width_by(o.column_px, o.top_px, o.bottom_px);
+        let scale = v(0);
+        let rows = [
+            (0, near * width),
+            (1, 1.0),
+            (2, scale * near * by[0]),
+            (3, scale * near * by[1]),
+            (4, scale * near * by[2]),
+            (5, scale * o.axis_y_mm * width * o.chord),
+            (self.first_master() + o.master, -(1.0 + alpha * lag)),
+            (thermal, -diameter * alpha),
+            (thermal + 1, -diameter * lag),
+            (self.first_frame() + o.frame, scale * near),
+        ];
+        rows.map(|(k, value)| (k, value * self.unit[k]))
+    }
+
+    /// Normal matrix of the observations alone.
+    fn normal(&self, z: &DVector<f64>) -> DMatrix<f64> {
+        let lens = self.lens_of(z);
+        let mut normal = DMatrix::zeros(self.unit.len(), self.unit.len());
+        for index in 0..self.observations.len() {
+            let row = self.row(z, &lens, index);
+            let weight = self.sigma[index].powi(-2);
+            for (i, a) in row {
+                for (j, b) in row {
+                    normal[(i, j)] += weight * a * b;
+                }
+            }
+        }
+        normal
+    }
+
+    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the bench.
+    fn solve(&self, deviations: Option<&[f64]>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
+        let mut z = self.start.clone();
+        let mut last = None;
+        for _ in 0..STEPS {
+            let seen = self.normal(&z);
+            let mut normal = seen.clone();
+            for k in 2..self.unit.len() {
+                normal[(k, k)] += 1.0;
+            }
+            let inverse = normal.cholesky()?.inverse();
+            z += &inverse * self.gradient(&z, deviations);
+            last = Some((inverse, seen));
+        }
+        last.map(|(inverse, seen)| (z, inverse, seen))
+    }
+
+    /// Right-hand side of the normal equations.
+    fn gradient(&self, z: &DVector<f64>, deviations: Option<&[f64]>) -> DVector<f64> {
+        let lens = self.lens_of(z);
+        let mut right = DVector::zeros(self.unit.len());
+        for index in 0..self.observations.len() {
+            let moved = deviations.map_or(0.0, |d| d[index]);
+            let weighted = self.residual(z, &lens, index, moved) * self.sigma[index].powi(-2);
+            for (k, value) in self.row(z, &lens, index) {
+                right[k] -= value * weighted;
+            }
+        }
+        let first = self.observations.len();
+        for k in 2..self.unit.len() {
+            right[k] -= z[k] - deviations.map_or(0.0, |d| d[first + k - 2]);
+        }
+        right
+    }
+
+    /// Fits the bench. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
+    ///
+    /// # Errors
+    /// Where the masters do not determine the bench.
+    pub fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
+        let undetermined = || CalibrationError::SameSize { spread_px: 0.0 };
+        let (z, _, _) = self.solve(None).ok_or_else(undetermined)?;
+        let birge_ratio = self.birge_ratio(&z);
+        if birge_ratio > 1.0 {
+            self.sigma.iter_mut().for_each(|s| *s *= birge_ratio);
+        }
+        let (z, inverse, seen) = self.solve(None).ok_or_else(undetermined)?;
+        let lens = self.lens_of(&z);
+        let residuals = (0..self.observations.len())
+            .map(|index| {
+                let o = &self.observations[index];
+                Residual {
+                    master: o.master,
+                    frame: o.frame,
+                    column_px: o.column_px,
+                    middle_px: 0.5 * (o.top_px + o.bottom_px),
+                    axis_y_mm: o.axis_y_mm,
+                    // The nuisances are the masters' and the frames' business: shown is what the bench leaves.
+                    residual_mm: self.residual(&self.without_nuisances(&z), &lens, index, 0.0),
+                    u_mm: self.sigma[index],
+                }
+            })
+            .collect();
+        Ok(Adjusted {
+            parameters: std::array::from_fn(|k| z[k] * self.unit[k]),
+            lens,
+            parts: self.parts(&inverse, &seen),
+            residuals,
+            birge_ratio,
+        })
+    }
+
+    fn without_nuisances(&self, z: &DVector<f64>) -> DVector<f64> {
+        let mut bare = z.clone();
+        bare.rows_mut(PARAMETERS, z.len() - PARAMETERS).fill(0.0);
+        bare
+    }
+
+    /// √(χ²/ν) of the residuals and priors; χ² of all rows, freedom = rows − unknowns.
+    fn birge_ratio(&self, z: &DVector<f64>) -> f64 {
+        let lens = self.lens_of(z);
+        let seen: f64 = (0..self.observations.len())
+            .map(|i| (self.residual(z, &lens, i, 0.0) / self.sigma[i]).powi(2))
+            .sum();
+        let priors: f64 = z.iter().skip(2).map(|v| v * v).sum();
+        let freedom = self.observations.len() as f64 - 2.0;
+        if freedom >= 1.0 { ((seen + priors) / freedom).sqrt() } else { 1.0 }
+    }
+
+    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no bench.
+    pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
+        let (z, _, _) = self.solve(Some(deviations))?;
+        Some(std::array::from_fn(|k| z[k] * self.unit[k]))
+    }
+
+    fn parts(&self, inverse: &DMatrix<f64>, seen: &DMatrix<f64>) -> Vec<CovariancePart> {
+        let share = |source: &str, matrix: &DMatrix<f64>| CovariancePart {
+            source: source.to_owned(),
+            matrix: std::array::from_fn(|i| {
+                std::array::from_fn(|j| matrix[(i, j)] * self.unit[i] * self.unit[j])
+            }),
+        };
+        let of_priors = |range: std::ops::Range<usize>| {
+            range.fold(DMatrix::zeros(self.unit.len(), self.unit.len()), |sum, k| {
+                let column = inverse.column(k);
+                sum + column * column.transpose()
+            })
+        };
+        let frames = self.first_frame();
+        let edges = inverse * seen * inverse + of_priors(frames..self.unit.len());
+        let mut parts = vec![share("masters' edges (noise, levels, repeatability)", &edges)];
+        for (index, master) in self.masters.iter().enumerate() {
+            let k = self.first_master() + index;
+            parts.push(share(&format!("certificate of {}", master.name), &of_priors(k..k + 1)));
+        }
+        parts.push(share("temperature of the masters", &of_priors(self.thermal()..self.thermal() + 1)));
+        parts.push(share("expansion of the masters", &of_priors(self.thermal() + 1..frames)));
+        parts.push(share("distortion and keystone of the lens", &of_priors(2..5)));
+        parts.push(share("telecentricity of the lens", &of_priors(5..6)));
+        parts
+    }
+}

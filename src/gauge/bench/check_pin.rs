@@ -1,0 +1,51 @@
+//! A check pin that took no part in the fit: E_n after ISO/IEC 17043.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::calibration::MasterCertificate;
+
+/// A pin of known diameter measured with the new calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckPin {
+    /// Its certificate.
+    pub certificate: MasterCertificate,
+    /// Diameter measured, at 20 °C, mm.
+    pub measured_mm: f64,
+    /// Standard uncertainty of the measured diameter, mm.
+    pub u_measured_mm: f64,
+}
+
+/// Verdict on a calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CheckResult {
+    /// Certified diameter, mm.
+    pub certified_mm: f64,
+    /// Measured diameter, mm.
+    pub measured_mm: f64,
+    /// Measured minus certified, mm.
+    pub error_mm: f64,
+    /// Expanded uncertainty (k = 2) of measured and certified together, mm.
+    pub expanded_u_mm: f64,
+    /// |error| over that: accepted up to 1.
+    pub e_n: f64,
+    /// Whether the calibration passed.
+    pub accepted: bool,
+}
+
+impl CheckPin {
+    /// E_n = |x − X|/√(U_x² + U_X²), both at k = 2.
+    pub fn judge(&self) -> CheckResult {
+        let error_mm = self.measured_mm - self.certificate.diameter_mm;
+        let expanded_u_mm = 2.0 * self.u_measured_mm.hypot(self.certificate.u_mm());
+        let e_n = error_mm.abs() / expanded_u_mm;
+        CheckResult {
+            certified_mm: self.certificate.diameter_mm,
+            measured_mm: self.measured_mm,
+            error_mm,
+            expanded_u_mm,
+            e_n,
+            accepted: e_n <= 1.0,
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The lens as the gauge corrects for it: from pixels to heights on the object.
+//!
+//! With u, v the column and row from the frame's centre, ρ half the frame's diagonal, r² = (u² + v²)/ρ² and y the
+//! distance of the shaft's axis from the plane that the masters lay in (towards the camera),
+//!
+//! ```text
+//! f(u, v) = v·(1 + a·r²) + q·v²/ρ + g·u·v/ρ          what a perfect lens would have shown, px
+//! D = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top)]·χ + o
+//! ```
+//!
+//! a radial distortion, q and g a scale that changes with height and along the shaft (camera not square to the object,
+//! decentred lens: Brown's tangential terms, whose other parts cancel between two edges), t the telecentricity error, χ the
+//! chord factor of the axis' tilt, s the scale, o the offset of both edges together. Valid to first order in a, q, g:
+//! 1e-3 leaves 1e-6 of v.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::SettingError;
+
+/// Number of parameters of a bench: s, o, a, q, g, t.
+pub const PARAMETERS: usize = 6;
+
+/// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until masters say more.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LensLimits {
+    /// Largest radial distortion at the corner of the frame, per cent. 0 ..= 5.
+    pub distortion_percent: f64,
+    /// Largest change of scale from the centre to half a diagonal away (camera not square to the object), per cent. 0 ..= 5.
+    pub keystone_percent: f64,
+    /// Largest angle of a chief ray to the optical axis at the corner, degrees. 0 ..= 30.
+    pub telecentricity_deg: f64,
+}
+
+impl Default for LensLimits {
+    /// A good telecentric lens.
+    fn default() -> Self {
+        Self { distortion_percent: 0.05, keystone_percent: 0.02, telecentricity_deg: 0.03 }
+    }
+}
+
+impl LensLimits {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
+        super::within("lens.distortion_percent", self.distortion_percent, 0.0, 5.0, "0 to 5 %")?;
+        super::within("lens.keystone_percent", self.keystone_percent, 0.0, 5.0, "0 to 5 %")?;
+        super::within("lens.telecentricity_deg", self.telecentricity_deg, 0.0, 30.0, "0 to 30 degrees")
+    }
+
+    /// Standard uncertainties of a, q, g, t before any master was seen: limit/√3; `half_diagonal_mm` on the object.
+    pub fn u_parameters(&self, half_diagonal_mm: f64) -> [f64; 4] {
+        let root = 3.0_f64.sqrt();
+        let keystone = 1e-2 * self.keystone_percent / root;
+        [
+            1e-2 * self.distortion_percent / root,
+            keystone,
+            keystone,
+            self.telecentricity_deg.to_radians().tan() / half_diagonal_mm / root,
+        ]
+    }
+}
+
+/// The lens' parameters and where they count from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LensModel {
+    /// Row of the frame's centre, px.
+    pub centre_row_px: f64,
+    /// Column of the frame's centre, px.
+    pub centre_column_px: f64,
+    /// Half the frame's diagonal ρ, px.
+    pub half_diagonal_px: f64,
+    /// Radial distortion a of the correction.
+    pub radial: f64,
+    /// Change of scale with height q.
+    pub keystone_across: f64,
+    /// Change of scale along the shaft g.
+    pub keystone_along: f64,
+    /// Telecentricity error t, 1/mm.
+    pub telecentricity_per_mm: f64,
+}
+
+impl LensModel {
+    /// A perfect lens before a frame of this size.
+    pub fn perfect(rows: usize, columns: usize) -> Self {
+        let (r, c) = (rows as f64, columns as f64);
+        Self {
+            centre_row_px: 0.5 * (r - 1.0),
+            centre_column_px: 0.5 * (c - 1.0),
+            half_diagonal_px: 0.5 * r.hypot(c),
+            radial: 0.0,
+            keystone_across: 0.0,
+            keystone_along: 0.0,
+            telecentricity_per_mm: 0.0,
+        }
+    }
+
+    /// Row from the centre that a perfect lens would have shown, f(u, v), px.
+    pub fn ideal(&self, u: f64, v: f64) -> f64 {
+        let rho = self.half_diagonal_px;
+        let r2 = (u * u + v * v) / (rho * rho);
+        v * (1.0 + self.radial * r2) + (self.keystone_across * v + self.keystone_along * u) * v / rho
+    }
+
+    /// A row of the image as a perfect lens would have shown it, px.
+    pub fn ideal_row(&self, column_px: f64, row_px: f64) -> f64 {
+        self.centre_row_px + self.ideal(column_px - self.centre_column_px, row_px - self.centre_row_px)
+    }
+
+    /// Derivatives of the ideal width f(u, bottom) − f(u, top) by a, q, g, px.
+    pub fn width_by(&self, u: f64, top: f64, bottom: f64) -> [f64; 3] {
+        let rho = self.half_diagonal_px;
+        let cubic = |v: f64| v * (u * u + v * v) / (rho * rho);
+        [cubic(bottom) - cubic(top), (bottom * bottom - top * top) / rho, u * (bottom - top) / rho]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_are_those_of_the_width() {
+        let lens = LensModel {
+            radial: 1e-3,
+            keystone_across: 2e-4,
+            keystone_along: -3e-4,
+            ..LensModel::perfect(512, 400)
+        };
+        let (u, top, bottom, h) = (77.0, -140.0, 120.5, 1e-5);
+        let width = |l: &LensModel| l.ideal(u, bottom) - l.ideal(u, top);
+        let by = lens.width_by(u, top, bottom);
+        let moved = [
+            LensModel { radial: lens.radial + h, ..lens },
+            LensModel { keystone_across: lens.keystone_across + h, ..lens },
+            LensModel { keystone_along: lens.keystone_along + h, ..lens },
+        ];
+        for (analytic, moved) in by.iter().zip(&moved) {
+            let numeric = (width(moved) - width(&lens)) / h;
+            assert!((numeric - analytic).abs() < 1e-6 * analytic.abs().max(1.0), "{numeric} {analytic}");
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
+
+use super::super::diameter::Pose;
+use super::super::edges::FrameEdges;
+use super::LensModel;
+
+/// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
+const BLOCKS: usize = 6;
+/// Fewest usable columns in a block.
+const LEAST_COLUMNS: usize = 8;
+
+/// Mean edges of a block of columns of one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// Index of the master.
+    pub master: usize,
+    /// Index of the frame over all masters: its columns share an error.
+    pub frame: usize,
+    /// Middle of the block, columns from the frame's centre.
+    pub column_px: f64,
+    /// Mean upper edge, rows from the frame's centre.
+    pub top_px: f64,
+    /// Mean lower edge, rows from the frame's centre.
+    pub bottom_px: f64,
+    /// Chord factor χ of the axis' tilt.
+    pub chord: f64,
+    /// Distance of the axis from the plane of the masters, mm.
+    pub axis_y_mm: f64,
+    /// Standard uncertainty of the width that the block has for itself, px.
+    pub u_width_px: f64,
+    /// Standard uncertainty of the width that all blocks of the frame share (levels), px.
+    pub u_shared_px: f64,
+}
+
+/// Observations of one frame of a master; empty where no block shows both edges.
+pub fn observe(
+    edges: &FrameEdges,
+    lens: &LensModel,
+    master: usize,
+    frame: usize,
+    axis_y_mm: f64,
+) -> Vec<Observation> {
+    let columns = edges.columns();
+    let chord = Pose::of(edges).chord_factor();
+    (0..BLOCKS)
+        .filter_map(|block| {
+            let range = block * columns / BLOCKS..(block + 1) * columns / BLOCKS;
+            let used: Vec<usize> = range.filter(|c| edges.width_px(*c).is_some()).collect();
+            if used.len() < LEAST_COLUMNS {
+                return None;
+            }
+            let n = used.len() as f64;
+            let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
+            let square = |v: f32| f64::from(v).powi(2);
+            let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
+            let shared = mean(&|c| square(edges.top[c].u_shared_px) + square(edges.bottom[c].u_shared_px));
+            Some(Observation {
+                master,
+                frame,
+                column_px: mean(&|c| c as f64) - lens.centre_column_px,
+                top_px: mean(&|c| edges.top[c].row_px) - lens.centre_row_px,
+                bottom_px: mean(&|c| edges.bottom[c].row_px) - lens.centre_row_px,
+                chord,
+                axis_y_mm,
+                u_width_px: (own / n).sqrt(),
+                u_shared_px: shared.sqrt(),
+            })
+        })
+        .collect()
+}

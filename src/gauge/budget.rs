@@ -1,0 +1,428 @@
+//! The uncertainty budget of a diameter (GUM clause 8 and annex H): one row a source, random and common apart.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::bench::{Conditions, CovariancePart};
+use super::calibration::Calibration;
+use super::caliper::largest_caliper;
+use super::diameter::Pose;
+use super::edges::FrameEdges;
+
+/// Fewest columns of a mean.
+const LEAST_COLUMNS: usize = 8;
+
+/// Whether a source's errors differ from reading to reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Share {
+    /// Shrinks with averaging.
+    Random,
+    /// The same in all readings of one calibration and set-up.
+    Common,
+}
+
+/// Shape of a source's distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// Normal.
+    Normal,
+    /// Rectangular: only limits are known.
+    Rectangular,
+    /// Product of two errors with limits.
+    Product,
+}
+
+/// One row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contribution {
+    /// The source.
+    pub source: String,
+    /// What is known of the input, with its unit.
+    pub input: String,
+    /// Shape of its distribution.
+    pub shape: Shape,
+    /// Whether it averages.
+    pub share: Share,
+    /// Degrees of freedom; none for what is known from elsewhere (type B).
+    pub freedom: Option<f64>,
+    /// Standard uncertainty it gives the diameter, mm.
+    pub u_mm: f64,
+}
+
+/// The budget of one diameter.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Budget {
+    /// The diameter, mm.
+    pub diameter_mm: f64,
+    /// Its rows.
+    pub contributions: Vec<Contribution>,
+}
+
+impl Budget {
+    fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {
+        self.contributions.iter().filter(|c| wanted(c)).map(|c| c.u_mm * c.u_mm).sum::<f64>().sqrt()
+    }
+
+    /// Random standard uncertainty, mm.
+    pub fn u_random_mm(&self) -> f64 {
+        self.sum(|c| c.share == Share::Random)
+    }
+
+    /// Common standard uncertainty, mm.
+    pub fn u_common_mm(&self) -> f64 {
+        self.sum(|c| c.share == Share::Common)
+    }
+
+    /// Combined standard uncertainty, mm.
+    pub fn u_mm(&self) -> f64 {
+        self.sum(|_| true)
+    }
+
+    /// Effective degrees of freedom (Welch-Satterthwaite, GUM G.4.1); infinite where nothing is of type A.
+    pub fn effective_freedom(&self) -> f64 {
+        let fourth: f64 =
+            self.contributions.iter().filter_map(|c| c.freedom.map(|n| c.u_mm.powi(4) / n.max(1.0))).sum();
+        if fourth > 0.0 { self.u_mm().powi(4) / fourth } else { f64::INFINITY }
+    }
+
+    /// Coverage factor for a probability, Student's t at the effective degrees of freedom (GUM G.3).
+    pub fn coverage_factor(&self, probability: f64) -> f64 {
+        let freedom = self.effective_freedom().min(1e6);
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
+    }
+
+    /// Adds a row, unless it is nothing.
+    pub fn push(&mut self, contribution: Contribution) {
+        if contribution.u_mm > 0.0 {
+            self.contributions.push(contribution);
+        }
+    }
+
+    /// The rows for people: largest first, percentages of the variance.
+    pub fn to_table(&self, coverage_factor: f64) -> String {
+        let mut rows: Vec<&Contribution> = self.contributions.iter().collect();
+        rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));
+        let total = self.u_mm().powi(2);
+        let mut text = format!(
+            "{:<48} {:<34} {:<12} {:<7} {:>9} {:>7}\n",
+            "source", "input", "distribution", "share", "u / um", "% of u2"
+        );
+        for row in rows {
+            let _ = writeln!(
+                text,
+                "{:<48} {:<34} {:<12} {:<7} {:>9.4} {:>7.2}",
+                row.source,
+                row.input,
+                format!("{:?}", row.shape).to_lowercase(),
+                format!("{:?}", row.share).to_lowercase(),
+                1e3 * row.u_mm,
+                100.0 * row.u_mm * row.u_mm / total
+            );
+        }
+        let _ = writeln!(
+            text,
+            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {coverage_factor})",
+            self.diameter_mm,
+            1e3 * self.u_random_mm(),
+            1e3 * self.u_common_mm(),
+            1e3 * self.u_mm(),
+            1e3 * coverage_factor * self.u_mm()
+        );
+        text
+    }
+}
+
+/// A width in the image whose diameter's budget is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WidthReading {
+    /// Column where it stands (the middle of those averaged), px.
+    pub column_px: f64,
+    /// Mean rows of the two edges, px.
+    pub rows_px: (f64, f64),
+    /// Chord factor of the axis' tilt.
+    pub chord: f64,
+    /// Standard uncertainty of the width by noise alone, px.
+    pub u_noise_px: f64,
+    /// Share of quantisation in that noise' variance: (1/12)/σ_n².
+    pub quantisation_share: f64,
+    /// Standard uncertainty of the width by levels and blur, px.
+    pub u_levels_px: f64,
+    /// Standard uncertainty by form, texture and sampling: scatter of what was averaged, px.
+    pub u_form_px: f64,
+    /// Degrees of freedom of that scatter.
+    pub form_freedom: f64,
+}
+
+impl WidthReading {
+    /// Mean width over columns of a frame; `None` where fewer than 8 of them have both edges.
+    pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
+        let chord = Pose::of(edges).chord_factor();
+        let used: Vec<usize> = columns.filter(|c| edges.width_px(*c).is_some()).collect();
+        if used.len() < LEAST_COLUMNS {
+            return None;
+        }
+        let n = used.len() as f64;
+        let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
+        let square = |v: f32| f64::from(v).powi(2);
+        let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
+        let shared = mean(&|c| square(edges.top[c].u_shared_px) + square(edges.bottom[c].u_shared_px));
+        // Neighbouring columns share texture: the scatter of a few blocks' means, beyond noise, about a line (taper is form
+        // that is meant to be seen).
+        let blocks = (used.len() / 16).clamp(2, 12);
+        let means: Vec<f64> = (0..blocks)
+            .map(|b| {
+                let part = &used[b * used.len() / blocks..(b + 1) * used.len() / blocks];
+                part.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / part.len().max(1) as f64
+            })
+            .collect();
+        let form_freedom = (blocks as f64 - 2.0).max(1.0);
+        let form = scatter_about_line(&means) / blocks as f64;
+        let noise = own / n;
+        Some(Self {
+            column_px: mean(&|c| c as f64),
+            rows_px: (mean(&|c| edges.top[c].row_px), mean(&|c| edges.bottom[c].row_px)),
+            chord,
+            u_noise_px: noise.sqrt(),
+            quantisation_share: quantisation_share(edges),
+            u_levels_px: shared.sqrt(),
+            u_form_px: (form - noise).max(0.0).sqrt(),
+            form_freedom,
+        })
+    }
+
+    /// The largest caliper diameter of a frame, as [`largest_caliper`] finds it.
+    pub fn of_largest(edges: &FrameEdges) -> Option<Self> {
+        let largest = largest_caliper(edges)?;
+        let half = 0.5 * largest.diameter_px;
+        let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
+        let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));
+        let used: Vec<usize> = (from..to).filter(|c| edges.width_px(*c).is_some()).collect();
+        if used.is_empty() {
+            return None;
+        }
+        let n = used.len() as f64;
+        let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
+        let square = |v: f32| f64::from(v).powi(2);
+        let middle = mean(&|c| 0.5 * (edges.top[c].row_px + edges.bottom[c].row_px));
+        let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
+        // Variance of a median over that of a mean.
+        let noise = std::f64::consts::FRAC_PI_2 * own / n;
+        let own_u = largest.u_own_px.powi(2);
+        Some(Self {
+            column_px: largest.column_px,
+            rows_px: (middle - half, middle + half),
+            chord: 1.0,
+            u_noise_px: noise.min(own_u).sqrt(),
+            quantisation_share: quantisation_share(edges),
+            u_levels_px: (largest.u_px.powi(2) - own_u).max(0.0).sqrt(),
+            u_form_px: (own_u - noise).max(0.0).sqrt(),
+            form_freedom: (n - 1.0).max(1.0),
+        })
+    }
+
+    /// The diameter at 20 °C and its budget.
+    pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
+        let scale = calibration.scale_mm_per_px;
+        let (width_px, by) = match &calibration.bench {
+            Some(bench) => {
+                let by =
+                    bench.diameter_by(scale, self.column_px, self.rows_px, self.chord, conditions.axis_y_mm);
+                (by[0], Some(by))
+            }
+            None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
+        };
+        let at_t = calibration.diameter_mm(width_px);
+        let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
+        self.add_random(&mut budget, scale * self.chord);
+        match (&calibration.bench, by) {
+            (Some(bench), Some(by)) => {
+                for part in &bench.parts {
+                    budget.push(common(part, &by));
+                }
+            }
+            _ => add_scale_and_offset(&mut budget, calibration, width_px),
+        }
+        add_conditions(&mut budget, calibration, conditions, at_t);
+        budget
+    }
+
+    fn add_random(&self, budget: &mut Budget, mm_per_px: f64) {
+        let share = self.quantisation_share.clamp(0.0, 1.0);
+        let mut random = |source: &str, u_px: f64, freedom: Option<f64>| {
+            budget.push(Contribution {
+                source: source.to_owned(),
+                input: format!("{u_px:.5} px of width"),
+                shape: Shape::Normal,
+                share: Share::Random,
+                freedom,
+                u_mm: mm_per_px * u_px,
+            });
+        };
+        random("noise of the edges", self.u_noise_px * (1.0 - share).sqrt(), None);
+        random("quantisation", self.u_noise_px * share.sqrt(), None);
+        random("levels and blur", self.u_levels_px, None);
+        random("form, texture and sampling", self.u_form_px, Some(self.form_freedom));
+    }
+}
+
+/// Share of quantisation, 1/12 count², in the noise variance at mid-edge.
+fn quantisation_share(edges: &FrameEdges) -> f64 {
+    let [dark, light] = edges.figures.noise;
+    let mid = 0.5 * (dark * dark + light * light);
+    if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
+}
+
+/// Variance of one value about the least-squares line through evenly spaced ones.
+fn scatter_about_line(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    if n < 3.0 {
+        return 0.0;
+    }
+    let middle = 0.5 * (n - 1.0);
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = (0..values.len()).map(|i| (i as f64 - middle).powi(2)).sum();
+    let slope =
+        values.iter().enumerate().map(|(i, v)| (i as f64 - middle) * (v - mean)).sum::<f64>() / square;
+    let rest: f64 =
+        values.iter().enumerate().map(|(i, v)| (v - mean - slope * (i as f64 - middle)).powi(2)).sum();
+    rest / (n - 2.0)
+}
+
+fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
+    let limits = ["temperature", "expansion", "distortion", "telecentricity"];
+    let rectangular = limits.iter().any(|word| part.source.starts_with(word));
+    Contribution {
+        source: part.source.clone(),
+        input: "calibration".to_owned(),
+        shape: if rectangular { Shape::Rectangular } else { Shape::Normal },
+        share: Share::Common,
+        freedom: None,
+        u_mm: part.variance(by).sqrt(),
+    }
+}
+
+/// Without a bench only scale and offset are known, with their covariance.
+fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64) {
+    let row = |source: &str, input: String, u_mm: f64| Contribution {
+        source: source.to_owned(),
+        input,
+        shape: Shape::Normal,
+        share: Share::Common,
+        freedom: None,
+        u_mm,
+    };
+    let together = calibration.u_common_mm(width_px);
+    if let [a, b] = &calibration.masters[..] {
+        // Two masters: the line runs through both, so each one's share is its lever.
+        let (one, two) = (a.width_px, b.width_px);
+        for (master, lever) in [(a, (width_px - two) / (one - two)), (b, (width_px - one) / (two - one))] {
+            let name = format!("{} mm", master.certificate.diameter_mm);
+            let u = master.certificate.u_mm();
+            let input = format!("U/k = {:.3} um", 1e3 * u);
+            budget.push(row(&format!("certificate of the master of {name}"), input, lever.abs() * u));
+            let u = calibration.scale_mm_per_px * master.u_width_px;
+            let input = format!("{:.5} px", master.u_width_px);
+            budget.push(row(&format!("edges of the master of {name}"), input, lever.abs() * u));
+        }
+        return;
+    }
+    budget.push(row("scale and edge offset", "calibration".to_owned(), together));
+}
+
+fn add_conditions(budget: &mut Budget, calibration: &Calibration, conditions: &Conditions, at_t: f64) {
+    let (t, u_t) = calibration
+        .bench
+        .as_ref()
+        .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
+    let rows = [
+        (
+            "temperature of the part",
+            format!("{} ± {} °C", conditions.temperature_c, conditions.limit_temperature_k),
+            Shape::Rectangular,
+            conditions.u_temperature_mm(at_t),
+        ),
+        (
+            "expansion of the part",
+            format!(
+                "{} ± {} um/(m K)",
+                conditions.expansion_um_per_m_k, conditions.limit_expansion_um_per_m_k
+            ),
+            Shape::Rectangular,
+            conditions.u_expansion_mm(at_t),
+        ),
+        (
+            "focus: place of the axis x telecentricity",
+            format!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm),
+            Shape::Product,
+            conditions.u_focus_mm(at_t, t, u_t),
+        ),
+        (
+            "edges unlike the masters' (finish, shape)",
+            format!("± {} um an edge", conditions.limit_edge_um),
+            Shape::Rectangular,
+            conditions.u_edges_mm(),
+        ),
+        (
+            "drift of the scale",
+            format!("± {} ppm", conditions.limit_drift_ppm),
+            Shape::Rectangular,
+            conditions.u_drift_mm(at_t),
+        ),
+    ];
+    for (source, input, shape, u_mm) in rows {
+        let source = source.to_owned();
+        budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::{MasterCertificate, MasterFigure};
+
+    fn row(u_mm: f64, share: Share, freedom: Option<f64>) -> Contribution {
+        Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }
+    }
+
+    /// GUM H.1.6: the end-gauge comparison has u_c = 32 nm, 16 effective degrees of freedom, t₉₉ = 2.92.
+    #[test]
+    fn effective_freedom_is_that_of_the_end_gauge_example() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        for (u, freedom) in [(25.0, 18.0), (9.7, 25.6), (2.9, 50.0), (16.6, 2.0)] {
+            budget.push(row(u * 1e-6, Share::Common, Some(freedom)));
+        }
+        assert!((budget.u_mm() * 1e6 - 31.7).abs() < 0.5, "{}", budget.u_mm());
+        assert_eq!(budget.effective_freedom().floor(), 16.0);
+        assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
+    }
+
+    #[test]
+    fn two_masters_shares_are_the_covariance_of_scale_and_offset() {
+        let master = |diameter_mm, width_px| MasterFigure {
+            certificate: MasterCertificate { diameter_mm, expanded_u_mm: 2e-4, coverage_factor: 2.0 },
+            width_px,
+            u_width_px: 0.003,
+        };
+        let calibration = Calibration::fit_figures(&[master(20.0, 1300.0), master(28.0, 1820.0)]).unwrap();
+        let reading = WidthReading {
+            column_px: 0.0,
+            rows_px: (10.0, 1410.0),
+            chord: 1.0,
+            u_noise_px: 0.01,
+            quantisation_share: 0.25,
+            u_levels_px: 0.0,
+            u_form_px: 0.0,
+            form_freedom: 1.0,
+        };
+        let budget = reading.budget(&calibration, &Conditions::default());
+        assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
+        assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
+        assert!(budget.to_table(2.0).contains("quantisation"));
+        assert!(budget.coverage_factor(0.95) > 1.9599 && budget.coverage_factor(0.95) < 1.9601);
+    }
+}

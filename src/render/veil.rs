@@ -1,0 +1,66 @@
+//! What lies between the shaft and the sensor in one frame: films on its surface, and what dims the light.
+
+use rayon::prelude::*;
+
+use super::bench::OpticalBench;
+use super::columns::ColumnEdges;
+use super::contamination::{Rise, mark_rise};
+use super::error::RenderError;
+use super::light_map::LightMap;
+use super::params::Window;
+use super::scene::FrameRequest;
+use crate::shaft::Shaft;
+
+/// Raises the edges by the films on the shaft; the rises, column by column, or none where there are no films.
+///
+/// `edges` reach `halo` columns beyond the window at either end.
+pub(super) fn raise_edges(
+    bench: &OpticalBench,
+    shaft: &Shaft,
+    request: &FrameRequest,
+    window: Window,
+    edges: &mut [ColumnEdges],
+) -> Result<Vec<Rise>, RenderError> {
+    let Some(soiling) = &bench.soiling else { return Ok(Vec::new()) };
+    let halo = (edges.len() - window.columns as usize) as f64 / 2.0;
+    let z_mm = |i: f64| bench.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
+    // One radius for the whole shaft, so that every field draws the same films.
+    let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
+    let films = soiling.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
+    if films.is_empty() {
+        return Ok(Vec::new());
+    }
+    let raise = |(i, e): (usize, &mut ColumnEdges)| {
+        let radius_mm = 0.5 * (e.bottom_px - e.top_px) * bench.pixel_mm;
+        let rise = soiling.rise(&films, radius_mm, z_mm(i as f64), request.angle_deg);
+        e.top_px -= rise.top_px;
+        e.bottom_px += rise.bottom_px;
+        rise
+    };
+    Ok(edges.par_iter_mut().enumerate().map(raise).collect())
+}
+
+/// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
+///
+/// `edges` are the window's, raised by `rises`.
+pub(super) fn contamination(
+    bench: &OpticalBench,
+    request: &FrameRequest,
+    window: Window,
+    edges: &[ColumnEdges],
+    rises: &[Rise],
+    blur_px: f64,
+) -> Result<Option<LightMap>, RenderError> {
+    let Some(soiling) = &bench.soiling else { return Ok(None) };
+    let size = [window.rows as usize, window.columns as usize];
+    let mut map = if soiling.dims() {
+        soiling.transmission(request.frame_id, [window.row as usize, window.column as usize], size)?
+    } else {
+        LightMap { words: Vec::new(), mask: vec![0; size[0] * size[1]] }
+    };
+    for (column, (e, rise)) in edges.iter().zip(rises).enumerate() {
+        mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);
+        mark_rise(&mut map.mask, size[1], column, e.bottom_px - rise.bottom_px, rise.bottom_px, blur_px);
+    }
+    Ok(Some(map))
+}

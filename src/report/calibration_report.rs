@@ -1,0 +1,152 @@
+//! The report of a calibration: parameters, residuals, sources of uncertainty, sensor, check pin.
+
+use super::ReportError;
+use super::html::Page;
+use super::plot::{Chart, Mark, Series};
+use crate::gauge::bench::{BenchCalibration, Residual};
+use crate::studies::calibration::{Calibrated, CalibrationPlan, parameter_table};
+
+/// The page of a calibration.
+///
+/// # Errors
+/// Where a chart cannot be drawn.
+pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Result<String, ReportError> {
+    let calibration = &calibrated.calibration;
+    let mut page = Page::new(format!("Calibration of {}", plan.optics_id));
+    let Some(bench) = &calibration.bench else { return Ok(page.finish()) };
+    page.text(&format!(
+        "Made on {}, valid until {}. Frames of {} rows x {} columns. Masters at {} ± {} °C.{}",
+        bench.validity.date,
+        bench.validity.expires(),
+        bench.rows,
+        bench.columns,
+        plan.thermometer.temperature_c,
+        plan.thermometer.limit_temperature_k,
+        if plan.simulate.is_some() { " The frames were rendered, not recorded." } else { "" }
+    ));
+    verdict(&mut page, bench);
+    let rows: Vec<Vec<String>> = parameter_table(calibration).into_iter().map(Vec::from).collect();
+    page.heading("Bench").table(&["parameter", "value", "standard uncertainty"], &rows).text(&format!(
+        "√(χ²/ν) = {:.3}: {}",
+        bench.birge_ratio,
+        if bench.birge_ratio > 1.0 {
+            "the edges' own uncertainties were multiplied by it."
+        } else {
+            "the residuals scatter no more than the edges' own uncertainties say."
+        }
+    ));
+    residuals(&mut page, plan, &bench.residuals)?;
+    if let Some(budget) = &calibrated.example {
+        page.heading("Budget of a part like the middle master").text(&format!(
+            "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = 2.",
+            budget.diameter_mm,
+            1e3 * budget.u_mm(),
+            1e3 * budget.u_random_mm(),
+            1e3 * budget.u_common_mm(),
+            2e3 * budget.u_mm()
+        ));
+        page.table(&super::BUDGET_HEADER, &super::budget_rows(budget));
+    }
+    sensor(&mut page, bench)?;
+    Ok(page.finish())
+}
+
+fn verdict(page: &mut Page, bench: &BenchCalibration) {
+    let Some(check) = bench.check else {
+        page.text(
+            "No check pin was measured: nothing but the masters themselves speaks for this calibration.",
+        );
+        return;
+    };
+    page.text(&format!(
+        "Check pin: certified {:.5} mm, measured {:.5} mm, error {:+.3} µm, U = {:.3} µm (k = 2), E_n = {:.2}: {}.",
+        check.certified_mm,
+        check.measured_mm,
+        1e3 * check.error_mm,
+        1e3 * check.expanded_u_mm,
+        check.e_n,
+        if check.accepted { "accepted" } else { "REFUSED, no calibration was written" }
+    ));
+}
+
+fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) -> Result<(), ReportError> {
+    page.heading("Residuals");
+    let axes: [(&str, fn(&Residual) -> f64, &str); 3] = [
+        (
+            "middle of the shadow from the field's centre / px",
+            |r| r.middle_px,
+            "Calibrated minus certified diameter over the height in the field: a slope would be keystone, an arch distortion left over.",
+        ),
+        (
+            "column from the field's centre / px",
+            |r| r.column_px,
+            "Over the place along the pin: a slope would be a tapered pin or keystone along the shaft.",
+        ),
+        (
+            "distance from the masters' plane / mm",
+            |r| r.axis_y_mm,
+            "Over the distance from the plane: a slope would be telecentricity left over.",
+        ),
+    ];
+    for (x_label, x, caption) in axes {
+        let series = plan
+            .masters
+            .iter()
+            .enumerate()
+            .map(|(index, pin)| {
+                let points = residuals
+                    .iter()
+                    .filter(|r| r.master == index)
+                    .map(|r| (x(r), 1e3 * r.residual_mm))
+                    .collect();
+                Series::new(pin.name.clone(), Mark::Dots, index, points)
+            })
+            .collect();
+        let chart =
+            Chart { x_label: x_label.into(), y_label: "residual / µm".into(), series, ..Chart::default() };
+        page.figure(&chart.to_svg().map_err(ReportError::Draw)?, caption);
+    }
+    Ok(())
+}
+
+fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> {
+    if bench.flat_field.is_none() && bench.sensor.is_none() {
+        return Ok(());
+    }
+    page.heading("Sensor and light");
+    if let Some(field) = &bench.flat_field {
+        page.text(&format!(
+            "{} defective pixels; the light falls by {:.2} % over the field ({}); PRNU {:.3} %, DSNU {:.2} counts, black {:.2} counts. \
+             Pixel-to-pixel response is not divided out: over columns it averages as noise does.",
+            field.defects.len(),
+            1e2 * field.fall_off,
+            if field.corrects_light() { "corrected" } else { "even enough to be left alone" },
+            1e2 * field.prnu_rel,
+            field.dsnu_counts,
+            field.black_counts
+        ));
+    }
+    let Some(sensor) = &bench.sensor else { return Ok(()) };
+    page.text(&format!(
+        "Photon transfer (EMVA 1288): {:.4} electrons a count (± {:.2} %), read noise {:.2} e, PRNU {:.3} %, linearity error {:.2} %.",
+        1.0 / sensor.gain_counts_per_electron,
+        1e2 * sensor.u_gain_relative,
+        sensor.read_noise_electrons,
+        1e2 * sensor.prnu,
+        1e2 * sensor.linearity_error
+    ));
+    let points: Vec<(f64, f64)> =
+        sensor.curve.iter().map(|p| (p.signal_counts, p.variance_counts2)).collect();
+    let line = points.iter().map(|p| (p.0, sensor.gain_counts_per_electron * p.0)).collect();
+    let chart = Chart {
+        x_label: "signal above dark / counts".into(),
+        y_label: "temporal variance above dark / counts²".into(),
+        series: vec![
+            Series::new("gain", Mark::Dashed, 1, line),
+            Series::new("exposures", Mark::Dots, 0, points),
+        ],
+        ..Chart::default()
+    };
+    page.figure(&chart.to_svg().map_err(ReportError::Draw)?, "Photon transfer.");
+    Ok(())
+}

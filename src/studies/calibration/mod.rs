@@ -1,0 +1,321 @@
+//! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
+//! its residuals and the verdict of a check pin.
+
+mod plan;
+mod simulated;
+
+use thiserror::Error;
+
+pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
+pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
+
+use crate::frame::{Frame, FrameView};
+use crate::gauge::bench::{
+    Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
+    MasterPrior, Observation, Thermometer, Validity, observe,
+};
+use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
+use crate::gauge::{Calibration, CalibrationError, FrameEdges, Gauge, GaugeSettingsError, MasterFigure};
+use crate::render::RenderError;
+
+/// Where the frames of a calibration come from.
+pub trait Recordings {
+    /// Frames of pin `index` (masters first, then the check pin) at a position.
+    ///
+    /// # Errors
+    /// Where they cannot be had.
+    fn pin(&mut self, index: usize, pin: &PinPlan, position: &Position)
+    -> Result<Vec<Frame>, CalibrateError>;
+
+    /// Dark frames; none where none were taken.
+    ///
+    /// # Errors
+    /// Where they cannot be had.
+    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError>;
+
+    /// Frames of flat field `index` of the plan.
+    ///
+    /// # Errors
+    /// Where they cannot be had.
+    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError>;
+}
+
+/// Why there is no calibration.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CalibrateError {
+    /// The plan cannot be right.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The gauge refuses its settings.
+    #[error(transparent)]
+    Gauge(#[from] GaugeSettingsError),
+    /// Frames that cannot be read.
+    #[error("{0}")]
+    Frames(String),
+    /// The simulated bench cannot draw.
+    #[error("simulate: {0}")]
+    Render(#[from] RenderError),
+    /// Dark and flat fields that are none.
+    #[error("fields: {0}")]
+    Fields(#[from] FlatFieldError),
+    /// No photon transfer.
+    #[error("fields: {0}")]
+    Sensor(#[from] PhotonTransferError),
+    /// A pin that cannot be measured.
+    #[error("{pin}: no frame shows it: {why}")]
+    Pin {
+        /// Its name.
+        pin: String,
+        /// The gauge's reason.
+        why: String,
+    },
+    /// Frames of different sizes.
+    #[error(
+        "{pin}: a frame of {found:?} rows x columns after frames of {expected:?}; one calibration is of one window"
+    )]
+    Size {
+        /// The pin.
+        pin: String,
+        /// Rows and columns found.
+        found: (usize, usize),
+        /// Rows and columns expected.
+        expected: (usize, usize),
+    },
+    /// The masters give no calibration.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+}
+
+/// A finished calibration.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// The calibration; its check says whether it may be used.
+    pub calibration: Calibration,
+    /// The adjustment behind it, for propagation of distributions.
+    pub adjustment: Adjustment,
+    /// Mean shadow of the middle master, for a budget that people can read.
+    pub example: Option<Budget>,
+}
+
+/// Edges of a pin's frames with where they were taken.
+struct PinEdges {
+    edges: Vec<(FrameEdges, f64)>,
+    size: (usize, usize),
+}
+
+/// Makes a calibration.
+///
+/// # Errors
+/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no bench.
+pub fn calibrate(
+    plan: &CalibrationPlan,
+    recordings: &mut dyn Recordings,
+) -> Result<Calibrated, CalibrateError> {
+    plan.validate()?;
+    let gauge = Gauge::new(plan.gauge.clone())?;
+    let (flat_field, sensor) = fields(plan, recordings)?;
+    let mut pins = Vec::new();
+    for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
+        pins.push(pin_edges(&gauge, flat_field.as_ref(), index, pin, recordings)?);
+    }
+    let size = pins[0].size;
+    for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
+        if seen.size != size {
+            return Err(CalibrateError::Size { pin: pin.name.clone(), found: seen.size, expected: size });
+        }
+    }
+    let masters = plan.masters.len();
+    let (mut adjustment, figures) = adjustment(plan, &pins[..masters], size)?;
+    let adjusted = adjustment.fit()?;
+    let sigma_px = blur(&pins[..masters]);
+    let validity = Validity { date: plan.date, valid_days: plan.valid_days };
+    let mut bench = BenchCalibration::new(&adjusted, size, validity, sigma_px);
+    bench.conditions = plan.conditions;
+    bench.sensor = sensor;
+    bench.flat_field = flat_field;
+    let mut calibration = Calibration::of_bench(&adjusted, figures, bench).with_optics_id(&plan.optics_id);
+    let check = plan
+        .check
+        .as_ref()
+        .zip(pins.get(masters))
+        .and_then(|(pin, seen)| judge(plan, pin, seen, &calibration));
+    if let Some(bench) = &mut calibration.bench {
+        bench.check = check;
+    }
+    let example = pins[masters / 2]
+        .edges
+        .first()
+        .and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()))
+        .map(|r| r.budget(&calibration, &plan.conditions));
+    Ok(Calibrated { calibration, adjustment, example })
+}
+
+fn blur(pins: &[PinEdges]) -> f64 {
+    let all = || pins.iter().flat_map(|p| p.edges.iter().map(|(e, _)| e.figures.sigma_px));
+    let n = all().count().max(1) as f64;
+    all().map(|[a, b]| 0.5 * (a + b)).sum::<f64>() / n
+}
+
+fn fields(
+    plan: &CalibrationPlan,
+    recordings: &mut dyn Recordings,
+) -> Result<(Option<FlatField>, Option<PhotonTransfer>), CalibrateError> {
+    if plan.fields.flats.is_empty() {
+        return Ok((None, None));
+    }
+    let dark = recordings.dark(plan)?;
+    let mut flats = Vec::new();
+    for index in 0..plan.fields.flats.len() {
+        flats.push((plan.fields.flats[index].exposure, recordings.flat(plan, index)?));
+    }
+    let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
+    // The brightest one that is not clipped shows defects and light best.
+    flats.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut flat_field = Err(FlatFieldError::TooFew { what: "flat" });
+    for (_, frames) in &flats {
+        let views: Vec<FrameView<'_>> = frames.iter().map(Frame::view).collect();
+        flat_field = FlatField::new(&dark_views, &views);
+        if flat_field.is_ok() {
+            break;
+        }
+    }
+    let flat_field = flat_field?;
+    if flats.len() < 3 {
+        return Ok((Some(flat_field), None));
+    }
+    let pairs: Vec<FramePair<'_>> = flats.iter().filter_map(|(exposure, f)| pair(*exposure, f)).collect();
+    let darks: Vec<FramePair<'_>> = pair(0.0, &dark).into_iter().collect();
+    Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
+}
+
+fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
+    let [first, second, ..] = frames else { return None };
+    Some(FramePair { exposure, first: first.view(), second: second.view() })
+}
+
+fn pin_edges(
+    gauge: &Gauge,
+    flat_field: Option<&FlatField>,
+    index: usize,
+    pin: &PinPlan,
+    recordings: &mut dyn Recordings,
+) -> Result<PinEdges, CalibrateError> {
+    let (mut edges, mut size) = (Vec::new(), None);
+    let mut why = "no frame arrived".to_owned();
+    for position in &pin.positions {
+        for frame in recordings.pin(index, pin, position)? {
+            let frame = match flat_field {
+                Some(field) => field.corrected(frame),
+                None => frame,
+            };
+            let view = frame.view();
+            let found = (view.rows(), view.columns());
+            let expected = *size.get_or_insert(found);
+            if found != expected {
+                return Err(CalibrateError::Size { pin: pin.name.clone(), found, expected });
+            }
+            match gauge.edges(&view) {
+                Ok(seen) => edges.push((seen, position.y_mm)),
+                Err(refused) => why = refused.to_string(),
+            }
+        }
+    }
+    match size {
+        Some(size) if !edges.is_empty() => Ok(PinEdges { edges, size }),
+        _ => Err(CalibrateError::Pin { pin: pin.name.clone(), why }),
+    }
+}
+
+fn adjustment(
+    plan: &CalibrationPlan,
+    pins: &[PinEdges],
+    size: (usize, usize),
+) -> Result<(Adjustment, Vec<MasterFigure>), CalibrationError> {
+    let perfect = LensModel::perfect(size.0, size.1);
+    let (mut observations, mut figures, mut frame) = (Vec::<Observation>::new(), Vec::new(), 0);
+    for (index, (pin, seen)) in plan.masters.iter().zip(pins).enumerate() {
+        for (edges, y_mm) in &seen.edges {
+            let of_frame = observe(edges, &perfect, index, frame, *y_mm);
+            frame += usize::from(!of_frame.is_empty());
+            observations.extend(of_frame);
+        }
+        let edges: Vec<FrameEdges> = seen.edges.iter().map(|(e, _)| e.clone()).collect();
+        figures.push(MasterFigure::from_edges(pin.certificate(), &edges)?);
+    }
+    let masters = plan
+        .masters
+        .iter()
+        .map(|p| MasterPrior { name: p.name.clone(), certificate: p.certificate() })
+        .collect();
+    let adjustment = Adjustment::new(masters, observations, plan.thermometer, &plan.lens, size)?;
+    Ok((adjustment, figures))
+}
+
+/// The check pin's diameter by the new calibration against its certificate. It lay beside the masters under the same
+/// thermometer: what temperature does to them it does to it, and cancels.
+fn judge(
+    plan: &CalibrationPlan,
+    pin: &PinPlan,
+    seen: &PinEdges,
+    calibration: &Calibration,
+) -> Option<CheckResult> {
+    let Thermometer { temperature_c, expansion_um_per_m_k, .. } = plan.thermometer;
+    let mut measured = Vec::new();
+    for (edges, y_mm) in &seen.edges {
+        let conditions =
+            Conditions { temperature_c, expansion_um_per_m_k, axis_y_mm: *y_mm, ..Conditions::default() };
+        let mut budget = WidthReading::of_frame(edges, 0..edges.columns())?.budget(calibration, &conditions);
+        budget.contributions.retain(|c| !c.source.contains("of the masters"));
+        measured.push(budget);
+    }
+    let n = measured.len() as f64;
+    let mean = |f: &dyn Fn(&Budget) -> f64| measured.iter().map(f).sum::<f64>() / n;
+    let measured_mm = mean(&|b| b.diameter_mm);
+    let random = (mean(&|b| b.u_random_mm().powi(2)) / n).sqrt();
+    let common = mean(&|b| b.u_common_mm().powi(2)).sqrt();
+    Some(
+        CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm: random.hypot(common) }.judge(),
+    )
+}
+
+/// The adjusted parameters by name with unit and standard uncertainty, for reports.
+pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
+    let Some(bench) = &calibration.bench else { return Vec::new() };
+    let u = |i: usize| bench.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
+    let lens = &bench.lens;
+    let row = |name: &str, value: String, u: String| [name.to_owned(), value, u];
+    vec![
+        row(
+            "scale / (µm/px)",
+            format!("{:.6}", 1e3 * calibration.scale_mm_per_px),
+            format!("{:.6}", 1e3 * u(0)),
+        ),
+        row(
+            "offset of both edges / µm",
+            format!("{:.4}", 1e3 * calibration.offset_mm),
+            format!("{:.4}", 1e3 * u(1)),
+        ),
+        row(
+            "radial distortion at the corner / %",
+            format!("{:.5}", 1e2 * lens.radial),
+            format!("{:.5}", 1e2 * u(2)),
+        ),
+        row(
+            "change of scale with height / %",
+            format!("{:.5}", 1e2 * lens.keystone_across),
+            format!("{:.5}", 1e2 * u(3)),
+        ),
+        row(
+            "change of scale along the shaft / %",
+            format!("{:.5}", 1e2 * lens.keystone_along),
+            format!("{:.5}", 1e2 * u(4)),
+        ),
+        row(
+            "telecentricity / (ppm/mm)",
+            format!("{:.3}", 1e6 * lens.telecentricity_per_mm),
+            format!("{:.3}", 1e6 * u(5)),
+        ),
+    ]
+}

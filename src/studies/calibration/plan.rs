@@ -1,0 +1,272 @@
+//! The TOML of `shadowgauge calibrate`.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::gauge::bench::{Conditions, Date, LensLimits, SettingError, Thermometer};
+use crate::gauge::{GaugeSettings, MasterCertificate};
+use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+
+/// Frames of a pin at one place in the field.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Position {
+    /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
+    pub frames: Option<PathBuf>,
+    /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: known from the slide it lies on.
+    pub y_mm: f64,
+    /// Height of the pin's axis in the field, mm: where a simulated pin is laid; a recorded one shows it.
+    pub height_mm: f64,
+}
+
+/// A pin with its certificate and its frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PinPlan {
+    /// Name in budgets and reports.
+    pub name: String,
+    /// Certified diameter at 20 °C, mm.
+    pub diameter_mm: f64,
+    /// Expanded uncertainty U of the certificate, mm.
+    pub expanded_u_mm: f64,
+    /// Coverage factor k of U.
+    #[serde(default = "two")]
+    pub coverage_factor: f64,
+    /// Where it was recorded: one place or more.
+    pub positions: Vec<Position>,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+impl PinPlan {
+    /// Its certificate.
+    pub fn certificate(&self) -> MasterCertificate {
+        MasterCertificate {
+            diameter_mm: self.diameter_mm,
+            expanded_u_mm: self.expanded_u_mm,
+            coverage_factor: self.coverage_factor,
+        }
+    }
+}
+
+/// A flat-field exposure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlatPlan {
+    /// Folder with its frames, two or more; none where frames are simulated.
+    #[serde(default)]
+    pub frames: Option<PathBuf>,
+    /// Exposure in any unit proportional to the light.
+    pub exposure: f64,
+}
+
+/// Dark and flat fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fields {
+    /// Folder with dark frames, two or more.
+    pub dark: Option<PathBuf>,
+    /// Flat fields: one exposure gives defects and light, three or more the sensor's gain and noise too.
+    pub flats: Vec<FlatPlan>,
+}
+
+/// A bench to be rendered in place of recorded frames: what it really is, drawn by seed about these values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulatedPlan {
+    /// Seed of everything drawn.
+    pub seed: u64,
+    /// Frames of each position and exposure.
+    pub frames_each: usize,
+    /// Camera geometry.
+    pub camera: Camera,
+    /// Lens.
+    pub optics: Optics,
+    /// Backlight.
+    pub light: Light,
+    /// Sensor.
+    pub sensor: Sensor,
+    /// How far the true bench may lie from these values.
+    pub departures: Departures,
+}
+
+impl Default for SimulatedPlan {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            frames_each: 2,
+            camera: Camera::default(),
+            optics: Optics::default(),
+            light: Light::default(),
+            sensor: Sensor::default(),
+            departures: Departures::default(),
+        }
+    }
+}
+
+impl SimulatedPlan {
+    /// The bench's settings.
+    pub fn bench(&self) -> BenchSettings {
+        BenchSettings {
+            camera: self.camera.clone(),
+            optics: self.optics.clone(),
+            light: self.light.clone(),
+            sensor: self.sensor.clone(),
+            departures: self.departures.clone(),
+            ..BenchSettings::default()
+        }
+    }
+}
+
+/// A calibration to be made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationPlan {
+    /// Camera, lens, light and their setting: frames of other optics are refused.
+    pub optics_id: String,
+    /// Day of the recording, "YYYY-MM-DD".
+    pub date: Date,
+    /// Days the calibration is valid.
+    #[serde(default = "a_year")]
+    pub valid_days: u32,
+    /// What the lens' data sheet promises.
+    #[serde(default)]
+    pub lens: LensLimits,
+    /// Temperature of the masters.
+    #[serde(default)]
+    pub thermometer: Thermometer,
+    /// Conditions of use that the calibration file carries along.
+    #[serde(default)]
+    pub conditions: Conditions,
+    /// Dark and flat fields.
+    #[serde(default)]
+    pub fields: Fields,
+    /// Two masters of different diameter or more.
+    pub masters: Vec<PinPlan>,
+    /// A pin that takes no part in the fit and judges it.
+    pub check: Option<PinPlan>,
+    /// The gauge.
+    #[serde(default)]
+    pub gauge: GaugeSettings,
+    /// Renders the pins in place of recorded frames.
+    pub simulate: Option<SimulatedPlan>,
+}
+
+fn a_year() -> u32 {
+    365
+}
+
+impl CalibrationPlan {
+    /// Checks what only shows when the keys meet.
+    ///
+    /// # Errors
+    /// Names the key and what would be right.
+    pub fn validate(&self) -> Result<(), PlanError> {
+        self.lens.validate()?;
+        self.thermometer.validate()?;
+        self.conditions.validate()?;
+        self.gauge.validate().map_err(|e| PlanError::new(format!("gauge.{}", e.key), e.to_string()))?;
+        if self.optics_id.trim().is_empty() {
+            return Err(PlanError::new(
+                "optics_id",
+                "is empty; name camera, lens and light, so that no others pass for them",
+            ));
+        }
+        if self.valid_days == 0 {
+            return Err(PlanError::new("valid_days", "must be at least 1"));
+        }
+        if self.masters.len() < 2 {
+            return Err(PlanError::new(
+                "masters",
+                "scale and edge offset need two pins of different diameter",
+            ));
+        }
+        for (index, pin) in self.masters.iter().enumerate() {
+            self.check_pin(&format!("masters[{index}]"), pin)?;
+        }
+        if let Some(pin) = &self.check {
+            self.check_pin("check", pin)?;
+        }
+        if self.simulate.is_none() {
+            if self.fields.dark.is_none() && !self.fields.flats.is_empty() {
+                return Err(PlanError::new(
+                    "fields.dark",
+                    "is missing; flat fields need dark frames beside them",
+                ));
+            }
+            if let Some(index) = self.fields.flats.iter().position(|f| f.frames.is_none()) {
+                return Err(PlanError::new(
+                    format!("fields.flats[{index}].frames"),
+                    "is missing; give the folder, or a [simulate] table",
+                ));
+            }
+        }
+        if let Some(simulate) = &self.simulate {
+            simulate.bench().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
+            if !(1..=1000).contains(&simulate.frames_each) {
+                return Err(PlanError::new("simulate.frames_each", "must be 1 to 1000"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_pin(&self, key: &str, pin: &PinPlan) -> Result<(), PlanError> {
+        let numbers = [
+            ("diameter_mm", pin.diameter_mm),
+            ("expanded_u_mm", pin.expanded_u_mm),
+            ("coverage_factor", pin.coverage_factor),
+        ];
+        for (name, value) in numbers {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(PlanError::new(
+                    format!("{key}.{name}"),
+                    format!("{value} must be a positive number"),
+                ));
+            }
+        }
+        if pin.positions.is_empty() {
+            return Err(PlanError::new(
+                format!("{key}.positions"),
+                "is empty; give one place in the field or more",
+            ));
+        }
+        for (index, position) in pin.positions.iter().enumerate() {
+            let at = format!("{key}.positions[{index}]");
+            if !(position.y_mm.is_finite() && position.height_mm.is_finite()) {
+                return Err(PlanError::new(at, "y_mm and height_mm must be finite"));
+            }
+            if self.simulate.is_none() && position.frames.is_none() {
+                return Err(PlanError::new(
+                    format!("{at}.frames"),
+                    "is missing; give the folder of its frames, or a [simulate] table to render them",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A key that cannot be right.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+#[error("{key}: {problem}")]
+pub struct PlanError {
+    /// The dotted key.
+    pub key: String,
+    /// What is wrong and what would be right.
+    pub problem: String,
+}
+
+impl PlanError {
+    fn new(key: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: problem.into() }
+    }
+}
+
+impl From<SettingError> for PlanError {
+    fn from(e: SettingError) -> Self {
+        Self { key: e.key, problem: format!("{} is out of range; right would be {}", e.value, e.right) }
+    }
+}

@@ -1,0 +1,262 @@
+//! How often matter before or on the shaft misleads the gauge, and what refusing it costs.
+//!
+//! Every frame is measured three times: clean, dirty with nothing refused, dirty as the gauge is. *Harmful* is a frame where, with nothing
+//! refused, some station lies more than 5 µm from the clean one. It is *mishandled* where a station then is neither a gap nor
+//! within 1 µm + U (k = 2, random part) of the clean one.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
+use crate::frame::Frame;
+use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection};
+
+/// A station counts as harmed from here, µm.
+const HARMED_UM: f64 = 5.0;
+/// Allowed besides U, µm.
+const ALLOWED_UM: f64 = 1.0;
+
+/// What one kind of matter did.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct KindResult {
+    /// The kind.
+    pub matter: Matter,
+    /// Frames drawn.
+    pub frames: usize,
+    /// Frames where a station would be off by more than 5 µm.
+    pub harmful: usize,
+    /// Harmful frames with a station that is neither a gap nor within 1 µm + U.
+    pub mishandled: usize,
+    /// Frames of any kind with such a station.
+    pub misled: usize,
+    /// Stations of harmful frames that stayed values, as a share.
+    pub kept: f64,
+    /// Largest |error| of a station that stayed a value, in all frames, µm.
+    pub worst_um: f64,
+}
+
+/// A point of a curve: an effect and how it was handled.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct CurvePoint {
+    /// Size of the effect, µm (height) or mm (half length).
+    pub size: f64,
+    /// Frames in which a station became a gap, as a share.
+    pub noticed: f64,
+    /// Root mean square error of the stations that stayed values, µm.
+    pub rms_um: f64,
+    /// The same with nothing refused, µm.
+    pub rms_off_um: f64,
+}
+
+/// The study.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContaminationStudy {
+    /// Seed of the first frame.
+    pub seed: u64,
+    /// By kind of matter.
+    pub kinds: Vec<KindResult>,
+    /// Clean frames.
+    pub clean_frames: usize,
+    /// Clean frames with a station that became a gap.
+    pub clean_lost: usize,
+    /// Largest share of columns refused in a clean frame.
+    pub clean_worst_share: f64,
+    /// Short films (half length 0.6 mm) over their height, µm.
+    pub by_height: Vec<CurvePoint>,
+    /// Films 8 µm high over their half length, mm.
+    pub by_length: Vec<CurvePoint>,
+}
+
+/// Why the study cannot run.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum StudyError {
+    /// A frame cannot be drawn.
+    Draw(#[from] DrawError),
+    /// The gauge refuses its settings.
+    Gauge(#[from] GaugeSettingsError),
+}
+
+impl ContaminationStudy {
+    /// Harmful frames of all kinds.
+    pub fn harmful(&self) -> usize {
+        self.kinds.iter().map(|k| k.harmful).sum()
+    }
+
+    /// Mishandled frames of all kinds.
+    pub fn mishandled(&self) -> usize {
+        self.kinds.iter().map(|k| k.mishandled).sum()
+    }
+}
+
+/// Diameters of a frame's stations, µm with expanded uncertainty, `None` for a gap.
+type Stations = Vec<Option<(f64, f64)>>;
+
+/// Two gauges: as it is, and with nothing refused.
+struct Pair {
+    on: Gauge,
+    off: Gauge,
+    min_fill: f64,
+}
+
+impl Pair {
+    fn new(settings: &GaugeSettings) -> Result<Self, GaugeSettingsError> {
+        let off = GaugeSettings { rejection: Rejection::Off, ..settings.clone() };
+        Ok(Self {
+            on: Gauge::new(settings.clone())?,
+            off: Gauge::new(off)?,
+            min_fill: settings.station.min_fill,
+        })
+    }
+
+    fn stations(&self, gauge: &Gauge, frame: &Frame, min_fill: f64) -> Stations {
+        let Ok(edges) = gauge.edges(&frame.view()) else { return vec![None; COLUMNS / STATION] };
+        (0..COLUMNS / STATION).map(|s| station(&edges, s * STATION..(s + 1) * STATION, min_fill)).collect()
+    }
+}
+
+/// Mean width of the columns with both edges.
+fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -> Option<(f64, f64)> {
+    let length = columns.len() as f64;
+    let (mut sum, mut own, mut shared, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for column in columns {
+        if let Some(width) = edges.width_px(column) {
+            let (top, bottom) = (&edges.top[column], &edges.bottom[column]);
+            sum += width;
+            own += f64::from(top.u_own_px).powi(2) + f64::from(bottom.u_own_px).powi(2);
+            shared += f64::from(top.u_shared_px).powi(2) + f64::from(bottom.u_shared_px).powi(2);
+            count += 1.0;
+        }
+    }
+    let u = (own / (count * count) + shared / count).sqrt();
+    (count >= (min_fill * length).max(1.0)).then(|| (sum / count * PIXEL_UM, 2.0 * u * PIXEL_UM))
+}
+
+/// What one frame came to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outcome {
+    harmful: bool,
+    misled: bool,
+    kept: usize,
+    gaps: usize,
+    worst_um: f64,
+    square: f64,
+    square_off: f64,
+}
+
+fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
+    let truth = pair.stations(&pair.off, clean, 0.0);
+    let off = pair.stations(&pair.off, dirty, 0.0);
+    let on = pair.stations(&pair.on, dirty, pair.min_fill);
+    let mut outcome = Outcome::default();
+    for ((truth, off), on) in truth.iter().zip(&off).zip(&on) {
+        let Some((expected, _)) = truth else { continue };
+        let error_off = off.map_or(0.0, |(d, _)| (d - expected).abs());
+        outcome.harmful |= error_off > HARMED_UM;
+        outcome.square_off += error_off * error_off;
+        match on {
+            None => outcome.gaps += 1,
+            Some((d, u)) => {
+                let error = (d - expected).abs();
+                outcome.kept += 1;
+                outcome.square += error * error;
+                outcome.worst_um = outcome.worst_um.max(error);
+                outcome.misled |= error > ALLOWED_UM + u;
+            }
+        }
+    }
+    outcome
+}
+
+fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
+    let outcomes: Vec<Outcome> = (0..frames as u64)
+        .into_par_iter()
+        .map(|i| {
+            let piece = Piece::draw(seed + i);
+            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(matter)?))
+        })
+        .collect::<Result<_, DrawError>>()?;
+    let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
+    let kept: usize = harmful.iter().map(|o| o.kept).sum();
+    let all: usize = harmful.iter().map(|o| o.kept + o.gaps).sum();
+    Ok(KindResult {
+        matter,
+        frames,
+        harmful: harmful.len(),
+        mishandled: harmful.iter().filter(|o| o.misled).count(),
+        misled: outcomes.iter().filter(|o| o.misled).count(),
+        kept: kept as f64 / all.max(1) as f64,
+        worst_um: outcomes.iter().map(|o| o.worst_um).fold(0.0, f64::max),
+    })
+}
+
+/// Frames with one film in the middle of the field.
+fn point(pair: &Pair, size: f64, bump: Bump, frames: usize, seed: u64) -> Result<CurvePoint, DrawError> {
+    let outcomes: Vec<Outcome> = (0..frames as u64)
+        .into_par_iter()
+        .map(|i| {
+            let piece = Piece::draw(seed + i);
+            let upper = i % 2 == 0;
+            let dirty = piece.with_bumps(&[Bump { upper, ..bump }]).frame(None)?;
+            Ok(judge(pair, &piece.frame(None)?, &dirty))
+        })
+        .collect::<Result<_, DrawError>>()?;
+    let kept: usize = outcomes.iter().map(|o| o.kept).sum();
+    let all: usize = outcomes.iter().map(|o| o.kept + o.gaps).sum();
+    let rms = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
+    Ok(CurvePoint {
+        size,
+        noticed: outcomes.iter().filter(|o| o.gaps > 0).count() as f64 / frames.max(1) as f64,
+        rms_um: rms(outcomes.iter().map(|o| o.square).sum(), kept),
+        rms_off_um: rms(outcomes.iter().map(|o| o.square_off).sum(), all),
+    })
+}
+
+/// (Frames lost, largest share of columns refused) of clean frames.
+fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawError> {
+    let outcomes: Vec<(bool, f64)> = (0..frames as u64)
+        .into_par_iter()
+        .map(|i| {
+            let frame = Piece::draw(seed + i).frame(None)?;
+            let Ok(edges) = pair.on.edges(&frame.view()) else { return Ok((true, 1.0)) };
+            let lost = pair.stations(&pair.on, &frame, pair.min_fill).iter().any(Option::is_none);
+            Ok((lost, 1.0 - edges.valid() as f64 / COLUMNS as f64))
+        })
+        .collect::<Result<_, DrawError>>()?;
+    let worst = outcomes.iter().map(|o| o.1).fold(0.0, f64::max);
+    Ok((outcomes.iter().filter(|o| o.0).count(), worst))
+}
+
+/// Runs the study: `frames` of every kind of matter and clean ones each, a twentieth of that a point of the curves.
+///
+/// # Errors
+/// Where the gauge refuses its settings or a frame cannot be drawn.
+pub fn run(
+    settings: &GaugeSettings,
+    frames: usize,
+    clean_frames: usize,
+    seed: u64,
+) -> Result<ContaminationStudy, StudyError> {
+    let pair = Pair::new(settings)?;
+    let kinds = Matter::KINDS
+        .iter()
+        .enumerate()
+        .map(|(k, matter)| kind(&pair, *matter, frames, seed + ((k as u64) << 32)))
+        .collect::<Result<_, _>>()?;
+    let (clean_lost, clean_worst_share) = clean(&pair, clean_frames, seed + (100 << 32))?;
+    let few = (frames / 20).max(4);
+    let middle = Bump { column: COLUMNS as f64 / 2.0, half_length: 40.0, height_px: 0.0, upper: true };
+    let by_height = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0]
+        .iter()
+        .map(|um| point(&pair, *um, Bump { height_px: um / PIXEL_UM, ..middle }, few, seed + (101 << 32)))
+        .collect::<Result<_, _>>()?;
+    let by_length = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 20.0, 80.0]
+        .iter()
+        .map(|mm| {
+            let half_length = mm * 1e3 / PIXEL_UM;
+            let bump = Bump { half_length, height_px: 8.0 / PIXEL_UM, ..middle };
+            point(&pair, *mm, bump, few, seed + (102 << 32))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(ContaminationStudy { seed, kinds, clean_frames, clean_lost, clean_worst_share, by_height, by_length })
+}

@@ -1,0 +1,220 @@
+//! The adjustment of a bench against benches whose parameters are known.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use shadowgauge::gauge::bench::{
+    Adjustment, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS, Thermometer,
+};
+use shadowgauge::gauge::{CalibrationError, MasterCertificate};
+
+const SIZE: (usize, usize) = (2048, 2448);
+
+fn master(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> MasterPrior {
+    let certificate = MasterCertificate { diameter_mm, expanded_u_mm, coverage_factor: 2.0 };
+    MasterPrior { name: name.to_owned(), certificate }
+}
+
+/// The world as it is.
+#[derive(Clone, Copy)]
+struct World {
+    scale: f64,
+    offset: f64,
+    lens: LensModel,
+    /// Errors of the certificates, mm.
+    delta: [f64; 2],
+    /// True temperature and expansion of the masters.
+    temperature_c: f64,
+    alpha: f64,
+    noise_px: f64,
+}
+
+/// What the image shows of a pin at a height and a distance from the plane: rows at which the ideal row takes the wanted
+/// value, by bisection, and not by the correction's own inverse.
+fn observations(world: &World, diameters: &[f64; 2], rng: &mut Pcg64) -> Vec<Observation> {
+    let mut all = Vec::new();
+    let mut frame = 0;
+    for (index, diameter) in diameters.iter().enumerate() {
+        let true_mm = (diameter + world.delta[index]) * (1.0 + world.alpha * (world.temperature_c - 20.0));
+        for (height_mm, y_mm) in [(-2.0, 0.0), (0.0, -3.0), (0.0, 0.0), (0.0, 3.0), (2.0, 0.0)] {
+            for block in 0..6 {
+                let u = 400.0 * (f64::from(block) - 2.5);
+                let near = 1.0 + world.lens.telecentricity_per_mm * y_mm;
+                let half = 0.5 * (true_mm - world.offset) / (world.scale * near);
+                let middle = -height_mm / world.scale;
+                let mut row = |target: f64| {
+                    let (mut low, mut high) = (-1100.0, 1100.0);
+                    for _ in 0..80 {
+                        let mid = 0.5 * (low + high);
+                        if world.lens.ideal(u, mid) < target { low = mid } else { high = mid }
+                    }
+                    let z: f64 = StandardNormal.sample(rng);
+                    0.5 * (low + high) + world.noise_px * z
+                };
+                let (top_px, bottom_px) = (row(middle - half), row(middle + half));
+                all.push(Observation {
+                    master: index,
+                    frame,
+                    column_px: u,
+                    top_px,
+                    bottom_px,
+                    chord: 1.0,
+                    axis_y_mm: y_mm,
+                    u_width_px: 2.0_f64.sqrt() * world.noise_px.max(1e-5),
+                    u_shared_px: 0.0,
+                });
+            }
+            frame += 1;
+        }
+    }
+    all
+}
+
+const THERMOMETER: Thermometer = Thermometer {
+    temperature_c: 22.0,
+    limit_temperature_k: 0.3,
+    expansion_um_per_m_k: 11.5,
+    limit_expansion_um_per_m_k: 1.0,
+};
+
+fn world() -> World {
+    World {
+        scale: 0.015_262,
+        offset: -0.0007,
+        lens: LensModel {
+            radial: 4e-4,
+            keystone_across: -1.5e-4,
+            keystone_along: 8e-5,
+            telecentricity_per_mm: 2.5e-5,
+            ..LensModel::perfect(SIZE.0, SIZE.1)
+        },
+        delta: [0.0; 2],
+        temperature_c: 22.0,
+        alpha: 11.5e-6,
+        noise_px: 0.0,
+    }
+}
+
+const LIMITS: LensLimits =
+    LensLimits { distortion_percent: 0.1, keystone_percent: 0.05, telecentricity_deg: 0.05 };
+
+fn adjust(observations: Vec<Observation>, masters: Vec<MasterPrior>) -> Result<Adjustment, CalibrationError> {
+    Adjustment::new(masters, observations, THERMOMETER, &LIMITS, SIZE)
+}
+
+#[test]
+fn a_known_bench_is_found() {
+    let (small, large) = (16.0, 26.0);
+    let mut rng = Pcg64::seed_from_u64(1);
+    let seen = observations(&world(), &[small, large], &mut rng);
+    let mut adjustment = adjust(seen, vec![master("A", small, 2e-6), master("B", large, 2e-6)]).unwrap();
+    let found = adjustment.fit().unwrap();
+    let truth = world();
+    let expected = [
+        truth.scale,
+        truth.offset,
+        truth.lens.radial,
+        truth.lens.keystone_across,
+        truth.lens.keystone_along,
+        truth.lens.telecentricity_per_mm,
+    ];
+    println!("{:?}\n{expected:?}", found.parameters);
+    let tolerance = [2e-8, 3e-5, 2e-6, 2e-6, 2e-6, 2e-7];
+    for ((f, e), t) in found.parameters.iter().zip(expected).zip(tolerance) {
+        assert!((f - e).abs() < t, "{:?} {expected:?}", found.parameters);
+    }
+    // A part of 20 mm anywhere in the field, warm as the masters, off the plane.
+    let lens = found.lens;
+    let (top, bottom) = (-500.0, 811.0);
+    let exact = |s: f64, o: f64, l: &LensModel| s * (l.ideal(700.0, bottom) - l.ideal(700.0, top)) + o;
+    let error = exact(found.parameters[0], found.parameters[1], &lens)
+        - exact(truth.scale, truth.offset, &truth.lens);
+    assert!(error.abs() < 5e-6, "{error}");
+    assert!(found.residuals.iter().all(|r| r.residual_mm.abs() < 1e-5));
+}
+
+/// Scatter of the result over worlds drawn from the priors is what the covariance says, source by source.
+#[test]
+fn the_covariance_is_the_scatter_over_worlds_drawn_from_the_priors() {
+    let diameters = [16.0, 26.0];
+    let masters = || vec![master("A", diameters[0], 8e-4), master("B", diameters[1], 5e-4)];
+    let mut rng = Pcg64::seed_from_u64(2);
+    let mut normal = |u: f64| {
+        let z: f64 = StandardNormal.sample(&mut rng);
+        u * z
+    };
+    let half_diagonal_mm = 0.015_262 * LensModel::perfect(SIZE.0, SIZE.1).half_diagonal_px;
+    let u_lens = LIMITS.u_parameters(half_diagonal_mm);
+    let [u_t, u_alpha] = THERMOMETER.u();
+    let (runs, mut squares, mut stated) = (400, 0.0, 0.0);
+    let (u, top, bottom) = (300.0, -640.0, 420.0);
+    let mut draws = Pcg64::seed_from_u64(3);
+    for _ in 0..runs {
+        let mut w = world();
+        w.lens.radial = normal(u_lens[0]);
+        w.lens.keystone_across = normal(u_lens[1]);
+        w.lens.keystone_along = normal(u_lens[2]);
+        w.lens.telecentricity_per_mm = normal(u_lens[3]);
+        w.delta = [normal(4e-4), normal(2.5e-4)];
+        w.temperature_c = 22.0 + normal(u_t);
+        w.alpha = 11.5e-6 + normal(u_alpha);
+        w.noise_px = 0.004;
+        let mut adjustment = adjust(observations(&w, &diameters, &mut draws), masters()).unwrap();
+        let found = adjustment.fit().unwrap();
+        let d = |s: f64, o: f64, l: &LensModel| s * (l.ideal(u, bottom) - l.ideal(u, top)) + o;
+        let error = d(found.parameters[0], found.parameters[1], &found.lens) - d(w.scale, w.offset, &w.lens);
+        let l = &found.lens;
+        let by_lens = l.width_by(u, top, bottom).map(|b| found.parameters[0] * b);
+        let by: [f64; PARAMETERS] =
+            [l.ideal(u, bottom) - l.ideal(u, top), 1.0, by_lens[0], by_lens[1], by_lens[2], 0.0];
+        stated += found.parts.iter().map(|p| p.variance(&by)).sum::<f64>() / f64::from(runs);
+        squares += error * error / f64::from(runs);
+    }
+    let ratio = (squares / stated).sqrt();
+    println!("sd {:.3} um, stated {:.3} um, ratio {ratio:.3}", 1e3 * squares.sqrt(), 1e3 * stated.sqrt());
+    // 400 worlds: the ratio scatters by 3.5 %.
+    assert!((0.88..1.12).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn deviated_data_move_the_result_as_the_covariance_says() {
+    let diameters = [16.0, 26.0];
+    let mut rng = Pcg64::seed_from_u64(4);
+    let seen = observations(&World { noise_px: 0.004, ..world() }, &diameters, &mut rng);
+    let mut adjustment = adjust(seen, vec![master("A", 16.0, 8e-4), master("B", 26.0, 5e-4)]).unwrap();
+    let found = adjustment.fit().unwrap();
+    let zero = vec![0.0; adjustment.inputs()];
+    let same = adjustment.parameters_with(&zero).unwrap();
+    assert!((same[0] / found.parameters[0] - 1.0).abs() < 1e-12);
+    // Pin A's certificate one standard uncertainty (.4 µm) too small: deviation of its δ.
+    let first_master = adjustment.observations().len() + 4;
+    let mut moved = zero;
+    moved[first_master] = 1.0;
+    let by: [f64; PARAMETERS] = [1300.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+    let change: f64 = adjustment
+        .parameters_with(&moved)
+        .unwrap()
+        .iter()
+        .zip(&same)
+        .zip(by)
+        .map(|((a, b), d)| (a - b) * d)
+        .sum();
+    let part = found.parts.iter().find(|p| p.source.contains("certificate of A")).unwrap();
+    assert!((change.abs() / part.variance(&by).sqrt() - 1.0).abs() < 1e-3, "{change}");
+}
+
+#[test]
+fn masters_that_determine_no_bench_are_refused() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let seen = observations(&world(), &[20.0, 20.05], &mut rng);
+    let twins = vec![master("A", 20.0, 1e-4), master("B", 20.05, 1e-4)];
+    assert!(matches!(adjust(seen.clone(), twins), Err(CalibrationError::SameSize { .. })));
+    assert!(matches!(
+        adjust(seen.clone(), vec![master("A", 20.0, 1e-4)]),
+        Err(CalibrationError::TooFew { .. })
+    ));
+    let unsure = vec![master("A", 16.0, f64::NAN), master("B", 26.0, 1e-4)];
+    assert!(matches!(adjust(seen.clone(), unsure), Err(CalibrationError::Certificate { master: 1 })));
+    let unseen = vec![master("A", 16.0, 1e-4), master("B", 26.0, 1e-4), master("C", 30.0, 1e-4)];
+    assert!(matches!(adjust(seen, unseen), Err(CalibrationError::Unseen { .. })));
+}
