@@ -47,6 +47,13 @@ study reproduce_003 "$bin" reproduce 003
 study reproduce_000 "$bin" reproduce 000
 study stability "$bin" study stability
 study controllers "$bin" study controllers --out "$out/controllers"
+grep -v -e '^repeatability_um' -e '^stock_form_um' -e '^force_spread' configs/controllers.toml > "$out/steady.toml"
+study controllers_steady "$bin" study controllers "$out/steady.toml" --controllers model --shafts 1
+study parts "$bin" study parts --out "$out/parts"
+study parts_model "$bin" study parts --controller model --out "$out/parts_model"
+
+# -- speed of the process: a pass of 1000 stations (limit 2 ms), genetic algorithm (limit 0.1 s) beside the exact method
+study process_bench cargo bench --locked --bench process
 
 # -- speed, beside the floor of a kernel that only writes a constant
 study render_bench "$bin" render "$preset" --bench 50 --out "$out/render_bench"

@@ -399,7 +399,10 @@ impl<'a> ClosedLoop<'a> {
         (self.notes, self.alarm) = (Vec::new(), None);
         // after the last pass nothing is decided, but the next part is learnt for
         let decision = self.controller.decide_in(plan, measured, &context);
-        self.next_pass()?;
+        if self.next_pass().is_none() {
+            self.alarm = self.remeasured(plan, measured);
+            return None;
+        }
         self.notes = self.controller.notes().to_vec();
         self.alarm = self.controller.alarm().map(str::to_owned);
         let decision = match decision {
@@ -414,6 +417,18 @@ impl<'a> ClosedLoop<'a> {
             Decision::Held(reason) => Some(reason.clone()),
         };
         Some(decision)
+    }
+
+    /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie within the tolerance
+    /// (ISO 14253-1, expanded by the guards' coverage factor).
+    fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
+        let tolerance = self.job.part.tolerance.filter(|_| plan.pass as usize == self.job.part.passes())?;
+        let limits = control::conformity::Limits {
+            lower_mm: tolerance.nominal_mm + tolerance.lower_mm,
+            upper_mm: tolerance.nominal_mm + tolerance.upper_mm,
+            coverage: self.job.control.guards.coverage,
+        };
+        control::conformity::judge(measured, &limits).alarm.map(|a| format!("finished part: {a}"))
     }
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The

@@ -5,14 +5,14 @@
 #[path = "support/plant.rs"]
 mod plant;
 
-use plant::{Plant, largest};
+use plant::{CUTTING, Plant, largest};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::control::{
-    ControlError, ControlSettings, ControllerName, FirstPass, OffsetForm, Pid, PidAlgorithm, PidSettings,
-    Shapes, Spatial, build, fit,
+    ApplyTo, ControlError, ControlSettings, ControllerName, Estimator, FirstPass, NextPass, OffsetForm,
+    PassContext, Pid, PidAlgorithm, PidSettings, Shapes, Spatial, build, fit,
 };
-use shadowgauge::plan::{Decision, DiameterOffset, HeldReason};
+use shadowgauge::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use shadowgauge::profile::{Reading, Reason};
 
 const NOMINALS_MM: [f64; 4] = [26.5, 26.0, 25.5, 25.0 - 0.0065];
@@ -261,4 +261,60 @@ fn settings_are_refused_by_key() {
     assert!(build(&read, &[1.0, 2.0]).is_err_and(|e| e.to_string().contains("2 stations")));
     assert!(build(&read, &[1.0, 1.0]).is_err_and(|e| e.to_string().contains("does not ascend")));
     assert!("pdi".parse::<ControllerName>().is_err_and(|e| e.to_string().contains("none, pid, lsq")));
+}
+
+/// A barrel with one wild station, measured after the pass before the last but one and after the last but one.
+fn lsq_offsets(change: impl FnOnce(&mut ControlSettings), finishing: bool) -> (Vec<f64>, Vec<String>) {
+    let mut s = settings(ControllerName::Lsq);
+    s.lsq.shapes = toml::from_str::<LsqShapes>("shapes = \"quadratic\"").expect("a shape").shapes;
+    (s.guards.outlier_limit_mm, s.guards.scatter_limit_mm) = (1.0, 1.0);
+    change(&mut s);
+    let z: Vec<f64> = (0..20).map(|i| 12.5 + 25.0 * f64::from(i)).collect();
+    let e: Vec<f64> = (0..20)
+        .map(|i| {
+            let xi = f64::from(i) / 9.5 - 1.0;
+            0.02 * (1.0 - xi * xi) + if i == 7 { 0.02 } else { 0.0 }
+        })
+        .collect();
+    let d: Vec<f64> = e.iter().map(|e| 25.5 + e).collect();
+    let mut controller = build(&s, &z).expect("a controller");
+    let offset = DiameterOffset::zero(20);
+    let plan = PassPlan { pass: 3, nominal_mm: 25.5, cutting: CUTTING, station_z_mm: z.clone(), offset };
+    let next = NextPass { nominal_mm: 25.0, cutting: CUTTING, finishing };
+    let context = PassContext { next: Some(next), ..PassContext::default() };
+    match controller.decide_in(&plan, &plant::profile(3, &z, &d), &context) {
+        Decision::Offset(o) => (o.o_mm, controller.notes().to_vec()),
+        Decision::Held(reason) => panic!("{reason}"),
+    }
+}
+
+#[derive(serde::Deserialize)]
+struct LsqShapes {
+    shapes: Shapes,
+}
+
+#[test]
+fn hubers_fit_is_not_drawn_by_one_wild_station() {
+    let off = |o: &[f64]| {
+        let xi = |i: usize| i as f64 / 9.5 - 1.0;
+        (0..20).map(|i| (o[i] - 0.02 * (1.0 - xi(i) * xi(i))).abs()).fold(0.0, f64::max)
+    };
+    let plain = off(&lsq_offsets(|_| {}, false).0);
+    let robust = off(&lsq_offsets(|s| s.lsq.estimator = Estimator::Huber, false).0);
+    println!(
+        "largest departure from the barrel: least squares {:.2} µm, Huber {:.2} µm",
+        plain * 1e3,
+        robust * 1e3
+    );
+    assert!(plain > 1e-3 && robust < 0.1 * plain);
+}
+
+#[test]
+fn the_finishing_pass_alone_is_compensated_where_asked_for() {
+    let finishing_only = |s: &mut ControlSettings| s.lsq.apply_to = ApplyTo::FinishingPass;
+    let (early, notes) = lsq_offsets(finishing_only, false);
+    assert!(early.iter().all(|o| *o == 0.0) && notes[0].contains("finishing pass alone"), "{notes:?}");
+    let (late, notes) = lsq_offsets(finishing_only, true);
+    assert!(late[10] > 0.015 && notes[0].contains('±'), "{notes:?}");
+    assert_eq!(late, lsq_offsets(|_| {}, true).0);
 }

@@ -290,17 +290,23 @@ fn turn_on_process(settings: &ControlSettings, disturbance: DisturbanceSettings,
         TurningProcess::new(&process_settings, stock, &BaseForm::default(), seed).expect("a blank");
     let shaft = Plant::new(100);
     let mut controller = build(settings, &shaft.z_mm).expect("a controller");
-    let mut offset = controller.begin_part(&PartStart::default(), 100);
-    let mut errors = Vec::new();
-    for (i, nominal) in NOMINALS_MM.into_iter().enumerate() {
-        let plan = shaft.plan(i as u32 + 1, nominal, offset.clone());
-        process.cut(&plan).expect("a pass");
+    let stations = |process: &TurningProcess| -> Vec<f64> {
         let nodes: Vec<(f64, f64)> = process.node_z_mm().zip(process.diameter_mm().iter().copied()).collect();
         let mean = |z: &f64| {
             let near: Vec<f64> = nodes.iter().filter(|n| (n.0 - z).abs() <= 2.5).map(|n| n.1).collect();
             near.iter().sum::<f64>() / near.len() as f64
         };
-        let diameters: Vec<f64> = shaft.z_mm.iter().map(mean).collect();
+        shaft.z_mm.iter().map(mean).collect()
+    };
+    // a run scans the stock for the model-based controller
+    let stock = plant::profile(0, &shaft.z_mm, &stations(&process));
+    let start = PartStart { stock: Some(&stock), ..PartStart::default() };
+    let mut offset = controller.begin_part(&start, 100);
+    let mut errors = Vec::new();
+    for (i, nominal) in NOMINALS_MM.into_iter().enumerate() {
+        let plan = shaft.plan(i as u32 + 1, nominal, offset.clone());
+        process.cut(&plan).expect("a pass");
+        let diameters = stations(&process);
         errors.push(diameters.iter().map(|d| (d - nominal) * 1e3).collect());
         let context = PassContext { next: next_pass(i + 1), ..PassContext::default() };
         let measured = plant::profile(plan.pass, &shaft.z_mm, &diameters);
@@ -333,7 +339,6 @@ fn a_wrong_model_learns_the_turning_process() {
     shares.sort_by(f64::total_cmp);
     println!("after two: shares of none {shares:.3?}");
     println!("after three corrected passes: {last:.2?} µm");
-    // the aims are 6 % and 3 µm for every seed; what is reached: median 3.0 %, worst 8.3 %; worst 3.05 µm
-    assert!(shares[10] <= 0.04 && shares[19] <= 0.10);
-    assert!(last[10] <= 1.5 && last[18] <= 3.0 && last[19] <= 3.5);
+    assert!(shares[19] <= 0.06);
+    assert!(last[10] <= 1.5 && last[19] <= 3.0);
 }

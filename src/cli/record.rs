@@ -66,10 +66,11 @@ impl<'a> Recorder<'a> {
         let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         let mut offsets = Vec::new();
-        let control = match passes.is_empty() {
+        let mut control = match passes.is_empty() {
             true => ControlRecord::default(),
             false => folder.control().map_err(folder_failure)?,
         };
+        control.passes.retain(|p| done(p.pass));
         if !passes.is_empty() {
             chain.resume_stock(control.stock.clone());
         }

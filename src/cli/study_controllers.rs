@@ -115,6 +115,7 @@ fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
         y_label: "largest true error / µm".to_owned(),
         series,
         log_y: true,
+        x_labels: study.controllers.first().map(|c| c.passes.len()),
         ..Chart::default()
     }
     .to_svg()

@@ -116,12 +116,43 @@ fn write(folder: &StudyFolder, study: &StabilityStudy) -> Result<(), Failure> {
     .to_svg()
     .map_err(Failure::fail)?;
     let rows = rows(study);
+    let locus = root_locus(study)?;
     let mut page = Page::new("Stability of the loop from pass to pass");
     page.text(
         "e(k+1) = α e(k) − g o(k+1): α = 0 with a constant disturbance, 1 − g with error copying, 1.3566 for the \
          error-transfer plant of paper 003. Stable where every pole lies inside the unit circle.",
     );
     page.figure(&svg, "Spectral radius over the plant gain; below 1 errors die out.");
+    page.figure(
+        &locus,
+        "Root locus: every pole of every loop with error copying as the plant gain goes from 0.01 to 2.4; dashed: unit circle.",
+    );
+    table(&mut page, &rows);
+    folder.write("stability.csv", &csv_text(&rows)?)?;
+    folder.write("stability.svg", svg.as_bytes())?;
+    folder.write("root_locus.svg", locus.as_bytes())?;
+    folder.write("report.html", page.finish().as_bytes())
+}
+
+/// Poles inside |z| ≤ 2.2 (what lies further out is unstable beyond doubt and would shrink the rest).
+fn root_locus(study: &StabilityStudy) -> Result<String, Failure> {
+    let circle = (0..=120).map(|i| f64::from(i) * std::f64::consts::TAU / 120.0).map(|a| (a.cos(), a.sin()));
+    let mut series = vec![Series::new("unit circle", Mark::Dashed, 6, circle.collect())];
+    for (i, locus) in study.loci.iter().enumerate() {
+        let near = locus.poles.iter().copied().filter(|p| p.0.hypot(p.1) <= 2.2);
+        series.push(Series::new(locus.controller.clone(), Mark::Dots, i, near.collect()));
+    }
+    Chart {
+        x_label: "real part".to_owned(),
+        y_label: "imaginary part".to_owned(),
+        series,
+        ..Chart::default()
+    }
+    .to_svg()
+    .map_err(Failure::fail)
+}
+
+fn table(page: &mut Page, rows: &[Row]) {
     let cells: Vec<Vec<String>> = rows
         .iter()
         .map(|r| {
@@ -137,7 +168,4 @@ fn write(folder: &StudyFolder, study: &StabilityStudy) -> Result<(), Failure> {
         })
         .collect();
     page.table(&["controller", "plant", "verdict", "radius", "stable for", "margin", "peak"], &cells);
-    folder.write("stability.csv", &csv_text(&rows)?)?;
-    folder.write("stability.svg", svg.as_bytes())?;
-    folder.write("report.html", page.finish().as_bytes())
 }

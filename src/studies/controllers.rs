@@ -8,6 +8,7 @@ use crate::closed_loop::{ClosedLoop, LoopError};
 use crate::control::{ControllerName, OnAlarm};
 use crate::gauge::Calibration;
 use crate::job::Job;
+use crate::plan::Decision;
 use crate::render::Renderer;
 
 /// Confidence of the intervals.
@@ -124,7 +125,10 @@ fn turn(
             measured_mm: largest(&mut readings().flatten().map(|d| d - nominal)),
             true_mm: largest(&mut truth().map(|d| d - nominal)),
             reading_mm: largest(&mut readings().zip(truth()).filter_map(|(d, t)| Some(d? - t))),
-            held: turning.held().map(ToString::to_string).unwrap_or_default(),
+            held: match &pass.decision {
+                Some(Decision::Held(reason)) => reason.to_string(),
+                _ => String::new(),
+            },
         });
     }
     Ok(passes)

@@ -11,6 +11,7 @@ use crate::closed_loop::{ClosedLoop, LoopError, PassResult};
 use crate::control::{OnAlarm, PartEvent};
 use crate::gauge::Calibration;
 use crate::job::Job;
+use crate::plan::Decision;
 use crate::render::Renderer;
 
 /// Expected range of two normal values over their standard deviation: 2/√π.
@@ -144,15 +145,14 @@ fn turn(
         }
         while turning.next_pass().is_some() {
             let pass = turning.run_pass(&mut |_, _| {})?;
-            let held = turning.held().map(ToString::to_string).unwrap_or_default();
-            passes.push(part_pass(job.control.parts.enabled, part, event, &pass, held));
+            passes.push(part_pass(job.control.parts.enabled, part, event, &pass));
         }
         done(part);
     }
     Ok(passes)
 }
 
-fn part_pass(learning: bool, part: u32, event: PartEvent, pass: &PassResult, held: String) -> PartPass {
+fn part_pass(learning: bool, part: u32, event: PartEvent, pass: &PassResult) -> PartPass {
     let aim = pass.plan.nominal_mm;
     let measured: Vec<f64> =
         pass.profile.stations.iter().filter_map(|s| s.reading.value()).map(|d| d.d_mm - aim).collect();
@@ -165,7 +165,10 @@ fn part_pass(learning: bool, part: u32, event: PartEvent, pass: &PassResult, hel
         measured_mean_mm: measured.iter().sum::<f64>() / measured.len() as f64,
         measured_worst_mm: largest(&mut measured.iter().copied()),
         true_worst_mm: largest(&mut pass.truth_mm.iter().flatten().map(|d| d - aim)),
-        held,
+        held: match &pass.decision {
+            Some(Decision::Held(reason)) => reason.to_string(),
+            _ => String::new(),
+        },
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Locus {
     pub controller: String,
     /// (g, spectral radius) with error copying.
     pub points: Vec<(f64, f64)>,
+    /// (real, imaginary) of every pole at these gains.
+    pub poles: Vec<(f64, f64)>,
 }
 
 /// The study.
@@ -94,10 +96,11 @@ fn learning(settings: &ControlSettings, station_z_mm: &[f64]) -> IterationReport
 
 fn locus(settings: &ControlSettings) -> Option<Locus> {
     let transfer = transfer(settings)?;
-    let radius = |g: f64| {
-        let poles = transfer.closed_loop(Plant::Copying, g).roots();
-        poles.first().map_or(0.0, |p| p.0.hypot(p.1))
-    };
-    let points = DRAWN.map(|i| f64::from(i) * DRAWN_STEP).map(|g| (g, radius(g))).collect();
-    Some(Locus { controller: describe(settings), points })
+    let (mut points, mut poles) = (Vec::new(), Vec::new());
+    for g in DRAWN.map(|i| f64::from(i) * DRAWN_STEP) {
+        let roots = transfer.closed_loop(Plant::Copying, g).roots();
+        points.push((g, roots.first().map_or(0.0, |p| p.0.hypot(p.1))));
+        poles.extend(roots);
+    }
+    Some(Locus { controller: describe(settings), points, poles })
 }

