@@ -37,12 +37,13 @@ pub struct StudyContaminationArgs {
 pub fn run(args: &StudyContaminationArgs) -> CommandResult {
     let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
     let settings = GaugeSettings::default();
-    let study = contamination::run(&settings, args.frames as usize, args.clean as usize, args.seed).map_err(
-        |e| match e {
-            StudyError::Gauge(e) => Failure::refuse(e),
-            e => Failure::fail(e),
-        },
-    )?;
+    let study =
+        contamination::run(&settings, args.frames as usize, args.clean as usize, args.seed).map_err(|e| {
+            match e {
+                StudyError::Gauge(e) => Failure::refuse(e),
+                e => Failure::fail(e),
+            }
+        })?;
     if let Some(folder) = folder {
         folder.write("report.html", page(&study)?.as_bytes())?;
     }
@@ -147,7 +148,10 @@ fn page(study: &ContaminationStudy) -> Result<String, Failure> {
         }
         .to_svg()
         .map_err(Failure::fail)?;
-        page.figure(&svg, "A film as long as the field is a bend of the axis to one frame: only other angles tell it.");
+        page.figure(
+            &svg,
+            "A film as long as the field is a bend of the axis to one frame: only other angles tell it.",
+        );
     }
     Ok(page.finish())
 }

@@ -138,7 +138,8 @@ impl StationAverager {
 
     /// Ends the scan: one reading a station.
     pub fn finish(&self, pass: u32) -> DiameterProfile {
-        let mut fits: Vec<Result<AngleFit, Reason>> = self.sums.iter().map(|sums| self.fit(sums, None)).collect();
+        let mut fits: Vec<Result<AngleFit, Reason>> =
+            self.sums.iter().map(|sums| self.fit(sums, None)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         if let Some(pooled) = pooled {
             for (fit, sums) in fits.iter_mut().zip(&self.sums) {
