@@ -122,6 +122,14 @@ impl FrameEdges {
         (top.is_usable() && bottom.is_usable()).then_some(bottom.row_px - top.row_px)
     }
 
+    /// Moves the edges to where their windows lie on the sensor, for a camera that reads two windows out as one frame, the one
+    /// around the upper edge above the one around the lower edge: `top_px` and `bottom_px` are what a row of the frame lacks of its
+    /// row on the sensor in either.
+    pub fn place_windows(&mut self, top_px: f64, bottom_px: f64) {
+        self.top.iter_mut().for_each(|edge| edge.row_px += top_px);
+        self.bottom.iter_mut().for_each(|edge| edge.row_px += bottom_px);
+    }
+
     /// Unweighted mean of one line's usable edges over `columns`; `None` without any.
     pub fn mean(line: &[Edge], shared_length: f32, columns: std::ops::Range<usize>) -> Option<Mean> {
         let used: Vec<(usize, &Edge)> = columns

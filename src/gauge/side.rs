@@ -276,6 +276,7 @@ impl SideState {
         let free = matches!(settings.levels, Levels::PerColumn {});
         let mut normalised = std::mem::take(&mut self.normalised);
         normalised.resize(self.windows.width, 0.0);
+        let (shadow, contrast) = self.own_shadow();
         let (mut from, mut freedom) = (0, 1.0);
         while from < columns {
             let sigma = self.sigma_at(from);
@@ -289,12 +290,27 @@ impl SideState {
                 table,
                 min_snr: settings.min_snr as f32,
                 reject: settings.rejection != Rejection::Off,
+                shadow,
+                contrast,
             };
             score_columns(&job, from..to, &mut normalised, line);
             from = to;
         }
         self.normalised = normalised;
         freedom
+    }
+
+    /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean light.
+    fn own_shadow(&mut self) -> (f32, f32) {
+        self.floats.clear();
+        let step = self.windows.dark.len().div_ceil(256).max(1);
+        self.floats.extend(self.windows.dark.iter().step_by(step).filter(|d| d.is_finite()));
+        if self.floats.is_empty() {
+            return (f32::NEG_INFINITY, f32::INFINITY);
+        }
+        let quarter = self.floats.len() / 4;
+        let shadow = *self.floats.select_nth_unstable_by(quarter, f32::total_cmp).1;
+        (shadow, self.light.mean as f32 - shadow)
     }
 
     fn sigma_at(&self, column: usize) -> f64 {
@@ -341,7 +357,13 @@ struct ColumnJob<'a> {
     table: &'a Table,
     min_snr: f32,
     reject: bool,
+    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
+    shadow: f32,
+    contrast: f32,
 }
+
+/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
+const LIT_SHADOW: f32 = 0.25;
 
 /// The inner loop.
 fn score_columns(
@@ -372,7 +394,8 @@ fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &m
         return Edge::gap(Reason::LowContrast);
     }
     let own = windows.light[column] - windows.dark[column];
-    if job.reject && !(own > 0.5 * contrast && own < 2.0 * contrast) {
+    let lit_shadow = windows.dark[column] - job.shadow > LIT_SHADOW * contrast.max(job.contrast);
+    if job.reject && (lit_shadow || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
         return Edge::gap(Reason::Contaminated);
     }
     let window = windows.of(column);

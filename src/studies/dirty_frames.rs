@@ -146,7 +146,7 @@ impl Piece {
         };
         let radius = within(280.0, 360.0);
         let centre = within(470.0, 550.0);
-        let (tilt, taper, bow) = (within(-4e-3, 4e-3), within(-1e-3, 1e-3), within(-1.0, 1.0) * 2e-6);
+        let (tilt, taper, bow) = (within(-4e-3, 4e-3), within(-1e-3, 1e-3), within(-2e-7, 2e-7));
         let textures = [texture(&mut random), texture(&mut random)];
         let line = |sign: f64, texture: &[f64]| -> Vec<f64> {
             (0..COLUMNS)
