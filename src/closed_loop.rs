@@ -9,6 +9,8 @@ use thiserror::Error;
 use crate::cell::{CellError, TurningCell};
 use crate::control::{self, ControlError, Controller, NextPass, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
+use crate::gauge::form::Cutoff;
+use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
     MasterMeasurement, StationAverager,
@@ -99,6 +101,8 @@ pub struct PassResult {
     pub decision: Option<Decision>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
+    /// Form and sizes of the sections over the angles scanned.
+    pub form: PartForm,
     /// The middle field at the first angle.
     pub sample: Option<Sample>,
     /// Frames taken.
@@ -197,8 +201,9 @@ impl<'a> ClosedLoop<'a> {
             progress(measured.frames, scan.frames());
         }
         drop(source);
-        let Measured { averager, readings, sample, refused, frames, waited, measured, .. } = measured;
+        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, .. } = measured;
         let profile = averager.finish(plan.pass);
+        let form = turns.finish(Cutoff::default());
         let half = self.job.part.station_mm / 2.0;
         let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
         let decision = self.conclude(&plan, &profile);
@@ -208,6 +213,7 @@ impl<'a> ClosedLoop<'a> {
             profile,
             readings,
             decision,
+            form,
             sample,
             frames,
             refused,
@@ -275,6 +281,7 @@ struct Measured<'c> {
     stream: EdgeStream,
     edges: FrameEdges,
     averager: StationAverager,
+    turns: TurnAverager,
     sample_frame: usize,
     readings: Vec<FrameReading>,
     sample: Option<Sample>,
@@ -293,6 +300,7 @@ impl<'c> Measured<'c> {
             stream,
             edges: FrameEdges::default(),
             averager,
+            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
             sample_frame: frames / angles / 2 * angles,
             readings: Vec::new(),
             sample: None,
@@ -331,6 +339,7 @@ impl<'c> Measured<'c> {
     fn add(&mut self, frame: &Frame) {
         let columns = self.calibration.diameters(&self.edges);
         self.averager.add(&frame.meta, &columns);
+        self.turns.add(&frame.meta, &columns);
         let meta = &frame.meta;
         self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
             FrameReading {

@@ -5,12 +5,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample};
 use crate::gauge::Calibration;
+use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    DiameterRow, OffsetRow, PassRow, RunFolder, StationRow, TruthRow, profile_of, read_diameters,
+    DiameterRow, FormRow, OffsetRow, PartFormRow, PassRow, RunFolder, StationRow, TruthRow, profile_of,
+    read_diameters,
 };
 
 use super::Failure;
@@ -24,6 +26,8 @@ pub struct Recorded {
     pub seconds: Vec<(f64, f64)>,
     /// The frame kept from the last pass.
     pub sample: Option<Sample>,
+    /// Form of the part after the last pass of this process.
+    pub form: Option<PartForm>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
     pub in_tolerance: Option<bool>,
 }
@@ -38,6 +42,7 @@ pub struct Recorder<'a> {
     stations: Vec<StationRow>,
     offsets: Vec<OffsetRow>,
     diameters: Vec<DiameterRow>,
+    form: (Vec<FormRow>, Vec<PartFormRow>),
 }
 
 impl<'a> Recorder<'a> {
@@ -53,6 +58,9 @@ impl<'a> Recorder<'a> {
         let mut diameters = read_diameters(folder).map_err(folder_failure)?;
         stations.retain(|s| done(s.pass));
         diameters.retain(|d| done(d.pass));
+        let mut form = folder.form().map_err(folder_failure)?;
+        form.0.retain(|f| done(f.pass));
+        form.1.retain(|f| done(f.pass));
         let calibration = match passes.is_empty() {
             true => None,
             false => Some(read_calibration(folder)?),
@@ -66,7 +74,7 @@ impl<'a> Recorder<'a> {
             chain.replay(&profile_of(row.pass, &stations)).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, form })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -75,7 +83,7 @@ impl<'a> Recorder<'a> {
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
     pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.passes.len()];
-        let mut sample = None;
+        let (mut sample, mut form) = (None, None);
         while let Some(pass) = self.chain.next_pass() {
             let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.passes()));
             self.offsets.extend(offset_rows(&self.chain));
@@ -96,10 +104,11 @@ impl<'a> Recorder<'a> {
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.write(&result)?;
             self.write_timings(&seconds)?;
+            form = Some(result.form);
             sample = result.sample.or(sample);
         }
         let in_tolerance = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, in_tolerance })
+        Ok(Recorded { passes: self.passes, seconds, sample, form, in_tolerance })
     }
 
     /// All tables, `passes.csv` last: a pass that stands there has all its data.
@@ -110,6 +119,8 @@ impl<'a> Recorder<'a> {
         self.stations
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
+        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s)));
+        self.form.1.push(PartFormRow::new(pass, &result.form));
         self.passes.push(pass_row(result, truth));
         let truth_rows: Vec<TruthRow> = self
             .stations
@@ -120,6 +131,7 @@ impl<'a> Recorder<'a> {
         folder
             .write_stations(&self.stations)
             .and_then(|()| folder.write_offsets(&self.offsets))
+            .and_then(|()| folder.write_form(&self.form.0, &self.form.1))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
             .and_then(|()| folder.write_passes(&self.passes))
