@@ -13,6 +13,8 @@ pub use evidence::Evidence;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
+use crate::gauge::form::Cutoff;
+use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
     MasterMeasurement, StationAverager,
@@ -111,6 +113,8 @@ pub struct PassResult {
     pub alarm: Option<String>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
+    /// Form and sizes of the sections over the angles scanned.
+    pub form: PartForm,
     /// The middle field at the first angle.
     pub sample: Option<Sample>,
     /// Frames taken.
@@ -148,6 +152,7 @@ pub struct ClosedLoop<'a> {
 /// A scan, measured.
 struct Scanned {
     profile: DiameterProfile,
+    form: PartForm,
     readings: Vec<FrameReading>,
     sample: Option<Sample>,
     frames: usize,
@@ -321,6 +326,7 @@ impl<'a> ClosedLoop<'a> {
             evidence,
             notes: self.notes.clone(),
             alarm: self.alarm.clone(),
+            form: scan.form,
             sample: scan.sample,
             frames: scan.frames,
             refused: scan.refused,
@@ -341,9 +347,11 @@ impl<'a> ClosedLoop<'a> {
             progress(measured.frames, plan.frames());
         }
         drop(source);
-        let Measured { averager, readings, sample, refused, frames, waited, measured, ends, .. } = measured;
+        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, ends, .. } =
+            measured;
         let profile = averager.finish(pass);
-        Ok(Scanned { profile, readings, sample, frames, refused, waited, measured, ends })
+        let form = turns.finish(Cutoff::default());
+        Ok(Scanned { profile, form, readings, sample, frames, refused, waited, measured, ends })
     }
 
     /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such
@@ -491,6 +499,7 @@ struct Measured<'c> {
     stream: EdgeStream,
     edges: FrameEdges,
     averager: StationAverager,
+    turns: TurnAverager,
     sample_frame: usize,
     readings: Vec<FrameReading>,
     sample: Option<Sample>,
@@ -511,6 +520,7 @@ impl<'c> Measured<'c> {
             stream,
             edges: FrameEdges::default(),
             averager,
+            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
             sample_frame: frames / angles / 2 * angles,
             readings: Vec::new(),
             sample: None,
@@ -552,6 +562,7 @@ impl<'c> Measured<'c> {
     fn add(&mut self, frame: &Frame) {
         let columns = self.calibration.diameters(&self.edges);
         self.averager.add(&frame.meta, &columns);
+        self.turns.add(&frame.meta, &columns);
         let meta = &frame.meta;
         self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
             FrameReading {

@@ -144,7 +144,7 @@ impl<'a> Follower<'a> {
         self.frames += 1;
         let Some(edges) = edges else { return };
         if let Some(Err(error)) =
-            self.calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px))
+            self.calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions))
         {
             tracing::warn!("frame {}: {error}", meta.frame_id);
             out.insert("warnings".to_owned(), json!([error.to_string()]));

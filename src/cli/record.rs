@@ -6,13 +6,14 @@ use crate::cell::SimulatedCell;
 use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample};
 use crate::control::OnAlarm;
 use crate::gauge::Calibration;
+use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    ControlRecord, DiameterRow, OffsetRow, PassRecord, PassRow, RunFolder, StationRow, TruthRow, profile_of,
-    read_diameters,
+    ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder, StationRow,
+    TruthRow, profile_of, read_diameters,
 };
 
 use super::Failure;
@@ -26,6 +27,8 @@ pub struct Recorded {
     pub seconds: Vec<(f64, f64)>,
     /// The frame kept from the last pass.
     pub sample: Option<Sample>,
+    /// Form of the part after the last pass of this process.
+    pub form: Option<PartForm>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
     pub in_tolerance: Option<bool>,
     /// Why not all passes were cut: an alarm.
@@ -43,6 +46,7 @@ pub struct Recorder<'a> {
     offsets: Vec<OffsetRow>,
     diameters: Vec<DiameterRow>,
     control: ControlRecord,
+    form: (Vec<FormRow>, Vec<PartFormRow>),
 }
 
 impl<'a> Recorder<'a> {
@@ -58,6 +62,9 @@ impl<'a> Recorder<'a> {
         let mut diameters = read_diameters(folder).map_err(folder_failure)?;
         stations.retain(|s| done(s.pass));
         diameters.retain(|d| done(d.pass));
+        let mut form = folder.form().map_err(folder_failure)?;
+        form.0.retain(|f| done(f.pass));
+        form.1.retain(|f| done(f.pass));
         let calibration = match passes.is_empty() {
             true => None,
             false => Some(read_calibration(folder)?),
@@ -79,7 +86,7 @@ impl<'a> Recorder<'a> {
             chain.replay(&profile_of(row.pass, &stations), &told.evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -88,7 +95,7 @@ impl<'a> Recorder<'a> {
     /// Where a cut, a frame or the disk fails; finished passes stay readable.
     pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.passes.len()];
-        let mut sample = None;
+        let (mut sample, mut form) = (None, None);
         let mut stopped = None;
         while let Some(pass) = self.chain.next_pass() {
             if let Some(alarm) = self.chain.alarm().filter(|_| self.stops()) {
@@ -114,10 +121,11 @@ impl<'a> Recorder<'a> {
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.write(&result)?;
             self.write_timings(&seconds)?;
+            form = Some(result.form);
             sample = result.sample.or(sample);
         }
         let in_tolerance = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, in_tolerance, stopped })
+        Ok(Recorded { passes: self.passes, seconds, sample, form, in_tolerance, stopped })
     }
 
     fn stops(&self) -> bool {
@@ -132,6 +140,8 @@ impl<'a> Recorder<'a> {
         self.stations
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
+        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s)));
+        self.form.1.push(PartFormRow::new(pass, &result.form));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
         self.control.passes.push(pass_record(result));
@@ -144,6 +154,7 @@ impl<'a> Recorder<'a> {
         folder
             .write_stations(&self.stations)
             .and_then(|()| folder.write_offsets(&self.offsets))
+            .and_then(|()| folder.write_form(&self.form.0, &self.form.1))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
             .and_then(|()| folder.write_control(&self.control))

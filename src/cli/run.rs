@@ -101,6 +101,7 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
         backend: renderer.backend_name(),
         adapter: renderer.adapter_name(),
         sample: main.sample.as_ref(),
+        form: main.form.as_ref(),
     })
     .map_err(Failure::fail)?;
     tracing::info!(seconds = start.elapsed().as_secs_f64(), "finished");
@@ -155,6 +156,7 @@ fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder
         backend: renderer.backend_name(),
         adapter: renderer.adapter_name(),
         sample: done.sample.as_ref(),
+        form: done.form.as_ref(),
     })
     .map_err(Failure::fail)?;
     folder.write("report.html", page.html.as_bytes()).map_err(folder_failure)?;

@@ -1,6 +1,7 @@
 //! Plots and HTML from what a run folder, a calibration or a study holds.
 
 mod calibration_report;
+mod form_report;
 pub mod html;
 pub mod plot;
 mod run_report;

@@ -1,10 +1,14 @@
 //! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
 
+use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use super::sample;
 use crate::closed_loop::Sample;
 use crate::control::ControllerName;
+use crate::gauge::Calibration;
+use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
+use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
 
@@ -23,6 +27,8 @@ pub struct RunView<'a> {
     pub adapter: &'a str,
     /// The frame kept from the last pass.
     pub sample: Option<&'a Sample>,
+    /// Form of the part after the last pass, where this process measured it.
+    pub form: Option<&'a PartForm>,
 }
 
 /// A report and the files that go beside it.
@@ -88,7 +94,10 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     if let Some(sample) = view.sample {
         files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
+    let (sections, parts) = view.folder.form()?;
+    form_section(&mut page, &sections, &parts, view.form)?;
     uncertainty(&mut page, &rows)?;
+    budget(&mut page, view, &rows)?;
     calibration(&mut page, view)?;
     Ok(RunPage { html: page.finish(), files })
 }
@@ -333,6 +342,39 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
         ..Chart::default()
     };
     draw(page, &chart, "Residuals of the last pass with the stated expanded uncertainty (k = 2).")?;
+    Ok(())
+}
+
+/// The budget of a station after the last pass: random part of type A over the angles, common parts by source.
+fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), ReportError> {
+    let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
+    let mut random: Vec<f64> = rows.of_pass(last).filter_map(|s| s.u_random_mm).collect();
+    let (Some(sample), false) = (view.sample, random.is_empty()) else { return Ok(()) };
+    random.sort_by(f64::total_cmp);
+    let text = view.folder.read_text("calibration.json")?;
+    let known: Calibration = serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
+    let Some(reading) = WidthReading::of_frame(&sample.edges, 0..sample.edges.columns()) else {
+        return Ok(());
+    };
+    let mut budget = reading.budget(&known, &known.conditions());
+    budget.contributions.retain(|c| c.share == Share::Common);
+    budget.push(Contribution {
+        source: "noise, texture and form over the angles".to_owned(),
+        input: format!("type A, {} angles, pooled over the stations", view.job.scan.angles),
+        shape: Shape::Normal,
+        share: Share::Random,
+        freedom: None,
+        u_mm: random[random.len() / 2],
+    });
+    page.heading("Uncertainty budget of a station").text(&format!(
+        "D = {:.5} mm: u = {:.4} µm (random {:.4}, common {:.4}), U = {:.4} µm at k = 2. The random part is the median over the stations.",
+        budget.diameter_mm,
+        1e3 * budget.u_mm(),
+        1e3 * budget.u_random_mm(),
+        1e3 * budget.u_common_mm(),
+        2e3 * budget.u_mm()
+    ));
+    page.table(&super::BUDGET_HEADER, &super::budget_rows(&budget));
     Ok(())
 }
 

@@ -5,6 +5,7 @@
 //! last of all: a folder that has one is finished and never touched again.
 
 mod control;
+mod form_tables;
 mod parquet_file;
 mod tables;
 
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use control::{ControlRecord, PassRecord};
+pub use form_tables::{FormRow, PartFormRow};
 pub use parquet_file::{DiameterRow, TruthRow, read_diameters};
 pub use tables::{OffsetRow, PassRow, StationRow, offset_of, profile_of};
 

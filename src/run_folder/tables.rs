@@ -149,7 +149,7 @@ impl RunFolder {
         self.read_csv("offsets.csv")
     }
 
-    fn write_csv<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), RunFolderError> {
+    pub(super) fn write_csv<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), RunFolderError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let failed = |e: String| RunFolderError::Write {
             path: self.path().join(name),
@@ -160,7 +160,7 @@ impl RunFolder {
         self.write(name, &bytes)
     }
 
-    fn read_csv<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunFolderError> {
+    pub(super) fn read_csv<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<T>, RunFolderError> {
         if !self.path().join(name).exists() {
             return Ok(Vec::new());
         }

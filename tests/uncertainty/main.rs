@@ -2,4 +2,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod bench;
+mod cli;
+mod coverage;
 mod jcgm_101;

@@ -95,6 +95,9 @@ pub struct BenchCalibration {
     pub parts: Vec<CovariancePart>,
     /// Blur of the masters' edges, px: what a part in focus shows.
     pub sigma_px: f64,
+    /// Growth of the blur with the distance y from the masters' plane, σ² = σ₀² + (c·y)², px/mm; 0 where all lay in it.
+    #[serde(default)]
+    pub defocus_px_per_mm: f64,
     /// √(χ²/ν) of the fit.
     pub birge_ratio: f64,
     /// What the fit left.
@@ -123,6 +126,7 @@ impl BenchCalibration {
             lens: adjusted.lens,
             parts: adjusted.parts.clone(),
             sigma_px,
+            defocus_px_per_mm: 0.0,
             birge_ratio: adjusted.birge_ratio,
             residuals: adjusted.residuals.clone(),
             conditions: Conditions::default(),
@@ -164,13 +168,15 @@ impl BenchCalibration {
         })
     }
 
-    /// Whether a frame is as sharp as the masters were, within [`FOCUS`].
+    /// Whether a frame is as sharp as the masters say of a part in these conditions, within [`FOCUS`].
     ///
     /// # Errors
     /// The blur that is not the calibrated one.
-    pub fn check_focus(&self, sigma_px: [f64; 2]) -> Result<(), BenchError> {
-        let far = |s: &f64| !((s / self.sigma_px).ln().abs() <= FOCUS);
-        match sigma_px.into_iter().find(far) {
+    pub fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
+        let farthest = conditions.axis_y_mm.abs() + conditions.limit_axis_y_mm;
+        let (low, high) = (self.sigma_px, self.sigma_px.hypot(self.defocus_px_per_mm * farthest));
+        let inside = |s: f64| (s / low).ln() >= -FOCUS && (s / high).ln() <= FOCUS;
+        match sigma_px.into_iter().find(|s| !inside(*s)) {
             Some(found_px) => Err(BenchError::OutOfFocus { found_px, calibrated_px: self.sigma_px }),
             None => Ok(()),
         }

@@ -1,6 +1,8 @@
 //! Coarse search: the largest round shadow that lies wholly in the frame.
 
 use glam::DVec2;
+use image::{GrayImage, Luma};
+use imageproc::region_labelling::{Connectivity, connected_components};
 use std::f64::consts::TAU;
 
 use super::super::form::Circle;
@@ -25,18 +27,11 @@ pub(super) fn find(view: &FrameView<'_>, settings: &RingSettings) -> Result<Coar
         view.get(row, column).is_some_and(|v| (f64::from(v) < threshold) != settings.bright_on_dark)
     };
     let (rows, columns) = (view.rows(), view.columns());
-    let mut seen = vec![false; rows * columns];
-    let (mut best, mut found) = (Vec::new(), 0);
-    for start in 0..rows * columns {
-        if seen[start] || !dark(start / columns, start % columns) {
-            continue;
-        }
-        found += 1;
-        let (pixels, at_border) = flood(start, rows, columns, &mut seen, dark);
-        if !at_border && pixels.len() > best.len() {
-            best = pixels;
-        }
-    }
+    let shadow = GrayImage::from_fn(columns as u32, rows as u32, |c, r| {
+        Luma([if dark(r as usize, c as usize) { 255 } else { 0 }])
+    });
+    let labels = connected_components(&shadow, Connectivity::Four, Luma([0]));
+    let (best, found) = largest_inside(labels.as_raw(), rows, columns);
     let coarse = outline(&best, columns)?;
     match coarse {
         Some(coarse) if coarse.outer.diameter() >= settings.min_diameter_px => Ok(coarse),
@@ -88,36 +83,19 @@ fn threshold(view: &FrameView<'_>) -> Result<f64, RingError> {
     Ok(level)
 }
 
-/// The connected shadow around a pixel (4-neighbours), and whether it touches the frame's border.
-fn flood(
-    start: usize,
-    rows: usize,
-    columns: usize,
-    seen: &mut [bool],
-    dark: impl Fn(usize, usize) -> bool,
-) -> (Vec<usize>, bool) {
-    let mut pixels = vec![start];
-    seen[start] = true;
-    let (mut next, mut at_border) = (0, false);
-    while next < pixels.len() {
-        let (row, column) = (pixels[next] / columns, pixels[next] % columns);
-        next += 1;
-        at_border |= row == 0 || column == 0 || row + 1 == rows || column + 1 == columns;
-        let neighbours = [
-            (row > 0).then(|| (row - 1, column)),
-            (row + 1 < rows).then_some((row + 1, column)),
-            (column > 0).then(|| (row, column - 1)),
-            (column + 1 < columns).then_some((row, column + 1)),
-        ];
-        for (r, c) in neighbours.into_iter().flatten() {
-            let index = r * columns + c;
-            if !seen[index] && dark(r, c) {
-                seen[index] = true;
-                pixels.push(index);
-            }
-        }
+/// Pixels of the largest component that keeps off the frame's border, and the number of components; of two as large the first.
+fn largest_inside(labels: &[u32], rows: usize, columns: usize) -> (Vec<usize>, usize) {
+    let count = labels.iter().max().map_or(0, |m| *m as usize);
+    let (mut sizes, mut at_border) = (vec![0_usize; count + 1], vec![false; count + 1]);
+    for (index, label) in labels.iter().enumerate() {
+        let (row, column) = (index / columns, index % columns);
+        sizes[*label as usize] += 1;
+        at_border[*label as usize] |= row == 0 || column == 0 || row + 1 == rows || column + 1 == columns;
     }
-    (pixels, at_border)
+    let best = (1..=count).filter(|l| !at_border[*l]).max_by_key(|l| (sizes[*l], std::cmp::Reverse(*l)));
+    let pixels = best
+        .map_or_else(Vec::new, |best| (0..labels.len()).filter(|i| labels[*i] as usize == best).collect());
+    (pixels, count)
 }
 
 /// Circles of the outline and the bore, from the farthest and nearest pixels in each direction, around a centre that is moved

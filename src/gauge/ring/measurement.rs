@@ -20,7 +20,7 @@ pub struct EdgeCircle {
     pub centre_px: [f64; 2],
     /// Least-squares diameter of the 50 % edge, curvature bias corrected, px.
     pub diameter_px: f64,
-    /// Its standard uncertainty from noise, levels and blur, px.
+    /// Its standard uncertainty from noise, levels, blur and the form that refused calipers hide, px.
     pub u_diameter_px: f64,
     /// Standard uncertainty of either coordinate of the centre, px.
     pub u_centre_px: f64,
@@ -181,7 +181,7 @@ impl Side<'_> {
         let good: Vec<&super::fit::Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
         let mean_square = good.iter().map(|c| c.u_shift * c.u_shift).sum::<f64>() / good.len() as f64;
         let diameter_px = 2.0 * (circle.radius + curvature);
-        let u_diameter_px = 2.0 * fit.u_mean;
+        let u_diameter_px = 2.0 * fit.u_mean.hypot(self.u_form_sampling(points, &circle, fit.calipers.len()));
         let roundness_px = self.roundness(followed, fit)?;
         Ok(EdgeCircle {
             centre_px: circle.centre.to_array(),
@@ -199,6 +199,16 @@ impl Side<'_> {
             refused: fit.calipers.len() - good.len(),
             mm: self.settings.scale.map(|s| self.millimetres(&s, diameter_px, u_diameter_px, roundness_px)),
         })
+    }
+
+    /// Standard uncertainty of the mean radius by what the refused calipers would have shown, px: the good ones are a sample
+    /// of n_good out of n of a form of standard deviation s that neighbours share over half a wave at the roundness' cutoff,
+    /// u² = s²·(n/2k_c)/n_good·(1 − n_good/n).
+    fn u_form_sampling(&self, points: &[DVec2], circle: &Circle, calipers: usize) -> f64 {
+        let (good, all) = (points.len() as f64, calipers as f64);
+        let variance = points.iter().map(|p| circle.deviation(*p).powi(2)).sum::<f64>() / good;
+        let alike = (all / (2.0 * self.settings.roundness_cutoff_upr)).max(1.0);
+        (variance * alike / good * (1.0 - good / all)).max(0.0).sqrt()
     }
 
     fn millimetres(

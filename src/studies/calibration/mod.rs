@@ -16,7 +16,9 @@ use crate::gauge::bench::{
 };
 use crate::gauge::budget::{Budget, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
-use crate::gauge::{Calibration, CalibrationError, FrameEdges, Gauge, GaugeSettingsError, MasterFigure};
+use crate::gauge::{
+    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterFigure,
+};
 use crate::render::RenderError;
 
 /// Where the frames of a calibration come from.
@@ -117,8 +119,9 @@ pub fn calibrate(
     let gauge = Gauge::new(plan.gauge.clone())?;
     let (flat_field, sensor) = fields(plan, recordings)?;
     let mut pins = Vec::new();
+    let mut stream = gauge.stream();
     for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
-        pins.push(pin_edges(&gauge, flat_field.as_ref(), index, pin, recordings)?);
+        pins.push(pin_edges(&mut stream, flat_field.as_ref(), index, pin, recordings)?);
     }
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
@@ -129,9 +132,10 @@ pub fn calibrate(
     let masters = plan.masters.len();
     let (mut adjustment, figures) = adjustment(plan, &pins[..masters], size)?;
     let adjusted = adjustment.fit()?;
-    let sigma_px = blur(&pins[..masters]);
+    let (sigma_px, defocus_px_per_mm) = blur(&pins[..masters]);
     let validity = Validity { date: plan.date, valid_days: plan.valid_days };
     let mut bench = BenchCalibration::new(&adjusted, size, validity, sigma_px);
+    bench.defocus_px_per_mm = defocus_px_per_mm;
     bench.conditions = plan.conditions;
     bench.sensor = sensor;
     bench.flat_field = flat_field;
@@ -152,10 +156,20 @@ pub fn calibrate(
     Ok(Calibrated { calibration, adjustment, example })
 }
 
-fn blur(pins: &[PinEdges]) -> f64 {
-    let all = || pins.iter().flat_map(|p| p.edges.iter().map(|(e, _)| e.figures.sigma_px));
-    let n = all().count().max(1) as f64;
-    all().map(|[a, b]| 0.5 * (a + b)).sum::<f64>() / n
+/// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² + (c·y)² by least squares.
+fn blur(pins: &[PinEdges]) -> (f64, f64) {
+    let points: Vec<(f64, f64)> = pins
+        .iter()
+        .flat_map(|p| {
+            p.edges.iter().map(|(e, y)| (y * y, e.figures.sigma_px.map(|s| s * s).iter().sum::<f64>() / 2.0))
+        })
+        .collect();
+    let n = points.len().max(1) as f64;
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, v) = (mean(&|p| p.0), mean(&|p| p.1));
+    let square = mean(&|p| (p.0 - x).powi(2));
+    let growth = if square > 0.0 { (mean(&|p| (p.0 - x) * (p.1 - v)) / square).max(0.0) } else { 0.0 };
+    ((v - growth * x).max(0.01).sqrt(), growth.sqrt())
 }
 
 fn fields(
@@ -196,7 +210,7 @@ fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
 }
 
 fn pin_edges(
-    gauge: &Gauge,
+    stream: &mut EdgeStream,
     flat_field: Option<&FlatField>,
     index: usize,
     pin: &PinPlan,
@@ -216,8 +230,9 @@ fn pin_edges(
             if found != expected {
                 return Err(CalibrateError::Size { pin: pin.name.clone(), found, expected });
             }
-            match gauge.edges(&view) {
-                Ok(seen) => edges.push((seen, position.y_mm)),
+            let mut seen = FrameEdges::default();
+            match stream.measure(&view, &mut seen) {
+                Ok(()) => edges.push((seen, position.y_mm)),
                 Err(refused) => why = refused.to_string(),
             }
         }

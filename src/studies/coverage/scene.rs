@@ -52,7 +52,7 @@ fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> PinPlan {
         diameter_mm,
         expanded_u_mm,
         coverage_factor: 2.0,
-        positions: vec![at(-0.4, 0.0), at(0.0, -3.0), at(0.0, 3.0), at(0.4, 0.0)],
+        positions: vec![at(-0.3, -3.0), at(0.0, 0.0), at(0.3, 3.0)],
     }
 }
 
@@ -243,7 +243,7 @@ fn refused(flag: String) -> Outcome {
 }
 
 /// What warns of a frame: fewer than 97 % of its columns, a residual that the noise does not explain, a blur unlike the masters'.
-fn flag(calibration: &Calibration, edges: &FrameEdges) -> String {
+fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) -> String {
     let usable = edges.valid() as f64 / edges.columns() as f64;
     let impaired = (0..edges.columns()).filter(|c| edges.top[*c].reason().is_some()).count();
     if usable < 0.97 || impaired > edges.columns() / 2 {
@@ -252,7 +252,7 @@ fn flag(calibration: &Calibration, edges: &FrameEdges) -> String {
     if edges.figures.misfit > 1.5 {
         return "residual".to_owned();
     }
-    match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px)) {
+    match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
         Some(Err(_)) => "blur".to_owned(),
         _ => String::new(),
     }
@@ -268,7 +268,7 @@ fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) 
         return refused("too few columns".to_owned());
     };
     let budget = reading.budget(calibration, &drawn.conditions);
-    outcome(&budget, true_mm, flag(calibration, &edges))
+    outcome(&budget, true_mm, flag(calibration, &drawn.conditions, &edges))
 }
 
 fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
@@ -301,7 +301,7 @@ fn measure_stations(
         let meta = FrameMeta { angle_deg, ..FrameMeta::default() };
         averager.add(&meta, &calibration.diameters_under(&edges, &drawn.conditions));
         common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
-        flags = flag(calibration, &edges);
+        flags = flag(calibration, &drawn.conditions, &edges);
     }
     let station = averager.finish(1).stations[STATIONS / 2];
     let (Some(d), Some(reading)) = (station.reading.value(), common) else {

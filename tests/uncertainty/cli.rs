@@ -1,0 +1,350 @@
+//! `calibrate` and what `measure` does with a calibration, from outside the binary.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use shadowgauge::frame::{Frame, PixelFormat, Pixels};
+use shadowgauge::render::{BackendChoice, OpticalBench, Renderer};
+use shadowgauge::shaft::{Lobe, Shaft};
+use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedBench};
+
+/// A small bench; every test changes what it needs.
+const PLAN: &str = r#"
+optics_id = "small bench"
+date = "2026-11-22"
+valid_days = 365
+[thermometer]
+temperature_c = 21.0
+limit_temperature_k = 0.2
+[conditions]
+limit_temperature_k = 0.5
+limit_axis_y_mm = 0.3
+[[masters]]
+name = "small"
+diameter_mm = 4.0
+expanded_u_mm = 0.0004
+positions = [{ height_mm = -0.3 }, { height_mm = 0.3, y_mm = 2.0 }]
+[[masters]]
+name = "large"
+diameter_mm = 6.6
+expanded_u_mm = 0.0004
+positions = [{ height_mm = -0.2, y_mm = 2.0 }, { height_mm = 0.2 }]
+[check]
+name = "check"
+diameter_mm = 5.2
+expanded_u_mm = 0.001
+positions = [{ height_mm = 0.1 }]
+[simulate]
+seed = 3
+frames_each = 1
+[simulate.camera]
+rows = 512
+columns = 320
+"#;
+
+fn shadowgauge(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_string_lossy().into_owned()
+}
+
+fn calibrate(folder: &Path, plan: &str) -> Output {
+    let config = path(folder, "plan.toml");
+    std::fs::write(&config, plan).unwrap();
+    shadowgauge(&[
+        "calibrate",
+        &config,
+        "--out",
+        &path(folder, "calibration.json"),
+        "--backend",
+        "cpu",
+        "--json",
+    ])
+}
+
+fn save(frame: &Frame, to: &Path) {
+    std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+    let view = frame.view();
+    let Pixels::U16(pixels) = view.pixels() else { panic!("12-bit frames") };
+    assert_eq!(view.format(), PixelFormat::Mono12);
+    let (rows, columns) = (view.rows() as u32, view.columns() as u32);
+    image::ImageBuffer::<image::Luma<u16>, _>::from_raw(columns, rows, pixels.to_vec())
+        .unwrap()
+        .save(to)
+        .unwrap();
+}
+
+/// The true bench behind [`PLAN`], and its renderer.
+fn true_bench(plan: &str) -> OpticalBench {
+    let plan: CalibrationPlan = toml::from_str(plan).unwrap();
+    let simulate = plan.simulate.unwrap();
+    OpticalBench::resolve(&simulate.bench(), simulate.seed).unwrap()
+}
+
+fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
+    Laid {
+        shaft: Shaft { lobes, ..Shaft::cylinder(diameter_mm) },
+        temperature_c: 20.0,
+        expansion_per_k: 11.5e-6,
+        height_mm: 0.05,
+        y_mm: 0.0,
+        tilt_mrad: 0.0,
+        angle_deg,
+    }
+}
+
+/// Frames of a part of 5.0 mm before the calibrated bench.
+fn part(folder: &Path, frames: usize) -> String {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let mut bench = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
+    for i in 0..frames {
+        save(&bench.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.join(format!("part/{i:03}.png")));
+    }
+    path(folder, "part")
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.code().is_some_and(|c| c < 2), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_calibration_is_made_and_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = calibrate(folder.path(), PLAN);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let said = json(&made);
+    assert!(said["check"]["e_n"].as_f64().unwrap() <= 1.0 && said["accepted"] == true);
+    let html = std::fs::read_to_string(folder.path().join("calibration.html")).unwrap();
+    assert!(html.matches("<svg").count() >= 3 && html.contains("Check pin"));
+    let calibration = path(folder.path(), "calibration.json");
+    let input = part(folder.path(), 4);
+    let as_of = ["--as-of", "2026-12-01"];
+    let measure = |more: &[&str]| {
+        shadowgauge(
+            &[&["measure", &input, "--calibration", &calibration, "--json"], &as_of[..], more].concat(),
+        )
+    };
+    let all = json(&measure(&["--budget", "--coverage-factor", "3"]));
+    let frame = &all["frames"][0];
+    let number = |v: &Value| v.as_f64().unwrap();
+    let error_um = 1e3 * (number(&frame["max_diameter_mm"]) - 5.0);
+    println!("error {error_um} um, u {} mm", frame["u_max_mm"]);
+    assert!(error_um.abs() < 3e3 * number(&frame["u_max_mm"]) + 0.05, "{frame}");
+    let rows = frame["budget"].as_array().unwrap();
+    let sum: f64 = rows.iter().map(|r| number(&r["u_mm"]).powi(2)).sum();
+    assert!((sum.sqrt() / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9 && rows.len() > 5);
+    assert!((number(&frame["expanded_u_max_mm"]) / number(&frame["u_max_mm"]) - 3.0).abs() < 1e-9);
+    let random = number(&frame["u_random_mm"]).hypot(number(&frame["u_common_mm"]));
+    assert!((random / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9);
+    // Ten kelvin warmer: 11.5 ppm a kelvin smaller at 20 °C.
+    let warm = json(&measure(&["--part-temperature", "30"]));
+    let ratio = number(&warm["frames"][0]["max_diameter_mm"]) / number(&frame["max_diameter_mm"]);
+    assert!((ratio - 1.0 / (1.0 + 1.15e-4)).abs() < 1e-9, "{ratio}");
+    // Judgement, averages, statistics.
+    let good = measure(&["--tolerance", "4.99..5.01", "--average", "moving:2"]);
+    assert_eq!(good.status.code(), Some(0));
+    let good = json(&good);
+    assert_eq!(good["frames"][3]["judgement"], "GO");
+    assert!(good["frames"][3]["average_mm"].is_number() && good["statistics"]["count"] == 4);
+    assert!(good["statistics"]["cpk"]["index"].as_f64().unwrap() > 1.0);
+    let bad = measure(&["--tolerance", "5 h6", "--station-mm", "1"]);
+    // 5 h6 ends at 5.000 mm: the part stands on the limit, which is not proven good.
+    assert_eq!(bad.status.code(), Some(1));
+    assert!(json(&bad)["frames"][0]["stations"].as_array().unwrap().len() >= 4);
+}
+
+#[test]
+fn what_does_not_belong_to_a_calibration_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(calibrate(folder.path(), PLAN).status.code(), Some(0));
+    let calibration = path(folder.path(), "calibration.json");
+    let input = part(folder.path(), 1);
+    let odd = folder.path().join("odd/a.png");
+    std::fs::create_dir_all(odd.parent().unwrap()).unwrap();
+    image::GrayImage::from_fn(200, 200, |_, y| image::Luma([if (60..140).contains(&y) { 10 } else { 200 }]))
+        .save(&odd)
+        .unwrap();
+    let odd = odd.to_string_lossy().into_owned();
+    let run = |input: &str, more: &[&str]| {
+        shadowgauge(&[&["measure", input, "--calibration", &calibration], more].concat())
+    };
+    for (input, more, exit, word) in [
+        (&input, &["--as-of", "2026-12-01", "--optics-id", "other lens"][..], 3, "optics"),
+        (&input, &["--as-of", "2028-01-01"][..], 3, "expired on 2027-11-22"),
+        (&input, &["--as-of", "2020-01-01"][..], 3, "dated"),
+        (&odd, &["--as-of", "2026-12-01"][..], 3, "512 rows"),
+        (&input, &["--as-of", "2026-12-01", "--tolerance", "5 k99"][..], 2, "tolerance"),
+        (&input, &["--as-of", "yesterday"][..], 2, "YYYY-MM-DD"),
+        (&input, &["--as-of", "2026-12-01", "--average", "moving:0"][..], 2, "readings"),
+        (&input, &["--as-of", "2026-12-01", "--part-temperature", "9999"][..], 2, "conditions.temperature_c"),
+    ] {
+        let output = run(input, more);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(exit), "{more:?}: {said}");
+        assert!(said.contains(word) && !said.contains("panicked"), "{more:?}: {said}");
+        assert!(output.stdout.is_empty(), "{more:?}");
+    }
+    let consent = run(&input, &["--as-of", "2028-01-01", "--accept-expired", "--optics-id", "small bench"]);
+    assert_eq!(consent.status.code(), Some(0), "{}", text(&consent.stderr));
+    assert!(text(&consent.stderr).contains("used with consent"));
+    let without = shadowgauge(&["measure", &input, "--budget"]);
+    assert_eq!(without.status.code(), Some(2));
+    assert!(text(&without.stderr).contains("--budget needs millimetres"));
+}
+
+#[test]
+fn a_wrong_plan_is_named() {
+    for (from, to, word) in [
+        ("optics_id = \"small bench\"", "optics_id = \" \"", "optics_id"),
+        ("date = \"2026-11-22\"", "date = \"22.11.2026\"", "YYYY-MM-DD"),
+        ("valid_days = 365", "valid_months = 12", "valid_months"),
+        ("limit_temperature_k = 0.2", "limit_temperature_k = -1.0", "thermometer.limit_temperature_k"),
+        ("diameter_mm = 4.0", "diameter_mm = -4.0", "masters[0].diameter_mm"),
+        (
+            "[simulate]\nseed = 3\nframes_each = 1\n[simulate.camera]\nrows = 512\ncolumns = 320\n",
+            "",
+            "frames",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = PLAN.replacen(from, to, 1);
+        assert_ne!(plan, PLAN);
+        let output = calibrate(folder.path(), &plan);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{to}: {said}");
+        assert!(said.contains(word), "{to}: {said}");
+        assert!(!folder.path().join("calibration.json").exists());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let missing = shadowgauge(&["calibrate", "nowhere.toml", "--out", &path(folder.path(), "x.json")]);
+    assert_eq!(missing.status.code(), Some(2));
+}
+
+/// The same pins as files: recorded frames give a calibration, and a check pin with a wrong certificate is refused.
+#[test]
+fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let bench = true_bench(PLAN);
+    let pixel_mm = bench.pixel_mm;
+    let mut bench = SimulatedBench::new(&renderer, bench, 0.0, 3);
+    for (name, diameter_mm) in [("small", 4.0), ("large", 6.6), ("check", 5.2)] {
+        for i in 0..2 {
+            let frame = bench.frame(&laid(diameter_mm, 0.0, Vec::new())).unwrap();
+            save(&frame, &folder.path().join(format!("{name}/{i}.png")));
+        }
+    }
+    let simulate = PLAN.find("[simulate]").unwrap();
+    let plan = PLAN[..simulate]
+        .replace("temperature_c = 21.0", "temperature_c = 20.0")
+        .replace(
+            "positions = [{ height_mm = -0.3 }, { height_mm = 0.3, y_mm = 2.0 }]",
+            "positions = [{ frames = \"small\" }]",
+        )
+        .replace(
+            "positions = [{ height_mm = -0.2, y_mm = 2.0 }, { height_mm = 0.2 }]",
+            "positions = [{ frames = \"large\" }]",
+        )
+        .replace("positions = [{ height_mm = 0.1 }]", "positions = [{ frames = \"check\" }]");
+    let made = calibrate(folder.path(), &plan);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let scale = json(&made)["scale_mm_per_px"].as_f64().unwrap();
+    assert!((scale / pixel_mm - 1.0).abs() < 2e-5, "{scale} {pixel_mm}");
+    std::fs::remove_file(folder.path().join("calibration.json")).unwrap();
+    let wrong = calibrate(folder.path(), &plan.replace("diameter_mm = 5.2", "diameter_mm = 5.205"));
+    assert_eq!(wrong.status.code(), Some(1), "{}", text(&wrong.stderr));
+    assert!(!folder.path().join("calibration.json").exists());
+    assert!(std::fs::read_to_string(folder.path().join("calibration.html")).unwrap().contains("REFUSED"));
+}
+
+#[test]
+fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
+    let folder = tempfile::tempdir().unwrap();
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let mut bench = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
+    let lobe = |order_upr, amplitude_mm| Lobe { order_upr, amplitude_mm, phase_deg: 20.0 };
+    let mut table = "frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n".to_owned();
+    for i in 0..16 {
+        let angle = 22.5 * f64::from(i);
+        let frame = bench.frame(&laid(5.0, angle, vec![lobe(2, 0.003), lobe(3, 0.002)])).unwrap();
+        save(&frame, &folder.path().join(format!("frames/{i:06}.png")));
+        table += &format!("{i:06},0,0.0,{angle},50,12,15.27\n");
+    }
+    std::fs::write(folder.path().join("frames.csv"), table).unwrap();
+    assert_eq!(calibrate(folder.path(), PLAN).status.code(), Some(0));
+    let calibration = path(folder.path(), "calibration.json");
+    let input = path(folder.path(), "frames");
+    let output = shadowgauge(&[
+        "measure",
+        &input,
+        "--calibration",
+        &calibration,
+        "--as-of",
+        "2026-12-01",
+        "--turn",
+        "--cutoff-upr",
+        "15",
+        "--json",
+    ]);
+    let all = json(&output);
+    let section = &all["turn"]["sections"][0];
+    let number = |v: &Value| v.as_f64().unwrap();
+    assert!((number(&section["gg_mm"]) - 5.0).abs() < 0.002, "{section}");
+    assert!(number(&section["gn_mm"]) > number(&section["gg_mm"]));
+    let lobes = section["harmonics"]["section"].as_array().unwrap();
+    assert!((number(&lobes[1]["amplitude_mm"]) - 0.003).abs() < 5e-5 && lobes[1]["origin"] == "form");
+    assert!(
+        (number(&lobes[2]["amplitude_mm"]) - 0.002).abs() < 5e-5 && lobes[2]["origin"] == "form_and_spindle"
+    );
+    for reference in ["lsci", "mzci", "mici", "mcci"] {
+        let roundness = number(&section["roundness_mm"][reference]);
+        assert!((0.005..0.011).contains(&roundness), "{reference} {roundness}");
+    }
+    assert!(all["turn"]["of"].as_str().unwrap().contains("silhouette"));
+    let human = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--turn"]);
+    assert!(text(&human.stdout).contains("total run-out"), "{}", text(&human.stderr));
+}
+
+#[test]
+fn a_ring_seen_end_on_has_its_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "ring.png");
+    let cover = |r: f64, edge: f64| 1.0 / (1.0 + (-(r - edge) * 1.7).exp());
+    image::GrayImage::from_fn(330, 320, |x, y| {
+        let r = (f64::from(x) - 164.3).hypot(f64::from(y) - 158.6);
+        image::Luma([(14.0 + 190.0 * (cover(r, 140.0) + 1.0 - cover(r, 60.0))) as u8])
+    })
+    .save(&file)
+    .unwrap();
+    let output = shadowgauge(&["measure", "--shape", "ring", "--json", "--um-per-px", "20", &file]);
+    let ring = json(&output)["frames"][0].clone();
+    for key in [
+        "outer_diameter_px",
+        "inner_diameter_px",
+        "u_outer_diameter_px",
+        "u_inner_diameter_px",
+        "roundness_outer_px",
+        "roundness_inner_px",
+        "concentricity_px",
+        "outer_diameter_mm",
+        "inner_diameter_mm",
+        "u_outer_diameter_mm",
+        "u_inner_diameter_mm",
+        "roundness_outer_mm",
+        "roundness_inner_mm",
+        "concentricity_mm",
+    ] {
+        assert!(ring[key].is_number(), "{key} in {ring}");
+    }
+    assert!((ring["outer_diameter_px"].as_f64().unwrap() - 280.0).abs() < 0.1, "{ring}");
+    let refused = shadowgauge(&["measure", "--shape", "ring", "--budget", "--um-per-px", "20", &file]);
+    assert_eq!(refused.status.code(), Some(2));
+}

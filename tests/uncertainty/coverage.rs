@@ -1,0 +1,30 @@
+//! A cheap, fixed part of `study coverage`: intervals cover the truth where they say so.
+
+use shadowgauge::render::{BackendChoice, Renderer};
+use shadowgauge::studies::coverage::{Class, class_figures};
+
+#[test]
+fn intervals_of_scenes_drawn_from_the_budget_cover_the_truth() {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let (mut covered, mut accepted) = (0.0, 0.0);
+    for class in [Class::Certificates, Class::Temperature, Class::Finish, Class::Mixed] {
+        let c = class_figures(class, 40, 7, &renderer).unwrap();
+        println!("{class:?}: {c:?}");
+        assert!(c.flagged <= 0.05, "{class:?} {c:?}");
+        covered += c.covered * c.accepted as f64;
+        accepted += c.accepted as f64;
+    }
+    // 160 scenes at 95 %: 3 standard errors are 5 %.
+    let share = covered / accepted;
+    assert!((0.90..=1.0).contains(&share), "{share}");
+}
+
+#[test]
+fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    for class in Class::DETECTABLE {
+        let c = class_figures(class, 20, 7, &renderer).unwrap();
+        println!("{class:?}: {c:?}");
+        assert!(c.flagged >= 0.99, "{class:?} {c:?}");
+    }
+}
