@@ -183,6 +183,7 @@ fn waves_feed_marks_and_spindle_do_what_they_say() {
     let turned = outline.turned(33.0);
     let heights = || (0..1000).map(|i| turned.edges(20.0 + 2.5e-4 * f64::from(i)).top_mm - R);
     let (low, high) = heights().fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-    close(high, 0.25 * 0.25 / (8.0 * 0.4), 1e-6, "f²/8r");
+    // Points .25 µm apart miss a cusp of slope .31 by 39 nm at most.
+    close(high, 0.25 * 0.25 / (8.0 * 0.4), 4e-5, "f²/8r");
     assert!((-1e-9..2e-4).contains(&low), "valleys on the radius: {low}");
 }
