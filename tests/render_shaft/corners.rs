@@ -121,9 +121,17 @@ fn a_leaning_shoulder_and_a_thread_meet_the_two_dimensional_integral() {
         let mut shaft = stepped();
         shaft.pose = Pose { tilt_mrad, ..Pose::default() };
         let scene = Scene::new(&leaning, shaft).unwrap();
-        let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(200, 70, 0.02, exact(&scene, 0.0, 0.0)));
+        let (sin, cos) = (1e-3f64 * tilt_mrad).sin_cos();
+        let knots = scene.outline().shaft().profile.iter();
+        let mut corners: Vec<f64> = knots
+            .flat_map(|k| [1.0, -1.0].map(|side| k.z_mm * cos - side * k.radius_mm * sin))
+            .map(|z| leaning.centre_column() + z / leaning.pixel_mm)
+            .collect();
+        corners.sort_by(f64::total_cmp);
+        let (shift, pixel) =
+            apart(&scene, &twin, |r| r.frame_between(200, 70, &corners, exact(&scene, 0.0, 0.0)));
         println!("tilted by {tilt_mrad} mrad: {shift:.1e} px, {pixel:.1e}");
-        assert!(pixel < 6e-3, "{pixel}");
+        assert!(shift < 5e-4 && pixel < 1e-4, "{shift} {pixel}");
     }
     let form = ShaftForm {
         threads: vec![Thread { from_mm: -20.0, to_mm: 20.0, pitch_mm: 0.7, ..Default::default() }],
@@ -156,7 +164,7 @@ fn other_families_stay_within_their_stated_error_at_a_corner() {
     let laser = LaserShadow {
         bandwidth_nm: 0.0,
         source_half_angle_mrad: 0.0,
-        distance_mm: 8.0,
+        distance_mm: 2.0,
         reach: 20.0,
         ..Default::default()
     };
@@ -192,19 +200,6 @@ fn other_families_stay_within_their_stated_error_at_a_corner() {
         }
     }
     println!("laser corner: {near:.3} of full intensity at most, {along:.3} six units along the edge");
-    let mut worst = Vec::new();
-    for row in 60..230usize {
-        for column in 0..200usize {
-            let v = |d: f64| d / unit_px;
-            let (vx, vy) =
-                (v(column as f64 - bench.centre_column()), v(bench.centre_row() - 330.0 - row as f64));
-            let found = (frame[row * 200 + column] - levels.shadow) / (levels.bright - levels.shadow);
-            worst.push(((found - quadrant(vx, vy)).abs(), vx, vy, found, quadrant(vx, vy)));
-        }
-    }
-    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for i in [0, 10, 50, 100, 200, 400, 800, 1600, 3200] {
-        println!("DBG {:?}", worst[i]);
-    }
-    assert!(near < 0.35, "{near}");
+    // Light of one colour from a point is the worst case: the rings of both edges cross.
+    assert!(near < 0.3 && along < 0.02, "{near} {along}");
 }
