@@ -84,11 +84,11 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
         std::fs::File::open(&path)
             .map_err(|e| JobError::at(key, format!("{}: cannot be read: {e}", path.display())))
     };
-    if let Esf::Measured(measured) = &mut job.optics.esf {
-        if let Some(name) = measured.file.clone() {
-            let file = open("optics.esf.measured.file", &name)?;
-            measured.fill(file).map_err(crate::job::from_render)?;
-        }
+    if let Esf::Measured(measured) = &mut job.optics.esf
+        && let Some(name) = measured.file.clone()
+    {
+        let file = open("optics.esf.measured.file", &name)?;
+        measured.fill(file).map_err(crate::job::from_render)?;
     }
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {

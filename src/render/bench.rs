@@ -8,7 +8,7 @@ use rand_pcg::rand_core::SeedableRng;
 
 use super::contamination::{FieldGeometry, Soiling};
 use super::error::RenderError;
-use super::esf::{EsfTable, Extent};
+use super::esf::{EsfTable, Extent, TableCache};
 use super::settings::{BenchSettings, Esf, Optics};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
@@ -34,6 +34,8 @@ pub struct OpticalBench {
     pub esf: Esf,
     /// True electrons per count.
     pub electrons_per_count: f64,
+    /// Edge-spread tables made so far.
+    pub tables: TableCache,
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
     /// What soils the view, where anything does.
@@ -61,6 +63,7 @@ impl OpticalBench {
         let soiling = soiling(settings, &esf, pixel_mm, seed)?;
         Ok(Self {
             nominal: settings.clone(),
+            tables: TableCache::default(),
             pixel_mm,
             esf,
             soiling: soiling.map(Arc::new),

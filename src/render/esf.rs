@@ -9,7 +9,7 @@
 //! with F over the perpendicular distance d into the light, so that one table serves every slope. The integral is a
 //! Gauss-Legendre product whose order follows from the blur; its error stays below 1e-6 of the contrast.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::error::RenderError;
 use super::esf_families::quadrature::gauss_legendre;
@@ -91,6 +91,53 @@ pub struct EsfTable {
     /// The tables in f64, µm on the object; empty for the plain Gaussian.
     sources: Arc<[EdgeSpread]>,
     pixel_mm: f64,
+}
+
+/// Tables already made for a bench: a partially coherent one takes tenths of a second, and every pose of a part asks for it.
+#[derive(Clone, Debug, Default)]
+pub struct TableCache(Arc<Mutex<Vec<Kept>>>);
+
+#[derive(Clone, Debug)]
+struct Kept {
+    esf: Esf,
+    optics: Optics,
+    extent: Extent,
+    table: Arc<EsfTable>,
+}
+
+/// Most tables kept.
+const MOST_KEPT: usize = 8;
+
+impl PartialEq for TableCache {
+    /// What was made before changes nothing.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl TableCache {
+    /// [`EsfTable::new`], or the same made before.
+    ///
+    /// # Errors
+    /// As [`EsfTable::new`].
+    pub fn table(&self, esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Arc<EsfTable>, RenderError> {
+        let mut extent = *extent;
+        if optics.reflection.is_none() {
+            // The radius matters to reflections alone.
+            extent.radius_mm = (1.0, 1.0);
+        }
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(k) = kept.iter().find(|k| k.extent == extent && k.optics == *optics && k.esf == *esf) {
+            return Ok(Arc::clone(&k.table));
+        }
+        let table = Arc::new(EsfTable::new(esf, optics, &extent)?);
+        if kept.len() == MOST_KEPT {
+            kept.remove(0);
+        }
+        let (esf, optics) = (esf.clone(), optics.clone());
+        kept.push(Kept { esf, optics, extent, table: Arc::clone(&table) });
+        Ok(table)
+    }
 }
 
 /// The table of an edge.

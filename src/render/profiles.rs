@@ -9,8 +9,9 @@
 //! integrated between the outline's corners with four Gauss nodes a panel of half a σ (a thread's crests, whose corners are not
 //! known beforehand, with panels of an eighth of a pixel: an angle of tan 60° then errs by 1e-4 px). Other families have
 //! no such form: there a point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact along
-//! every straight edge, and exact for the Gaussian; at a corner of 90° it stays within .08 of full intensity of the Fresnel
-//! amplitudes, within two widths of the corner (`tests/render_corners.rs`). An edge in motion is the mean of its images.
+//! every straight edge; at a corner of 90° it errs by up to .27 of full intensity in light of one colour from a point, where
+//! the rings of both edges cross (`tests/render_shaft/corners.rs` holds it against the Fresnel amplitudes). An edge in
+//! motion is the mean of its images.
 
 use std::sync::LazyLock;
 
@@ -36,8 +37,8 @@ const PANEL_FINE_PX: f64 = 0.125;
 /// Nodes a panel.
 const NODES: usize = 4;
 
-/// Beyond this many σ of the Gaussian the distance to the outline itself is taken for other families.
-const FAR_SIGMA: f64 = 4.5;
+/// Share of the light below which the distance to the outline itself is taken for other families: 4.75 σ.
+const LEAST_SHARE: f64 = 1e-6;
 
 /// One point of the outline with its weight along the row.
 #[derive(Clone, Copy, Debug)]
@@ -109,9 +110,9 @@ impl Profiles<'_> {
                     blend: line.light.len() as f32,
                 };
                 if side == 0 {
-                    columns[c].top = edge
+                    columns[c].top = edge;
                 } else {
-                    columns[c].bottom = edge
+                    columns[c].bottom = edge;
                 }
                 light.extend(line.light);
             }
@@ -135,6 +136,7 @@ impl Profiles<'_> {
     fn outline(&self, instant: &Instant<'_>, broken: &[bool]) -> Vec<Point> {
         let rule = gauss_legendre(NODES);
         let mut nodes = Vec::new();
+        let mut covered = f64::NEG_INFINITY;
         let mut c = 0;
         while c < broken.len() {
             if !broken[c] {
@@ -145,11 +147,12 @@ impl Profiles<'_> {
             let sigma = self.sigma(c).max(self.sigma(end - 1));
             let reach = REACH * sigma + 0.5;
             let low = f64::from(self.window.column) + c as f64 - reach;
-            let low = nodes.last().map_or(low, |n: &(f64, f64)| low.max(n.0));
+            let low = low.max(covered);
             let high = f64::from(self.window.column) + (end - 1) as f64 + reach;
             let (corners, known) = self.scene.corners(instant, low, high);
             let panel = if known { PANEL_SIGMA * sigma } else { PANEL_FINE_PX.min(PANEL_SIGMA * sigma) };
             nodes.extend(panels(low, high, &corners, panel, &rule));
+            covered = high;
             c = end;
         }
         let row0 = f64::from(self.window.row);
@@ -292,24 +295,28 @@ impl Image<'_> {
     fn distance(&self, x: f64, y: f64, weights: &[f64], total: f64) -> f64 {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let step = |u: f64| gaussian(u / self.sigma).0;
-        let (mut lit, mut dark, mut nearest, mut nearby) = (0.0, 0.0, f64::INFINITY, (f64::INFINITY, 1.0));
+        let (mut lit, mut dark) = (0.0, 0.0);
         for (p, w) in self.points.iter().zip(weights) {
             let u = sign * (p.rows[self.side] - y);
             lit += w * step(u);
             dark += w * step(-u);
-            let across = x - p.column;
-            nearest = f64::min(nearest, across * across + u * u);
-            if across.abs() < nearby.0 {
-                nearby = (across.abs(), u.signum());
-            }
         }
-        let far = nearby.1 * nearest.sqrt();
         let share = lit.min(dark) / total;
-        if far.abs() > FAR_SIGMA * self.sigma || share < 1e-6 {
-            return far;
+        if share > LEAST_SHARE {
+            let u = std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * share);
+            return if lit < dark { -u * self.sigma } else { u * self.sigma };
         }
-        let u = std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * share);
-        if lit < dark { -u * self.sigma } else { u * self.sigma }
+        let nearest = self.points.windows(2).map(|p| self.gap(p, x, y)).fold(f64::INFINITY, f64::min);
+        if lit < dark { -nearest } else { nearest }
+    }
+
+    /// Distance of (x, y) from the outline between two neighbouring points.
+    fn gap(&self, p: &[Point], x: f64, y: f64) -> f64 {
+        let at = |p: &Point| glam::DVec2::new(p.column - x, p.rows[self.side] - y);
+        let (a, b) = (at(&p[0]), at(&p[1]));
+        let along = b - a;
+        let t = (-a.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (a + t * along).length()
     }
 }
 

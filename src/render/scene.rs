@@ -1,5 +1,7 @@
 //! A scene: one shaft before one bench, ready to be drawn at any field and angle.
 
+use std::sync::Arc;
+
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
@@ -50,7 +52,7 @@ pub struct FrameRequest {
 pub struct Scene {
     bench: OpticalBench,
     outline: Outline,
-    esf: EsfTable,
+    esf: Arc<EsfTable>,
     blur: RowBlur,
     /// One over the distance of the pinhole, 1/mm; 0 for a telecentric lens.
     per_distance: f64,
@@ -87,7 +89,7 @@ impl Scene {
         let half_mm = 0.5 * bench.columns() as f64 * bench.pixel_mm;
         let depth_mm = outline.largest_depth_mm() + half_mm * lean;
         let radius_mm = outline.mean_radii_mm();
-        let esf = EsfTable::new(
+        let esf = bench.tables.table(
             &bench.esf,
             &bench.nominal.optics,
             &Extent { pixel_mm: bench.pixel_mm, depth_mm, radius_mm },

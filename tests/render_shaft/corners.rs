@@ -93,15 +93,17 @@ fn a_shoulder_is_the_closed_form() {
 #[test]
 fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
     let renderers = [Some(Renderer::new(BackendChoice::Cpu).unwrap()), device()];
-    for renderer in renderers.iter().flatten() {
-        for sigma in [0.7, 1.2] {
-            let bench = bench(240, 140, sigma);
-            let scene = Scene::new(&bench, stepped()).unwrap();
-            let corners: Vec<f64> = scene.outline().shaft().profile.iter().map(|k| k.z_mm).collect();
-            let corners: Vec<f64> =
-                corners.iter().map(|z| bench.centre_column() + z / bench.pixel_mm).collect();
-            let (shift, pixel) =
-                apart(&scene, renderer, |r| r.frame_between(240, 140, &corners, exact(&scene, 0.0, 0.0)));
+    for sigma in [0.7, 1.2] {
+        let bench = bench(200, 120, sigma);
+        let scene = Scene::new(&bench, stepped()).unwrap();
+        let corners: Vec<f64> = scene.outline().shaft().profile.iter().map(|k| k.z_mm).collect();
+        let corners: Vec<f64> = corners.iter().map(|z| bench.centre_column() + z / bench.pixel_mm).collect();
+        let truth = std::cell::OnceCell::new();
+        for renderer in renderers.iter().flatten() {
+            let (shift, pixel) = apart(&scene, renderer, |r| {
+                let judge = || r.frame_between(200, 120, &corners, exact(&scene, 0.0, 0.0));
+                truth.get_or_init(judge).clone()
+            });
             println!(
                 "sigma {sigma} by {}: {shift:.1e} px in a column, {pixel:.1e} of full intensity in a pixel",
                 renderer.adapter_name()
@@ -114,23 +116,31 @@ fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
 #[test]
 fn a_leaning_shoulder_and_a_thread_meet_the_two_dimensional_integral() {
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
-    let leaning = bench(240, 110, 1.2);
+    let leaning = bench(200, 70, 1.2);
     for tilt_mrad in [60.0, -60.0] {
         let mut shaft = stepped();
         shaft.pose = Pose { tilt_mrad, ..Pose::default() };
         let scene = Scene::new(&leaning, shaft).unwrap();
-        let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 110, 0.03, exact(&scene, 0.0, 0.0)));
+        let (sin, cos) = (1e-3f64 * tilt_mrad).sin_cos();
+        let knots = scene.outline().shaft().profile.iter();
+        let mut corners: Vec<f64> = knots
+            .flat_map(|k| [1.0, -1.0].map(|side| k.z_mm * cos - side * k.radius_mm * sin))
+            .map(|z| leaning.centre_column() + z / leaning.pixel_mm)
+            .collect();
+        corners.sort_by(f64::total_cmp);
+        let (shift, pixel) =
+            apart(&scene, &twin, |r| r.frame_between(200, 70, &corners, exact(&scene, 0.0, 0.0)));
         println!("tilted by {tilt_mrad} mrad: {shift:.1e} px, {pixel:.1e}");
-        assert!(pixel < 6e-3, "{pixel}");
+        assert!(shift < 5e-4 && pixel < 1e-4, "{shift} {pixel}");
     }
     let form = ShaftForm {
         threads: vec![Thread { from_mm: -20.0, to_mm: 20.0, pitch_mm: 0.7, ..Default::default() }],
         ..Default::default()
     };
     let plain = vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.5 }];
-    let bench = bench(240, 60, 1.2);
+    let bench = bench(240, 50, 1.2);
     let scene = Scene::new(&bench, form_shaft(plain, &form, 1.0, 0).unwrap()).unwrap();
-    let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 60, 0.012, exact(&scene, 0.0, 0.0)));
+    let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 50, 0.016, exact(&scene, 0.0, 0.0)));
     println!("thread: {shift:.1e} px, {pixel:.1e}");
     assert!(shift < 2e-4 && pixel < 1e-4, "{shift} {pixel}");
 }
@@ -154,7 +164,7 @@ fn other_families_stay_within_their_stated_error_at_a_corner() {
     let laser = LaserShadow {
         bandwidth_nm: 0.0,
         source_half_angle_mrad: 0.0,
-        distance_mm: 8.0,
+        distance_mm: 2.0,
         reach: 20.0,
         ..Default::default()
     };
@@ -190,5 +200,6 @@ fn other_families_stay_within_their_stated_error_at_a_corner() {
         }
     }
     println!("laser corner: {near:.3} of full intensity at most, {along:.3} six units along the edge");
-    assert!(near < 0.35, "{near}");
+    // Light of one colour from a point is the worst case: the rings of both edges cross.
+    assert!(near < 0.3 && along < 0.02, "{near} {along}");
 }

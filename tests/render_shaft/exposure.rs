@@ -49,12 +49,17 @@ fn averaged(
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let n = 800;
     let (mut sum, mut edges) = (Vec::new(), Vec::new());
-    for i in 0..n {
-        let (angle, z, lift) = pose(EXPOSURE_US * (f64::from(i) + 0.5) / f64::from(n));
+    let lifted = |lift: f64| {
         let mut lifted = shaft.clone();
         lifted.pose.x_mm += lift;
-        let scene = Scene::new(bench, lifted).unwrap();
-        let frame = counts(&twin.render(&scene, &request(angle, z), None).unwrap());
+        Scene::new(bench, lifted).unwrap()
+    };
+    let level = lifted(0.0);
+    for i in 0..n {
+        let (angle, z, lift) = pose(EXPOSURE_US * (f64::from(i) + 0.5) / f64::from(n));
+        let high = (lift != 0.0).then(|| lifted(lift));
+        let scene = high.as_ref().unwrap_or(&level);
+        let frame = counts(&twin.render(scene, &request(angle, z), None).unwrap());
         let top = scene.geometric_edges(&request(angle, z)).unwrap();
         sum.resize(frame.len(), 0.0);
         edges.resize(top.len(), 0.0);
@@ -84,9 +89,9 @@ fn a_moving_edge_is_the_mean_of_its_images() {
         ),
         (
             "many periods",
-            Motion { vibration: vec![vibration(20.0, 1e6)], ..Default::default() },
+            Motion { vibration: vec![vibration(20.0, 1.0137e6)], ..Default::default() },
             Esf::default(),
-            2e-4,
+            3e-3,
         ),
         ("coherent", Motion { spindle_rpm: rpm, ..Default::default() }, coherent, 4e-4),
     ];
@@ -112,7 +117,7 @@ fn a_moving_edge_is_the_mean_of_its_images() {
         assert!(worst < limit, "{name}: {worst}");
         let truth = scene.geometric_edges(&request(60.0, 0.0)).unwrap();
         let off = truth.iter().zip(&edges).map(|(e, m)| (e.top_px - m).abs()).fold(0.0, f64::max);
-        assert!(off < 2e-4, "{name}: truth is off the mean by {off} px");
+        assert!(off < limit, "{name}: truth is off the mean by {off} px");
         if let Some(device) = device() {
             let other = counts(&device.render(&scene, &request(60.0, 0.0), None).unwrap());
             let apart = counts(&frame).iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -71,7 +71,7 @@ fn a_flat_that_turns_through_the_edge_is_the_closed_form() {
         // The flat's normal stands at 30° + φ; the edge looks up (0°).
         let away = ((30.0 + angle).to_radians() + PI).rem_euclid(TAU) - PI;
         let wanted = if away.abs() < half { R * (half - away.abs()).cos() } else { R };
-        close(outline.turned(angle).edges(20.0).top_mm, wanted, 1e-11, &format!("D at {angle}°"));
+        close(outline.turned(angle).edges(20.0).top_mm, wanted, 1e-10, &format!("D at {angle}°"));
     }
 }
 
@@ -84,7 +84,7 @@ fn a_keyway_that_turns_through_the_edge_is_the_closed_form() {
         let angle = 0.5 * f64::from(i);
         let away = ((angle - 50.0).to_radians() + PI).rem_euclid(TAU) - PI;
         let wanted = if away.abs() < half { R * (half - away.abs()).cos() } else { R };
-        close(outline.turned(angle).edges(20.0).top_mm, wanted, 1e-11, &format!("keyway at {angle}°"));
+        close(outline.turned(angle).edges(20.0).top_mm, wanted, 1e-10, &format!("keyway at {angle}°"));
     }
     close(outline.turned(50.0).edges(20.0).top_mm, (R * R - 16.0).sqrt(), 1e-11, "both corners level");
 }
@@ -183,6 +183,7 @@ fn waves_feed_marks_and_spindle_do_what_they_say() {
     let turned = outline.turned(33.0);
     let heights = || (0..1000).map(|i| turned.edges(20.0 + 2.5e-4 * f64::from(i)).top_mm - R);
     let (low, high) = heights().fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-    close(high, 0.25 * 0.25 / (8.0 * 0.4), 1e-6, "f²/8r");
+    // Points .25 µm apart miss a cusp of slope .31 by 39 nm at most.
+    close(high, 0.25 * 0.25 / (8.0 * 0.4), 4e-5, "f²/8r");
     assert!((-1e-9..2e-4).contains(&low), "valleys on the radius: {low}");
 }

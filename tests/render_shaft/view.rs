@@ -63,8 +63,8 @@ fn painted(
 ) -> f64 {
     let (width, phi) = (2e-4, angle_deg.to_radians());
     let mut best = f64::NEG_INFINITY;
-    for i in 0..=4000 {
-        let machine = std::f64::consts::PI * (f64::from(i) / 4000.0 - 0.5) * 0.6;
+    for i in 0..=34_000 {
+        let machine = std::f64::consts::PI * (f64::from(i) / 34_000.0 - 0.5) * 0.34;
         let theta = machine - phi;
         let r0 = outline.radius_mm(z_mm, theta);
         // Only slices near the one that lands in the column.

@@ -88,7 +88,7 @@ pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, Render
     for i in 1..corners.len() {
         let length = corners[i].distance(corners[i - 1]);
         if cuts[i - 1] + cuts[i] > length * (1.0 + 1e-9) {
-            let found = format!("points {i} and {}: {} mm apart", i, length);
+            let found = format!("points {i} and {}: {length} mm apart", i + 1);
             let right = format!(
                 "makes the profile intersect itself: chamfers and radii there need {:.4} mm",
                 cuts[i - 1] + cuts[i]

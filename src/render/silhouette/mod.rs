@@ -292,10 +292,28 @@ impl Turned<'_> {
             point.x = ((z_mm + point.y * outline.sin_tilt) / outline.cos_tilt).clamp(low, high);
             point.y = self.over_axis(point.x, top);
             if (point.x - before).abs() < TILT_STILL_MM {
-                break;
+                return point;
             }
         }
-        point
+        self.halved(z_mm, top, low, high)
+    }
+
+    /// [`Self::on_outline`] by halving, where a face is too steep for steps.
+    fn halved(&self, z_mm: f64, top: bool, low: f64, high: f64) -> DVec2 {
+        let outline = self.outline;
+        let reach = 1.1 * outline.mean_radii_mm().1 * outline.sin_tilt.abs();
+        let (mut a, mut b) = ((z_mm - reach).max(low), (z_mm + reach).min(high));
+        for _ in 0..TILT_STEPS {
+            let middle = 0.5 * (a + b);
+            let place = middle * outline.cos_tilt - self.over_axis(middle, top) * outline.sin_tilt;
+            if place < z_mm {
+                a = middle;
+            } else {
+                b = middle;
+            }
+        }
+        let s = 0.5 * (a + b);
+        DVec2::new(s, self.over_axis(s, top))
     }
 
     /// The point of a tilted body at z where a shoulder decides it: on its face, or beside it.

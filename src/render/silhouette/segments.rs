@@ -129,12 +129,12 @@ impl Segment {
         for _ in 0..NEWTON_STEPS {
             let at = self.value(p, t);
             if at.slope > 0.0 {
-                low = t
+                low = t;
             } else {
-                high = t
+                high = t;
             }
             let next = t - at.slope / at.curvature;
-            t = if next > low && next < high { next } else { 0.5 * (low + high) };
+            t = if next >= low && next <= high { next } else { 0.5 * (low + high) };
         }
         self.value(p, t).value.max(ends)
     }
