@@ -7,7 +7,7 @@ use super::columns::{ColumnEdges, RowBlur, bands, extremes, kernel_columns};
 use super::error::RenderError;
 use super::esf::{EsfTable, pixel_quadrature};
 use super::light_map::LightMap;
-use super::params::{FrameKeys, Job, Levels, Params, Window, pixels_per_word, rows_of};
+use super::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
 use super::silhouette::{Outline, Turned};
 use super::veil;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
@@ -31,6 +31,9 @@ pub struct FrameRequest {
     pub noise: bool,
     /// Window of the sensor; `None` reads all of it.
     pub roi: Option<Roi>,
+    /// A second window of the same columns below the first, as cameras with several regions deliver it: its rows follow
+    /// the first one's in the frame. Each window then holds one edge.
+    pub second_roi: Option<Roi>,
     /// Seed of the noise.
     pub seed: u64,
     /// Pixel format, when it is not the sensor's own; levels are scaled to it.
@@ -91,8 +94,32 @@ impl Scene {
     /// # Errors
     /// Refuses a window that is empty or leaves the sensor.
     pub fn window(&self, request: &FrameRequest) -> Result<Window, RenderError> {
+        self.window_of(request.roi, "roi")
+    }
+
+    /// Both windows that the request reads.
+    ///
+    /// # Errors
+    /// As [`Self::window`], and refuses a second window that is not below the first or has other columns.
+    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
+        let first = self.window(request)?;
+        let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
+        let second = self.window_of(Some(roi), "second_roi")?;
+        if (second.column, second.columns) != (first.column, first.columns)
+            || second.row < first.row + first.rows
+        {
+            return Err(RenderError::setting(
+                "second_roi",
+                &format!("{roi:?}"),
+                "must have the columns of the first window and lie below it",
+            ));
+        }
+        Ok(Windows { first, second: Some(second) })
+    }
+
+    fn window_of(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
         let (rows, columns) = (self.bench.nominal.camera.rows, self.bench.nominal.camera.columns);
-        let Some(roi) = request.roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
+        let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
         let inside = |start: u32, length: u32, all: u32| {
             length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
         };
@@ -100,7 +127,7 @@ impl Scene {
             return Ok(Window { row: roi.row, column: roi.column, rows: roi.rows, columns: roi.columns });
         }
         Err(RenderError::setting(
-            "roi",
+            key,
             &format!("{roi:?}"),
             format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
         ))
@@ -111,8 +138,10 @@ impl Scene {
     /// # Errors
     /// Refuses a window outside the sensor and a shaft that leaves the field.
     pub fn geometric_edges(&self, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
-        let window = self.window(request)?;
-        self.edges_over(request, window, 0)
+        let windows = self.windows(request)?;
+        let mut edges = self.edges_over(request, windows.first, 0)?;
+        stack(&mut edges, windows)?;
+        Ok(edges)
     }
 
     /// Exact edges at a fractional column, in rows of the full sensor.
@@ -182,7 +211,7 @@ impl Scene {
         let nominal = &self.bench.nominal;
         Levels {
             shadow: nominal.light.shadow_counts,
-            bright: nominal.light.bright_counts,
+            bright: nominal.light.bright_in(&nominal.sensor, self.bench.electrons_per_count),
             black: nominal.sensor.black_level_counts,
             electrons_per_count: self.bench.electrons_per_count,
             read_noise_e: nominal.sensor.read_noise_e,
@@ -217,7 +246,8 @@ impl Scene {
     /// # Errors
     /// As [`Self::geometric_edges`].
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
-        let window = self.window(request)?;
+        let windows = self.windows(request)?;
+        let window = windows.first;
         let format = self.format(request);
         let reach = self.blur.reach();
         let mut edges = self.edges_over(request, window, reach)?;
@@ -225,11 +255,12 @@ impl Scene {
             true => Vec::new(),
             false => veil::raise_edges(&self.bench, self.outline.shaft(), request, window, &mut edges)?,
         };
+        stack(&mut edges, windows)?;
         let seen = |all: usize| reach.min(all)..all.saturating_sub(reach).max(reach.min(all));
         let contamination = veil::contamination(
             &self.bench,
             request,
-            window,
+            windows,
             &edges[seen(edges.len())],
             &rises[seen(rises.len())],
             self.esf.blur_px,
@@ -238,7 +269,12 @@ impl Scene {
         let (max_sin, _) = extremes(&columns, self.esf.scale_px);
         let quadrature = pixel_quadrature(self.esf.blur_px, max_sin);
         let bands = bands(&columns, pixels_per_word(format) as usize, &self.esf);
-        let mut params = Params::new(window, format, &self.levels(format), request.noise);
+        let keys = FrameKeys {
+            seed: request.seed,
+            frame_id: request.frame_id,
+            pattern_seed: self.bench.pattern_seed,
+        };
+        let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
         params.overlap = u32::from(bands.overlap);
@@ -246,18 +282,11 @@ impl Scene {
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;
         self.light_params(&mut params, contamination.as_ref());
-        let keys = FrameKeys {
-            seed: request.seed,
-            frame_id: request.frame_id,
-            pattern_seed: self.bench.pattern_seed,
-        };
-        let sensor = [self.bench.rows(), self.bench.columns()];
         Ok(Job {
             params,
             format,
             columns,
             bands,
-            rows: rows_of(window, keys, &self.bench.nominal.light.field, sensor),
             contamination,
             esf: &self.esf,
             quadrature,
@@ -271,9 +300,12 @@ impl Scene {
             Some(map) if !map.words.is_empty() => 2,
             _ => u32::from(!self.bench.nominal.light.field.is_even()),
         };
-        let half_diagonal = 0.5 * (self.bench.rows() as f64).hypot(self.bench.columns() as f64);
-        params.light_centre = self.bench.centre_column() as f32;
-        params.light_scale = (1.0 / half_diagonal) as f32;
+        let light = &self.bench.nominal.light.field;
+        params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
+            .map(|k| k as f32);
+        params.sag = light.sag as f32;
+        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
+        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
     }
 
     /// Takes a frame's contamination back for its memory and gives out its mask.
@@ -284,4 +316,22 @@ impl Scene {
         }
         mask
     }
+}
+
+/// Moves the lower edges into the rows that a second window has in the frame.
+fn stack(edges: &mut [ColumnEdges], windows: Windows) -> Result<(), RenderError> {
+    if windows.second.is_none() {
+        return Ok(());
+    }
+    let (split, rows) = (f64::from(windows.first.rows), f64::from(windows.frame().rows));
+    for e in &mut *edges {
+        e.bottom_px -= f64::from(windows.skip());
+    }
+    let apart =
+        |e: &ColumnEdges| e.top_px >= 0.0 && e.top_px < split && e.bottom_px >= split && e.bottom_px < rows;
+    if edges.iter().all(apart) {
+        return Ok(());
+    }
+    let right = "each window must hold one edge of the shaft in every column: move it, or give it more rows";
+    Err(RenderError::setting("second_roi", &format!("{windows:?}"), right))
 }
