@@ -133,7 +133,7 @@ impl<'a> SimulatedCell<'a> {
             pose: formed.pose,
         };
         let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
-        let part = Shaft { deflection: formed.deflection, ..process.blank() };
+        let part = Shaft { deflection: formed.deflection, spindle: formed.spindle, ..process.blank() };
         Ok(Self {
             renderer,
             bench,
@@ -154,7 +154,7 @@ impl<'a> SimulatedCell<'a> {
 impl TurningCell for SimulatedCell<'_> {
     fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError> {
         let cut = self.process.cut(plan)?;
-        self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
+        self.part = self.clamped(cut);
         self.begin_pass(plan.pass);
         Ok(())
     }
@@ -194,7 +194,7 @@ impl TurningCell for SimulatedCell<'_> {
         self.batch.part = part;
         self.seed = self.batch.first_seed + part;
         self.process = self.process.next_blank(self.stock, self.seed ^ PROCESS_STREAM)?;
-        self.part = self.process.blank();
+        self.part = self.clamped(self.process.blank());
         self.begin_pass(0);
         Ok(())
     }
@@ -217,6 +217,11 @@ impl TurningCell for SimulatedCell<'_> {
 }
 
 impl SimulatedCell<'_> {
+    /// A workpiece in this machine: sag and spindle belong to it, not to the part.
+    fn clamped(&self, part: Shaft) -> Shaft {
+        Shaft { deflection: self.part.deflection.clone(), spindle: self.part.spindle.clone(), ..part }
+    }
+
     fn first_frame_id(&self) -> u64 {
         (self.batch.part * PASSES_OF_A_PART + u64::from(self.pass)) * FRAMES_OF_A_PASS
     }
@@ -263,7 +268,7 @@ fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
         let z: f64 = StandardNormal.sample(&mut random);
         size * z.clamp(-2.0, 2.0)
     };
-    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3) }).collect()
+    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3), ..Pose::default() }).collect()
 }
 
 struct SimulatedFrames<'a> {

@@ -14,6 +14,7 @@ use crate::plan::{CuttingData, PassPlan, ScanPlan};
 use crate::process::ProcessSettings;
 use crate::render::RenderError;
 use crate::render::contamination::Contamination;
+use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 
@@ -254,6 +255,8 @@ pub struct Job {
     pub light: Light,
     /// Sensor.
     pub sensor: Sensor,
+    /// What moves during an exposure.
+    pub motion: Motion,
     /// What soils the view; clean by default.
     pub contamination: Contamination,
     /// How far the true optics and sensor may lie from their nominal values (drawn by seed).
@@ -284,6 +287,7 @@ impl Default for Job {
             optics: Optics::default(),
             light: Light::default(),
             sensor: Sensor::default(),
+            motion: Motion::default(),
             contamination: Contamination::default(),
             departures: Departures::default(),
             process: ProcessSettings::default(),
@@ -302,6 +306,7 @@ impl Job {
             optics: self.optics.clone(),
             light: self.light.clone(),
             sensor: self.sensor.clone(),
+            motion: self.motion.clone(),
             contamination: self.contamination.clone(),
             departures: self.departures.clone(),
         }
@@ -446,11 +451,17 @@ impl Job {
         Ok(())
     }
 
-    /// Whether the fields cover the part: needed by a run, not by `render`.
+    /// Whether the fields cover the part, and the shaft is one that can be turned: needed by a run, not by `render`.
     ///
     /// # Errors
     /// Names the number of fields that would be enough.
     pub fn check_coverage(&self) -> Result<(), JobError> {
+        if let Some(key) = self.shaft.finished_key() {
+            return Err(JobError::at(
+                key,
+                "describes a finished part, which `render` draws; a run turns a plain shaft: leave it out",
+            ));
+        }
         let needed = (self.part.length_mm / self.field_length_mm()).ceil() as usize;
         if self.scan.fields < needed {
             return Err(JobError::at(
@@ -504,7 +515,8 @@ impl Job {
     }
 }
 
-fn from_render(error: RenderError) -> JobError {
+/// A renderer's refusal as one of the job.
+pub fn from_render(error: RenderError) -> JobError {
     match error {
         RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
         other => JobError::at("optics", other.to_string()),

@@ -15,7 +15,7 @@ use super::section::Section;
 use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
 use super::texture;
 use crate::plan::PassPlan;
-use crate::shaft::{AxisKnot, Eccentricity, Lobe, Pose, ProfileKnot, Shaft};
+use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
 
 /// Why a pass was not cut.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -181,6 +181,8 @@ impl TurningProcess {
             bow: self.form.bow.clone(),
             deflection: Vec::new(),
             pose: self.form.pose,
+            features: Features::default(),
+            spindle: SpindleMotion::default(),
         }
     }
 
@@ -360,6 +362,8 @@ impl TurningProcess {
             bow: self.form.bow.clone(),
             deflection: Vec::new(),
             pose: self.form.pose,
+            features: Features::default(),
+            spindle: SpindleMotion::default(),
         }
     }
 }

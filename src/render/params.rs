@@ -185,6 +185,11 @@ impl Windows {
         Window { rows: self.first.rows + self.second.map_or(0, |w| w.rows), ..self.first }
     }
 
+    /// The rows from the upper window's first to the lower one's last.
+    pub fn span(&self) -> Window {
+        Window { rows: self.frame().rows + self.skip(), ..self.first }
+    }
+
     /// Sensor rows between the two.
     pub fn skip(&self) -> u32 {
         self.second.map_or(0, |w| w.row - self.first.row - self.first.rows)
