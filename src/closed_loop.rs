@@ -397,8 +397,9 @@ impl<'a> ClosedLoop<'a> {
         let context = self.context(evidence);
         self.next_pass += 1;
         (self.notes, self.alarm) = (Vec::new(), None);
-        self.next_pass()?;
+        // after the last pass nothing is decided, but the next part is learnt for
         let decision = self.controller.decide_in(plan, measured, &context);
+        self.next_pass()?;
         self.notes = self.controller.notes().to_vec();
         self.alarm = self.controller.alarm().map(str::to_owned);
         let decision = match decision {

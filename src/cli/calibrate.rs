@@ -40,19 +40,7 @@ pub struct CalibrateArgs {
 pub fn run(args: &CalibrateArgs) -> CommandResult {
     let text = ConfigText::read(&args.config)?;
     let plan: CalibrationPlan = text.parse()?;
-    plan.validate().map_err(|e| text.refuse(e))?;
-    let calibrated = if plan.simulate.is_some() {
-        let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-        let mut recordings = SimulatedRecordings::new(&plan, &renderer).map_err(|e| text.refuse(e))?;
-        calibrate(&plan, &mut recordings)
-    } else {
-        let folder = args.config.parent().unwrap_or(Path::new(".")).to_owned();
-        calibrate(&plan, &mut RecordedFrames { folder })
-    };
-    let calibrated = calibrated.map_err(|e| match e {
-        CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
-        other => Failure::fail(format!("{}: {other}", text.name)),
-    })?;
+    let calibrated = make(&plan, &text, Some(&args.config), args.backend)?;
     let page = report::calibration_report(&plan, &calibrated).map_err(Failure::fail)?;
     write_atomically(&args.out.with_extension("html"), page.as_bytes()).map_err(Failure::fail)?;
     let accepted = check(&calibrated.calibration);
@@ -67,6 +55,31 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
     }
     say(args, &calibrated, accepted);
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// Makes a plan's calibration from its folders (relative to the file `config`) or from rendered frames.
+///
+/// # Errors
+/// As [`run`].
+pub fn make(
+    plan: &CalibrationPlan,
+    text: &ConfigText,
+    config: Option<&Path>,
+    backend: BackendChoice,
+) -> Result<Calibrated, Failure> {
+    plan.validate().map_err(|e| text.refuse(e))?;
+    let calibrated = if plan.simulate.is_some() {
+        let renderer = Renderer::new(backend).map_err(Failure::fail)?;
+        let mut recordings = SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e))?;
+        calibrate(plan, &mut recordings)
+    } else {
+        let folder = config.and_then(Path::parent).unwrap_or(Path::new(".")).to_owned();
+        calibrate(plan, &mut RecordedFrames { folder })
+    };
+    calibrated.map_err(|e| match e {
+        CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
+        other => Failure::fail(format!("{}: {other}", text.name)),
+    })
 }
 
 fn check(calibration: &Calibration) -> bool {

@@ -143,6 +143,12 @@ impl<'a> Follower<'a> {
         let index = self.frames;
         self.frames += 1;
         let Some(edges) = edges else { return };
+        if let Some(Err(error)) =
+            self.calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px))
+        {
+            tracing::warn!("frame {}: {error}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([error.to_string()]));
+        }
         let diameters = self.calibration.diameters_under(edges, &self.conditions);
         let mean = diameters.mean(0..diameters.readings.len());
         if let Some(d) = mean.value() {

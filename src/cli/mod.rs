@@ -24,12 +24,15 @@ mod reproduce_003;
 mod run;
 mod schema;
 mod study;
+mod study_contamination;
 mod study_controllers;
+mod study_coverage;
 mod study_deflection;
 mod study_factor;
 mod study_files;
 mod study_parts;
 mod study_stability;
+mod study_uncertainty;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;

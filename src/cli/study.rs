@@ -3,17 +3,22 @@
 use clap::Subcommand;
 
 use super::CommandResult;
+use super::study_contamination::{self, StudyContaminationArgs};
 use super::study_controllers::{self, StudyControllersArgs};
+use super::study_coverage::{self, StudyCoverageArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
 use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
+use super::study_uncertainty::{self, StudyUncertaintyArgs};
 
 /// The studies.
 #[derive(Debug, Subcommand)]
 pub enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
+    /// Matter before the shaft and on it: how often it misleads the gauge.
+    Contamination(StudyContaminationArgs),
     /// Every controller on the same shafts, through rendered and measured frames.
     Controllers(StudyControllersArgs),
     /// A batch of parts, with and without learning from part to part.
@@ -22,6 +27,10 @@ pub enum Study {
     Stability(StudyStabilityArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
+    /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
+    Coverage(StudyCoverageArgs),
+    /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
+    Uncertainty(StudyUncertaintyArgs),
 }
 
 /// Runs a study.
@@ -31,9 +40,12 @@ pub enum Study {
 pub fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => study_deflection::run(args),
+        Study::Contamination(args) => study_contamination::run(args),
         Study::Controllers(args) => study_controllers::run(args),
         Study::Parts(args) => study_parts::run(args),
         Study::Stability(args) => study_stability::run(args),
+        Study::Coverage(args) => study_coverage::run(args),
+        Study::Uncertainty(args) => study_uncertainty::run(args),
         Study::Factor(args) => study_factor::run(args),
     }
 }

@@ -79,7 +79,7 @@ pub struct TransferPoint {
 pub enum PhotonTransferError {
     /// Too few exposures.
     #[error(
-        "{usable} of {given} flat pairs are usable (unclipped, brighter than dark); at least 3 exposures are needed"
+        "{usable} of {given} flat pairs are usable (unclipped, brighter than dark, below 70 % of saturation); at least 3 exposures are needed"
     )]
     TooFewExposures {
         /// Pairs given.

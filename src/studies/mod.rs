@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod contamination;
 pub mod controllers;
+pub mod coverage;
 pub mod deflection;
 pub mod dirty_frames;
 pub mod factor;
@@ -12,3 +13,4 @@ pub mod reproduce_000;
 pub mod reproduce_003;
 pub mod reproduction;
 pub mod stability;
+pub mod uncertainty;

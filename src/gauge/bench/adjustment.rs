@@ -23,6 +23,8 @@ use super::{Observation, SettingError};
 const LEAST_SPREAD_PX: f64 = 8.0;
 /// Gauss-Newton steps: the problem is linear to parts in 1e3.
 const STEPS: usize = 5;
+/// Steps of [`Solver`].
+const CHORD_STEPS: usize = 3;
 
 /// A master as the adjustment sees it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,6 +139,27 @@ pub struct Adjustment {
     /// Step of each unknown that makes the normal equations dimensionless.
     unit: Vec<f64>,
     start: DVector<f64>,
+}
+
+/// Solves an adjustment again and again for data that deviate a little: the normal equations stay those of its own data
+/// (chord method; a step leaves the problem's non-linearity, 1e-3, of the error before it).
+#[derive(Clone, Debug)]
+pub struct Solver<'a> {
+    adjustment: &'a Adjustment,
+    start: DVector<f64>,
+    inverse: DMatrix<f64>,
+}
+
+impl Solver<'_> {
+    /// Parameters (s, o, a, q, g, t) from deviated data, as [`Adjustment::parameters_with`].
+    pub fn parameters(&self, deviations: &[f64]) -> [f64; PARAMETERS] {
+        let mut z = self.start.clone();
+        for _ in 0..CHORD_STEPS {
+            let gradient = self.adjustment.gradient(&z, Some(deviations));
+            z += &self.inverse * gradient;
+        }
+        std::array::from_fn(|k| z[k] * self.adjustment.unit[k])
+    }
 }
 
 /// A solved adjustment.
@@ -416,6 +439,12 @@ impl Adjustment {
     pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
         let (z, _, _) = self.solve(Some(deviations))?;
         Some(std::array::from_fn(|k| z[k] * self.unit[k]))
+    }
+
+    /// A solver for many sets of deviated data; `None` where the masters determine no bench.
+    pub fn solver(&self) -> Option<Solver<'_>> {
+        let (start, inverse, _) = self.solve(None)?;
+        Some(Solver { adjustment: self, start, inverse })
     }
 
     fn parts(&self, inverse: &DMatrix<f64>, seen: &DMatrix<f64>) -> Vec<CovariancePart> {

@@ -49,6 +49,16 @@ pub enum BenchError {
         /// The day it is used on.
         today: Date,
     },
+    /// Edges of another blur than the masters'.
+    #[error(
+        "the edges are blurred by {found_px:.2} px, those of the masters by {calibrated_px:.2} px: out of focus, moving, or other optics"
+    )]
+    OutOfFocus {
+        /// Blur of the frame, px.
+        found_px: f64,
+        /// Blur of the masters, px.
+        calibrated_px: f64,
+    },
     /// Frames of another size.
     #[error(
         "the calibration is of frames of {rows} rows x {columns} columns, this frame has {found_rows} x {found_columns}; \
@@ -65,6 +75,9 @@ pub enum BenchError {
         found_columns: usize,
     },
 }
+
+/// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or a fifth less.
+pub const FOCUS: f64 = 0.223;
 
 /// The bench behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -149,6 +162,18 @@ impl BenchCalibration {
             found_rows: rows,
             found_columns: columns,
         })
+    }
+
+    /// Whether a frame is as sharp as the masters were, within [`FOCUS`].
+    ///
+    /// # Errors
+    /// The blur that is not the calibrated one.
+    pub fn check_focus(&self, sigma_px: [f64; 2]) -> Result<(), BenchError> {
+        let far = |s: &f64| !((s / self.sigma_px).ln().abs() <= FOCUS);
+        match sigma_px.into_iter().find(far) {
+            Some(found_px) => Err(BenchError::OutOfFocus { found_px, calibrated_px: self.sigma_px }),
+            None => Ok(()),
+        }
     }
 
     /// Derivatives of D_T by s, o, a, q, g, t for edges at these rows and this column, scale s, chord factor χ, axis at y.

@@ -10,7 +10,7 @@ mod flat_field;
 mod lens;
 mod observation;
 
-pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Thermometer};
+pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Solver, Thermometer};
 pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use check_pin::{CheckPin, CheckResult};
 pub use conditions::Conditions;

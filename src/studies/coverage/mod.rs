@@ -1,0 +1,216 @@
+//! Whether the stated intervals cover the true diameters: scenes drawn from the budget's own distributions, scenes that
+//! deviate inside the declared limits, scenes outside them.
+
+mod scene;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use scene::Outcome;
+
+use crate::render::Renderer;
+use crate::studies::calibration::CalibrateError;
+
+/// What a scene is drawn from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    /// Certificates of the masters dominate.
+    Certificates,
+    /// Noise dominates.
+    Noise,
+    /// Temperatures of masters and part dominate.
+    Temperature,
+    /// The part's place along the line of sight dominates.
+    Focus,
+    /// Edges unlike the masters' dominate.
+    Finish,
+    /// Texture of the part dominates; ten angles, one station.
+    Form,
+    /// Everything counts.
+    Mixed,
+    /// Partially coherent light, fitted with Gaussian edges.
+    Diffraction,
+    /// Light that falls across and along the field.
+    Gradient,
+    /// Axes tilted by up to 20 mrad.
+    Tilt,
+    /// Axes up to 2 mm out of the plane.
+    Defocus,
+    /// Lobes of up to 3 µm.
+    Lobes,
+    /// Half the contrast, ten times the noise of a good frame.
+    LowContrast,
+    /// The part jumps by 3 px during the exposure.
+    Vibration,
+    /// The axis 6 to 10 mm out of the plane.
+    LossOfFocus,
+    /// Light twice too bright.
+    Overexposed,
+    /// The part 8 K warmer than stated.
+    WarmPart,
+    /// Edges 1 µm off by their finish, beyond the limit stated.
+    OtherFinish,
+}
+
+impl Class {
+    /// Drawn from the budget's own distributions.
+    pub const DRAWN: [Self; 7] = [
+        Self::Certificates,
+        Self::Noise,
+        Self::Temperature,
+        Self::Focus,
+        Self::Finish,
+        Self::Form,
+        Self::Mixed,
+    ];
+    /// Deviating inside the declared limits.
+    pub const DEVIATING: [Self; 6] =
+        [Self::Diffraction, Self::Gradient, Self::Tilt, Self::Defocus, Self::Lobes, Self::LowContrast];
+    /// Outside the limits, with a residual, a blur or a clipped level to show for it.
+    pub const DETECTABLE: [Self; 3] = [Self::Vibration, Self::LossOfFocus, Self::Overexposed];
+    /// Outside the limits, and no picture shows it.
+    pub const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
+}
+
+/// Figures of a class.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClassFigures {
+    /// The class.
+    pub class: Class,
+    /// Scenes run.
+    pub scenes: usize,
+    /// Scenes accepted: measured, and nothing warned.
+    pub accepted: usize,
+    /// Share of the accepted whose interval covers the truth.
+    pub covered: f64,
+    /// Share of all scenes that were refused or warned of.
+    pub flagged: f64,
+    /// Mean half width of the 95 % intervals of the accepted, µm.
+    pub mean_half_um: f64,
+    /// 95th percentile of their |error|, µm.
+    pub p95_error_um: f64,
+    /// rms of error over u of the accepted.
+    pub rms_error_over_u: f64,
+    /// Largest |error| over half width of the accepted.
+    pub worst_error_over_half: f64,
+}
+
+/// The study's result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Coverage {
+    /// Classes drawn from the budget.
+    pub drawn: Vec<ClassFigures>,
+    /// Coverage over all of them.
+    pub drawn_covered: f64,
+    /// Classes that deviate inside the limits.
+    pub deviating: Vec<ClassFigures>,
+    /// Classes outside the limits whose frames show it.
+    pub detectable: Vec<ClassFigures>,
+    /// Classes outside the limits that no frame shows.
+    pub undetectable: Vec<ClassFigures>,
+}
+
+impl Coverage {
+    /// What is not met of: 94-96 % overall and 92 % a class as drawn; 95 % and a half width of 1.5 times the 95th percentile
+    /// of the error inside the limits; 99 % flagged outside. `slack` widens the limits by so many standard errors.
+    pub fn misses(&self, slack: f64) -> Vec<String> {
+        let mut misses = Vec::new();
+        let se = |p: f64, n: usize| slack * (p * (1.0 - p) / n.max(1) as f64).sqrt();
+        let all: usize = self.drawn.iter().map(|c| c.accepted).sum();
+        let tolerance = se(0.95, all);
+        if !(0.94 - tolerance..=0.96 + tolerance).contains(&self.drawn_covered) {
+            misses
+                .push(format!("drawn scenes: {:.2} % covered, wanted 94 to 96 %", 1e2 * self.drawn_covered));
+        }
+        for c in &self.drawn {
+            if c.covered < 0.92 - se(0.92, c.accepted) {
+                misses.push(format!("{:?}: {:.2} % covered, wanted 92 %", c.class, 1e2 * c.covered));
+            }
+        }
+        for c in &self.deviating {
+            if c.covered < 0.95 - se(0.95, c.accepted) {
+                misses.push(format!("{:?}: {:.2} % covered, wanted 95 %", c.class, 1e2 * c.covered));
+            }
+            if c.mean_half_um > 1.5 * c.p95_error_um * (1.0 + slack / (c.accepted.max(1) as f64).sqrt()) {
+                misses.push(format!(
+                    "{:?}: mean U {:.3} um is {:.2} times the 95th percentile of the error, wanted 1.5",
+                    c.class,
+                    c.mean_half_um,
+                    c.mean_half_um / c.p95_error_um
+                ));
+            }
+        }
+        for c in &self.detectable {
+            if c.flagged < 0.99 - se(0.99, c.scenes) {
+                misses.push(format!("{:?}: {:.2} % flagged, wanted 99 %", c.class, 1e2 * c.flagged));
+            }
+        }
+        misses
+    }
+}
+
+/// Runs `scenes` drawn scenes and a third as many of each other kind, in equal classes.
+///
+/// # Errors
+/// The first scene whose masters cannot be drawn or measured.
+pub fn coverage(scenes: usize, seed: u64, renderer: &Renderer) -> Result<Coverage, CalibrateError> {
+    let group = |classes: &[Class], scenes: usize| -> Result<Vec<ClassFigures>, CalibrateError> {
+        classes
+            .iter()
+            .map(|class| class_figures(*class, scenes.div_ceil(classes.len()), seed, renderer))
+            .collect()
+    };
+    let drawn = group(&Class::DRAWN, scenes)?;
+    let accepted: f64 = drawn.iter().map(|c| c.accepted as f64).sum();
+    let covered: f64 = drawn.iter().map(|c| c.covered * c.accepted as f64).sum();
+    Ok(Coverage {
+        drawn_covered: covered / accepted.max(1.0),
+        drawn,
+        deviating: group(&Class::DEVIATING, scenes / 3)?,
+        detectable: group(&Class::DETECTABLE, scenes / 6)?,
+        undetectable: group(&Class::UNDETECTABLE, scenes / 12)?,
+    })
+}
+
+/// Scenes of one class.
+///
+/// # Errors
+/// As [`coverage`].
+pub fn class_figures(
+    class: Class,
+    scenes: usize,
+    seed: u64,
+    renderer: &Renderer,
+) -> Result<ClassFigures, CalibrateError> {
+    let first = seed.wrapping_mul(1_000_003).wrapping_add((class as u64) << 32);
+    let outcomes: Result<Vec<Outcome>, CalibrateError> = (0..scenes as u64)
+        .into_par_iter()
+        .map(|i| scene::run(class, first.wrapping_add(i), renderer))
+        .collect();
+    Ok(figures(class, &outcomes?))
+}
+
+fn figures(class: Class, outcomes: &[Outcome]) -> ClassFigures {
+    let accepted: Vec<(f64, f64, f64)> = outcomes
+        .iter()
+        .filter(|o| o.flag.is_empty())
+        .filter_map(|o| o.error_mm.map(|e| (e.abs(), o.u_mm, o.half_mm)))
+        .collect();
+    let n = accepted.len().max(1) as f64;
+    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| accepted.iter().map(f).sum::<f64>() / n;
+    let mut errors: Vec<f64> = accepted.iter().map(|a| a.0).collect();
+    errors.sort_by(f64::total_cmp);
+    let at = ((0.95 * errors.len() as f64) as usize).min(errors.len().saturating_sub(1));
+    ClassFigures {
+        class,
+        scenes: outcomes.len(),
+        accepted: accepted.len(),
+        covered: mean(&|a| f64::from(u8::from(a.0 <= a.2))),
+        flagged: 1.0 - accepted.len() as f64 / outcomes.len().max(1) as f64,
+        mean_half_um: 1e3 * mean(&|a| a.2),
+        p95_error_um: 1e3 * errors.get(at).copied().unwrap_or(f64::NAN),
+        rms_error_over_u: mean(&|a| (a.0 / a.1).powi(2)).sqrt(),
+        worst_error_over_half: accepted.iter().map(|a| a.0 / a.2).fold(0.0, f64::max),
+    }
+}

@@ -1,0 +1,326 @@
+//! One scene of the coverage study: a bench is drawn, calibrated on drawn masters, and a drawn part measured with it.
+
+use crate::frame::{Frame, FrameMeta};
+use crate::gauge::bench::{Conditions, Date, LensLimits, Thermometer};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::{Calibration, FrameEdges, Gauge, GaugeSettings, StationAverager};
+use crate::render::esf_families::PartiallyCoherentEdge;
+use crate::render::form::form_shaft;
+use crate::render::settings::{Esf, GaussianEsf};
+use crate::render::{RenderError, Renderer};
+use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
+use crate::studies::calibration::{
+    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedBench, SimulatedPlan,
+    SimulatedRecordings, calibrate,
+};
+use crate::truth;
+
+use super::Class;
+
+/// Frames of the study, px.
+const ROWS: u32 = 512;
+const COLUMNS: u32 = 320;
+/// Spindle angles over half a turn where form is sampled, and stations whose scatter is pooled.
+const ANGLES: usize = 10;
+const STATION_MM: f64 = 0.4;
+const STATIONS: usize = 9;
+
+/// What came of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Measured minus true diameter at 20 °C, mm; none where the frame was refused.
+    pub error_mm: Option<f64>,
+    /// Combined standard uncertainty, mm.
+    pub u_mm: f64,
+    /// Half width of the 95 % interval, mm.
+    pub half_mm: f64,
+    /// What warned of the frame, empty where nothing did.
+    pub flag: String,
+}
+
+/// What is drawn for a scene before anything is rendered.
+struct Drawn {
+    plan: CalibrationPlan,
+    conditions: Conditions,
+    class: Class,
+}
+
+fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> PinPlan {
+    let at = |height_mm, y_mm| Position { frames: None, height_mm, y_mm };
+    PinPlan {
+        name: name.to_owned(),
+        diameter_mm,
+        expanded_u_mm,
+        coverage_factor: 2.0,
+        positions: vec![at(-0.4, 0.0), at(0.0, -3.0), at(0.0, 3.0), at(0.4, 0.0)],
+    }
+}
+
+/// Settings of a class. What a class is named after dominates its budget.
+fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
+    let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
+    (simulate.camera.rows, simulate.camera.columns) = (ROWS, COLUMNS);
+    simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.3 + 0.6 * draws.even() });
+    simulate.light.bright_counts = 2400.0 + 900.0 * draws.even();
+    let mut u_certificate = 2e-4;
+    let mut thermometer = Thermometer {
+        temperature_c: 20.5,
+        limit_temperature_k: 0.1,
+        limit_expansion_um_per_m_k: 0.5,
+        ..Thermometer::default()
+    };
+    let mut conditions = Conditions {
+        temperature_c: 21.0,
+        limit_temperature_k: 0.1,
+        limit_expansion_um_per_m_k: 0.5,
+        limit_axis_y_mm: 0.2,
+        limit_edge_um: 0.05,
+        limit_drift_ppm: 2.0,
+        ..Conditions::default()
+    };
+    match class {
+        Class::Certificates => u_certificate = 2e-3,
+        Class::Noise | Class::LowContrast => {
+            simulate.light.bright_counts = 420.0 + 80.0 * draws.even();
+            simulate.sensor.read_noise_e = 12.0;
+            simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 2.0 + 0.6 * draws.even() });
+        }
+        Class::Temperature => {
+            thermometer.limit_temperature_k = 2.0;
+            conditions.temperature_c = 26.0;
+            conditions.limit_temperature_k = 3.0;
+            conditions.limit_expansion_um_per_m_k = 2.0;
+        }
+        Class::Focus => conditions.limit_axis_y_mm = 3.0,
+        Class::Finish => conditions.limit_edge_um = 1.0,
+        Class::Mixed => {
+            u_certificate = 4e-4;
+            conditions.limit_temperature_k = 1.5;
+            conditions.limit_axis_y_mm = 1.0;
+            conditions.limit_edge_um = 0.15;
+        }
+        Class::Diffraction => {
+            simulate.optics.esf = Esf::PartiallyCoherent(PartiallyCoherentEdge::default());
+        }
+        Class::Gradient => {
+            simulate.light.field.gradient_down = 0.05 * draws.even();
+            simulate.light.field.gradient_along = 0.1 * draws.even();
+        }
+        Class::Defocus => conditions.limit_axis_y_mm = 2.0,
+        Class::Form | Class::Tilt | Class::Lobes => {}
+        Class::Vibration | Class::LossOfFocus | Class::WarmPart | Class::OtherFinish | Class::Overexposed => {
+        }
+    }
+    let plan = CalibrationPlan {
+        optics_id: "coverage".to_owned(),
+        date: "2026-01-01".parse().unwrap_or_else(|_| Date::of(std::time::SystemTime::UNIX_EPOCH)),
+        valid_days: 365,
+        lens: LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 },
+        thermometer,
+        conditions,
+        fields: Fields::default(),
+        masters: vec![pin("small", 4.0, u_certificate), pin("large", 6.6, u_certificate)],
+        check: None,
+        gauge: GaugeSettings::default(),
+        simulate: Some(simulate),
+    };
+    Drawn { plan, conditions, class }
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// Where the masters cannot be drawn or measured.
+pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, CalibrateError> {
+    let mut draws = Draws::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let drawn = draw(class, seed, &mut draws);
+    let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
+    let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
+    let mut bench = recordings.into_bench();
+    let d20_mm = 5.3 + 1.5 * draws.even();
+    let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
+    if matches!(class, Class::Form | Class::Lobes) {
+        return measure_stations(&drawn, &calibration, &mut bench, (&laid, d20_mm));
+    }
+    let frame = expose(&drawn, &mut bench, &laid)?;
+    Ok(judge(&drawn, &calibration, &frame, d20_mm))
+}
+
+/// The part as it really lies, drawn from the conditions; what lies outside them, for the classes that are.
+fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid, RenderError> {
+    let c = &drawn.conditions;
+    let edge_mm = 1e-3 * c.limit_edge_um * draws.even();
+    let drift = 1e-6 * c.limit_drift_ppm * draws.even();
+    let mut form = ShaftForm::default();
+    let mut laid = Laid {
+        shaft: Shaft::cylinder(d20_mm),
+        temperature_c: c.temperature_c + c.limit_temperature_k * draws.even(),
+        expansion_per_k: 1e-6 * (c.expansion_um_per_m_k + c.limit_expansion_um_per_m_k * draws.even()),
+        height_mm: 0.3 * draws.even(),
+        y_mm: c.axis_y_mm + c.limit_axis_y_mm * draws.even(),
+        tilt_mrad: 0.5 * draws.even(),
+        angle_deg: 180.0 * draws.even(),
+    };
+    let mut seen_mm = d20_mm * (1.0 + drift) + 2.0 * edge_mm;
+    match drawn.class {
+        Class::Form => {
+            form.texture = Some(TextureForm {
+                rms_um: 0.5,
+                correlation_z_mm: 0.05,
+                correlation_theta_deg: 2.0,
+                ..TextureForm::default()
+            });
+        }
+        Class::Lobes => {
+            form.texture = Some(TextureForm {
+                rms_um: 0.3,
+                correlation_z_mm: 0.05,
+                correlation_theta_deg: 2.0,
+                ..TextureForm::default()
+            });
+            let lobe =
+                |order_upr, a: f64, phase: f64| Lobe { order_upr, amplitude_mm: 1e-3 * a, phase_deg: phase };
+            form.lobes = vec![
+                lobe(2, 3.0 * draws.even(), 180.0 * draws.even()),
+                lobe(3, 3.0 * draws.even(), 120.0 * draws.even()),
+                lobe(5, draws.even(), 72.0 * draws.even()),
+            ];
+        }
+        Class::Tilt => laid.tilt_mrad = 20.0 * draws.even(),
+        Class::WarmPart => laid.temperature_c += 8.0,
+        Class::OtherFinish => seen_mm += 2e-3,
+        Class::LossOfFocus => laid.y_mm = 6.0 + 4.0 * draws.even().abs(),
+        _ => {}
+    }
+    if form != ShaftForm::default() {
+        let blank = vec![
+            ProfileKnot { z_mm: -4.0, radius_mm: 0.5 * seen_mm },
+            ProfileKnot { z_mm: 4.0, radius_mm: 0.5 * seen_mm },
+        ];
+        laid.shaft = form_shaft(blank, &form, 8.0, seed)?;
+    } else {
+        laid.shaft = Shaft::cylinder(seen_mm);
+    }
+    Ok(laid)
+}
+
+/// The frame, with what goes wrong during the exposure.
+fn expose(drawn: &Drawn, bench: &mut SimulatedBench<'_>, laid: &Laid) -> Result<Frame, RenderError> {
+    match drawn.class {
+        Class::Vibration => {
+            // Two places 3 px apart within one exposure.
+            let shift = 1.5 * bench.bench().pixel_mm;
+            let one = bench.frame(&Laid { height_mm: laid.height_mm + shift, ..laid.clone() })?;
+            let two = bench.frame(&Laid { height_mm: laid.height_mm - shift, ..laid.clone() })?;
+            Ok(mean_of(one, &two))
+        }
+        Class::Overexposed => {
+            let mut frame = bench.frame(laid)?;
+            if let crate::frame::PixelsMut::U16(pixels) = frame.pixels_mut() {
+                pixels.iter_mut().for_each(|p| *p = (2 * *p).min(4095));
+            }
+            Ok(frame)
+        }
+        _ => bench.frame(laid),
+    }
+}
+
+fn mean_of(mut one: Frame, two: &Frame) -> Frame {
+    let (view, mut index) = (two.view(), 0);
+    let columns = view.columns();
+    if let crate::frame::PixelsMut::U16(pixels) = one.pixels_mut() {
+        for p in pixels {
+            let other = view.get(index / columns, index % columns).unwrap_or(0.0);
+            *p = (0.5 * (f32::from(*p) + other)).round() as u16;
+            index += 1;
+        }
+    }
+    one
+}
+
+fn refused(flag: String) -> Outcome {
+    Outcome { error_mm: None, u_mm: f64::NAN, half_mm: f64::NAN, flag }
+}
+
+/// What warns of a frame: fewer than 97 % of its columns, a residual that the noise does not explain, a blur unlike the masters'.
+fn flag(calibration: &Calibration, edges: &FrameEdges) -> String {
+    let usable = edges.valid() as f64 / edges.columns() as f64;
+    let impaired = (0..edges.columns()).filter(|c| edges.top[*c].reason().is_some()).count();
+    if usable < 0.97 || impaired > edges.columns() / 2 {
+        return "columns refused or impaired".to_owned();
+    }
+    if edges.figures.misfit > 1.5 {
+        return "residual".to_owned();
+    }
+    match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px)) {
+        Some(Err(_)) => "blur".to_owned(),
+        _ => String::new(),
+    }
+}
+
+fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) -> Outcome {
+    let Ok(gauge) = Gauge::new(drawn.plan.gauge.clone()) else { return refused("settings".to_owned()) };
+    let edges = match gauge.edges(&frame.view()) {
+        Ok(edges) => edges,
+        Err(e) => return refused(e.reason.to_string()),
+    };
+    let Some(reading) = WidthReading::of_frame(&edges, 0..edges.columns()) else {
+        return refused("too few columns".to_owned());
+    };
+    let budget = reading.budget(calibration, &drawn.conditions);
+    outcome(&budget, true_mm, flag(calibration, &edges))
+}
+
+fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
+    Outcome {
+        error_mm: Some(budget.diameter_mm - true_mm),
+        u_mm: budget.u_mm(),
+        half_mm: budget.half_width_mm(0.95),
+        flag,
+    }
+}
+
+/// The middle station's mean over angles, as a run measures it: random part of type A over the angles.
+fn measure_stations(
+    drawn: &Drawn,
+    calibration: &Calibration,
+    bench: &mut SimulatedBench<'_>,
+    (laid, d20_mm): (&Laid, f64),
+) -> Result<Outcome, CalibrateError> {
+    let gauge = Gauge::new(drawn.plan.gauge.clone())?;
+    let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
+    let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
+    let (mut common, mut flags) = (None, String::new());
+    for k in 0..ANGLES {
+        let angle_deg = laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
+        let frame = bench.frame(&Laid { angle_deg, ..laid.clone() })?;
+        let edges = match gauge.edges(&frame.view()) {
+            Ok(edges) => edges,
+            Err(e) => return Ok(refused(e.reason.to_string())),
+        };
+        let meta = FrameMeta { angle_deg, ..FrameMeta::default() };
+        averager.add(&meta, &calibration.diameters_under(&edges, &drawn.conditions));
+        common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
+        flags = flag(calibration, &edges);
+    }
+    let station = averager.finish(1).stations[STATIONS / 2];
+    let (Some(d), Some(reading)) = (station.reading.value(), common) else {
+        return Ok(refused("gap".to_owned()));
+    };
+    let mut budget = reading.budget(calibration, &drawn.conditions);
+    budget.contributions.retain(|c| c.share == Share::Common);
+    budget.diameter_mm = d.d_mm;
+    budget.push(Contribution {
+        source: "noise, texture and form over the angles".to_owned(),
+        input: format!("{ANGLES} angles, pooled over {STATIONS} stations"),
+        shape: Shape::Normal,
+        share: Share::Random,
+        freedom: Some((STATIONS * (ANGLES - 5)) as f64),
+        u_mm: d.u_random_mm,
+    });
+    let half = 0.5 * STATION_MM;
+    let true_mm = truth::station_diameter_mm(&laid.shaft, -half, half)?;
+    // The shaft drawn carries finish and drift, which are not the part's.
+    let added_mm = 2.0 * laid.shaft.profile[0].radius_mm - d20_mm;
+    Ok(outcome(&budget, true_mm - added_mm, flags))
+}
