@@ -17,7 +17,7 @@ from PIL import Image
 SIZE, ROWS = 512, 200
 SET = {"gain": 1 / 2.5, "read": 6.0, "prnu": 0.01, "dsnu": 8.0, "qe": 0.6, "black": 64.0, "well": 9800.0}
 TEMPLATE = """
-seed = 11
+seed = {seed}
 [part]
 length_mm = 4.0
 stock_diameter_mm = 0.6
@@ -54,10 +54,10 @@ gain_rel = 0.0
 """
 
 
-def flats(binary, folder, photons, frames):
-    config = folder / f"p{photons:.0f}.toml"
-    config.write_text(TEMPLATE.format(size=SIZE, photons=photons, frames=frames))
-    out = folder / f"p{photons:.0f}"
+def flats(binary, folder, photons, frames, seed=11):
+    config = folder / f"p{photons:.0f}_{seed}.toml"
+    config.write_text(TEMPLATE.format(size=SIZE, photons=photons, frames=frames, seed=seed))
+    out = folder / f"p{photons:.0f}_{seed}"
     command = [binary, "render", str(config), "--out", str(out), "--frames", str(frames), "--backend", "cpu"]
     subprocess.run(command, check=True, capture_output=True)
     files = sorted((out / "frames").glob("*.png"))
@@ -65,17 +65,17 @@ def flats(binary, folder, photons, frames):
 
 
 def sums(frames):
-    """What emva1288 keeps of a stack: frames, sum of the pixels' values, and sum of their squared departures from their mean."""
+    """What emva1288 keeps of a stack of L frames: L, the sum S, and Σ(L·y - S)² = L(L·Σy² - S²), pixel by pixel."""
     stack = np.stack(frames)
     total = stack.sum(axis=0)
     count = len(frames)
-    return {"L": count, "sum": total, "pvar": (count * (stack**2).sum(axis=0) - total**2)}
+    return {"L": count, "sum": total, "pvar": count * (count * (stack**2).sum(axis=0) - total**2)}
 
 
-def temporal(frames):
-    pair = np.stack(frames[:2]).astype(float)
-    difference = pair[0] - pair[1]
-    return {"mean": pair.mean(), "var": 0.5 * np.mean(difference**2) - 0.5 * difference.mean() ** 2}
+def pair(frames):
+    """The same of two frames, added up over the pixels, and the difference of their means."""
+    a, b = frames[:2]
+    return {"sum": (a + b).sum(), "pvar": 2 * ((a - b) ** 2).sum(), "dmean": a.mean() - b.mean()}
 
 
 def main():
@@ -83,6 +83,8 @@ def main():
     parser.add_argument("--binary", required=True)
     parser.add_argument("--limit", type=float, default=0.01)
     args = parser.parse_args()
+    if not hasattr(np, "asfarray"):  # emva1288 1.0.2 was written for NumPy 1
+        np.asfarray = lambda values: np.asarray(values, dtype=float)
     try:
         from emva1288.process.data import Data1288
         from emva1288.process.results import Results1288
@@ -99,10 +101,9 @@ def main():
         dark = flats(args.binary, folder, 0.0, 60)
         bright = flats(args.binary, folder, half, 60)
         exposure = 1e6
-        pairs = {p: flats(args.binary, folder, p, 2) for p in photons[1:]}
-        as_pair = lambda frames: {"sum": np.sum([f.sum() for f in frames[:2]]), "pvar": np.sum((frames[0] - frames[1]) ** 2)}
-        size = dark[0].size
-        temporal_data[exposure] = {0.0: as_pair(dark), **{p: as_pair(f) for p, f in pairs.items()}}
+        # A seed a level: one noise field in all of them would err alike in all of them.
+        pairs = {p: flats(args.binary, folder, p, 2, 100 + i) for i, p in enumerate(photons[1:])}
+        temporal_data[exposure] = {0.0: pair(dark), **{p: pair(f) for p, f in pairs.items()}}
         spatial_data[exposure] = {0.0: sums(dark), half: sums(bright)}
         data = {
             "format": {"bits": 12, "width": SIZE, "height": ROWS},
@@ -120,7 +121,6 @@ def main():
             "dsnu": results.DSNU1288,
             "qe": results.QE / 100,
         }
-        assert size == SIZE * ROWS
     worst = 0.0
     print(f"{'quantity':10} {'set':>10} {'emva1288':>10} {'departure':>10}")
     for key, value in found.items():

@@ -78,7 +78,7 @@ pub(super) const CASES: &[Case] = &[
         "shoulders, chamfer, radius",
         30.0,
         7.0,
-        "[shaft]\ncontour = [\n  { z_mm = 0.0, diameter_mm = 5.0 }, { z_mm = 16.0, diameter_mm = 5.0, radius_mm = 0.8 },\n  { z_mm = 16.0, diameter_mm = 7.0, chamfer_mm = 0.5 }, { z_mm = 21.0, diameter_mm = 7.0 },\n  { z_mm = 21.0, diameter_mm = 4.0 }, { z_mm = 23.0, diameter_mm = 4.0 }, { z_mm = 23.0, diameter_mm = 6.0 },\n  { z_mm = 40.0, diameter_mm = 6.0 },\n]\n",
+        "[shaft]\ncontour = [\n  { z_mm = 0.0, diameter_mm = 5.0 }, { z_mm = 16.0, diameter_mm = 5.0, radius_mm = 0.4 },\n  { z_mm = 16.0, diameter_mm = 7.0, chamfer_mm = 0.4 }, { z_mm = 21.0, diameter_mm = 7.0 },\n  { z_mm = 21.0, diameter_mm = 4.0 }, { z_mm = 23.0, diameter_mm = 4.0 }, { z_mm = 23.0, diameter_mm = 6.0 },\n  { z_mm = 40.0, diameter_mm = 6.0 },\n]\n",
     ),
     case(
         "thread",
