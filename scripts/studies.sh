@@ -60,3 +60,13 @@ study process_bench cargo bench --locked --bench process
 
 # -- speed, beside the floor of a kernel that only writes a constant
 study render_bench "$bin" render "$preset" --bench 50 --out "$out/render_bench"
+for backend in vulkan cpu; do
+  study "render_bench_2048_$backend" "$bin" render configs/bench_2048.toml --bench 200 --json --backend "$backend"
+  study "render_windows_$backend" "$bin" render configs/bench_2048.toml --bench 500 --windows 32 --json --backend "$backend"
+  study "render_everything_$backend" "$bin" render configs/bench_everything.toml --bench 50 --json --backend "$backend"
+done
+# 10^5 small frames: resident memory before and after
+study render_memory "$bin" render configs/head_wire.toml --bench 100000 --windows 32 --json --backend cpu
+
+# -- the renderer beside other ways, and EMVA 1288's reference implementation on rendered flat fields
+study render_peers sh benches/peers/render.sh

@@ -286,13 +286,16 @@ impl FrameSource for SimulatedFrames<'_> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         let Some(&(z_mm, angle_deg)) = self.stops.get(self.next) else { return Ok(None) };
         let scene = &self.scenes[self.next.min(self.scenes.len() - 1)];
+        let camera = &scene.bench().nominal.camera;
+        let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: *self.frame_id,
             t_ns: *self.clock_ns,
             z_mm,
             angle_deg,
             noise: true,
-            roi: None,
+            roi: windows.map(|w| w[0]),
+            second_roi: windows.map(|w| w[1]),
             format: None,
             seed: self.seed,
         };

@@ -82,6 +82,13 @@ fn what_cannot_be_is_refused_and_leaves_nothing() {
         ("[optik]\n", "optik"),
         ("[optics]\nmagnification = 0.0\n", "magnification"),
         ("[optics]\nmagnification = 5.0\n", "field"),
+        ("[contamination.dirt]\nper_cm2 = -3.0\n", "contamination.dirt.per_cm2"),
+        ("[contamination.mist]\noptical_depth = -0.1\n", "optical_depth"),
+        ("[contamination.chips]\nper_cm2 = 1e5\n[optics]\nmagnification = 1e-3\n", "contamination"),
+        ("[light.field]\nvignetting_2 = 1.0\nsag = 1.0\n", "light.field"),
+        ("[sensor]\npreset = \"no such camera\"\n", "sony_imx900"),
+        ("[sensor]\nquantum_efficiency = 1.5\n", "quantum_efficiency"),
+        ("[light]\nbright_photons = -5.0\n", "bright_photons"),
     ] {
         let path = folder.path().join("bad.toml");
         let mut job =
@@ -127,4 +134,55 @@ fn bench_and_doctor_speak_json() {
     assert!(output.status.success());
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(report["adapters"].is_array() && !report["auto"]["backend"].is_null());
+}
+
+/// A device that is lost after two frames: the run goes on with the CPU twin, says so, and the frames are the same.
+#[test]
+fn a_device_lost_on_the_way_does_not_end_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(folder.path(), "");
+    let out = folder.path().join("lost");
+    let output = shadowgauge()
+        .arg("render")
+        .arg(&config)
+        .args(["--out", out.to_str().unwrap(), "--frames", "4", "--backend", "vulkan"])
+        .env("SHADOWGAUGE_LOSE_DEVICE_AFTER", "2")
+        .output()
+        .unwrap();
+    let (stdout, stderr) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr).into_owned());
+    if stderr.contains("no Vulkan adapter") {
+        assert!(std::env::var("REQUIRE_VULKAN").as_deref() != Ok("1"), "{stderr}");
+        println!("SKIPPED (no Vulkan adapter): {stderr}");
+        return;
+    }
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("goes on with the CPU twin"), "{stderr}");
+    assert_eq!(stderr.matches("goes on with the CPU twin").count(), 1, "said more than once: {stderr}");
+    assert!(stdout.contains("lost on the way"), "{stdout}");
+    let twin = folder.path().join("twin");
+    assert_eq!(run(&["--frames", "4"], &config, &twin).0, 0);
+    for frame in ["000000", "000003"] {
+        let read = |folder: &Path| std::fs::read(folder.join(format!("frames/{frame}.png"))).unwrap();
+        assert_eq!(read(&out), read(&twin), "{frame}");
+    }
+}
+
+#[test]
+fn contamination_writes_its_mask_and_presets_fill_in_a_sensor() {
+    let folder = tempfile::tempdir().unwrap();
+    let extra = "[contamination.dirt]\nper_cm2 = 800.0\n[sensor]\npreset = \"sony_imx900\"\nprnu_rel = 0.0\n[light]\nbright_photons = 5000.0\nshadow_counts = 250.0\n";
+    let path = folder.path().join("job.toml");
+    std::fs::write(&path, format!("{}\n{extra}", include_str!("support/small_render_job.toml"))).unwrap();
+    let out = folder.path().join("out");
+    let (code, stderr) = run(&[], &path, &out);
+    assert_eq!(code, 0, "{stderr}");
+    let mask = image::open(out.join("masks/000000.png")).unwrap().into_luma8();
+    assert!(mask.pixels().any(|p| p.0[0] == 32) && mask.pixels().all(|p| p.0[0] & !32 == 0), "dirt is bit 32");
+    // 5000 photons, QE .9125, 2.505 electrons a count over a black level of 240, within the drawn gain's few percent.
+    let frame = image::open(out.join("frames/000000.png")).unwrap().into_luma16();
+    let mut first_row: Vec<u16> = (0..frame.width()).map(|x| frame.get_pixel(x, 0).0[0]).collect();
+    first_row.sort_unstable();
+    let median = f64::from(first_row[first_row.len() / 2]);
+    assert!((median - 2061.0).abs() < 0.15 * 1821.0, "{median}");
 }

@@ -11,7 +11,6 @@ use shadowgauge::render::contamination::{
     WindowDroplets, mask,
 };
 use shadowgauge::render::lens::FieldLight;
-use shadowgauge::render::light_map::row_light;
 use shadowgauge::render::reference::GaussianReference;
 use shadowgauge::render::settings::{BenchSettings, Departures};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
@@ -72,19 +71,6 @@ fn reference(scene: &Scene, factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
-#[test]
-fn row_polynomial_is_the_light_over_the_field() {
-    for row in [0, 100, 319] {
-        let k = row_light(&UNEVEN, row, [320, 401]);
-        for column in [0, 13, 200, 400] {
-            let u = (column as f64 - 200.0) / (0.5 * 320f64.hypot(401.0));
-            let found = k.iter().rev().fold(0.0, |sum, c| sum * u + f64::from(*c));
-            let wanted = UNEVEN.at_px(row as f64, column as f64, 320, 401);
-            assert!((found - wanted).abs() < 1e-6, "row {row}, column {column}: {found}, not {wanted}");
-        }
-    }
 }
 
 #[test]
@@ -190,7 +176,13 @@ fn device_and_twin_agree_on_dirty_noisy_frames() {
         let request = FrameRequest { format: Some(format), ..request(true) };
         let [a, b] = [&device, &twin()].map(|r| counts(&r.render(&scene, &request, None).unwrap()));
         let apart = a.iter().zip(&b).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
-        println!("{format:?}: {apart} of {} pixels differ", a.len());
+        let first = a.iter().zip(&b).position(|(a, b)| (a - b).abs() > 1e-3).unwrap_or(0);
+        println!(
+            "{format:?}: {apart} of {} pixels differ, the first at row {}, column {}",
+            a.len(),
+            first / 401,
+            first % 401
+        );
         assert!(apart <= a.len() / 1000 && largest(&a, &b) <= 1.0, "{format:?}: {apart} pixels differ");
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use shadowgauge::render::columns::{Column, Edge};
 use shadowgauge::render::esf::Node;
 use shadowgauge::render::noise::{DENOMINATOR, NUMERATOR};
-use shadowgauge::render::params::{Params, Row};
+use shadowgauge::render::params::Params;
 
 fn parse(path: &Path) -> naga::Module {
     let source = std::fs::read_to_string(path).unwrap();
@@ -76,6 +76,10 @@ fn host_and_shader_agree_on_every_struct() {
         nodes,
         row0,
         column0,
+        split,
+        skip,
+        noise_key,
+        pattern_key,
         band_rows,
         esf_segments,
         esf_reach,
@@ -86,9 +90,11 @@ fn host_and_shader_agree_on_every_struct() {
         electrons_per_count,
         read_variance,
         noise,
+        light,
+        light_words,
         flat_bright,
         flat_shadow,
-        full_scale,
+        most,
         overlap,
         pattern,
         hot_share,
@@ -96,12 +102,11 @@ fn host_and_shader_agree_on_every_struct() {
         dsnu,
         hot,
         ceiling,
-        light,
-        light_words,
-        light_centre,
-        light_scale
+        field,
+        sag,
+        half_diagonals,
+        axis
     );
-    same_layout!(&module, "Row", Row, key, light_low, light_high);
     same_layout!(&module, "Edge", Edge, whole, part, across, along, table, blend);
     same_layout!(&module, "Column", Column, top, bottom);
     same_layout!(&module, "Node", Node, along, down, weight, padding);
@@ -120,7 +125,7 @@ fn twin_has_every_function_of_the_shader() {
     let twin = include_str!("../src/render/shadowgraph.rs");
     for (_, function) in shadowgraph().functions.iter() {
         let name = function.name.as_deref().unwrap();
-        let twin_name = name.replace("flat_pixel", "flat_pixels").replace("lit_pixel", "lit_pixels");
+        let twin_name = name.replace("flat_pixel", "flat_pixels").replace("fill_word", "fill_block");
         assert!(twin.contains(&format!("fn {twin_name}")), "{name} has no twin");
     }
 }

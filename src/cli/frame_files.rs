@@ -49,6 +49,20 @@ pub fn encode_mask(view: &FrameView<'_>, mask: &[u8], um_per_px: f64) -> Result<
     write_png(view.columns(), view.rows(), png::BitDepth::Eight, mask, um_per_px)
 }
 
+/// An 8-bit grey PNG without a scale, as small as it gets.
+///
+/// # Errors
+/// When the encoder refuses it.
+pub fn write_grey(columns: usize, grey: &[u8]) -> Result<Vec<u8>, IoError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns as u32, (grey.len() / columns.max(1)) as u32);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.write_header()?.write_image_data(grey)?;
+    Ok(file)
+}
+
 /// Widest preview, px.
 const PREVIEW_COLUMNS: usize = 1224;
 

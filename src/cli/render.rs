@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::io::Error as IoError;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use crate::config;
 use crate::frame::Frame;
@@ -14,40 +13,46 @@ use crate::shaft::ProfileKnot;
 use crate::truth;
 
 use super::frame_files::{FileFormat, encode, encode_mask, preview};
+use super::render_bench::bench;
+use super::render_gallery::gallery;
 use super::{CommandResult, Failure, Outcome};
-
-/// Frames drawn before a bench starts its clock: pipelines are compiled and caches filled.
-const WARM_UP: usize = 3;
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct RenderArgs {
     /// The job whose shaft is drawn.
-    config: PathBuf,
+    #[arg(required_unless_present = "gallery")]
+    pub(super) config: Option<PathBuf>,
+    /// Draw a frame of every kind and a contact sheet of all into a new folder; needs no config.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["config", "out", "bench"])]
+    pub(super) gallery: Option<PathBuf>,
     /// Folder for the frames: absent or empty.
-    #[arg(long, value_name = "DIR", required_unless_present = "bench")]
-    out: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["bench", "gallery"])]
+    pub(super) out: Option<PathBuf>,
     /// Frames to draw; all of the config's scan by default, going round again beyond it.
     #[arg(long, value_name = "N")]
-    frames: Option<usize>,
+    pub(super) frames: Option<usize>,
     /// File format of the frames.
     #[arg(long, value_enum, default_value_t = FileFormat::Png16)]
-    format: FileFormat,
+    pub(super) format: FileFormat,
     /// Leave the sensor's temporal noise out.
     #[arg(long)]
-    no_noise: bool,
+    pub(super) no_noise: bool,
     /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
-    backend: BackendChoice,
+    pub(super) backend: BackendChoice,
     /// Draw N frames without writing them and print how long one takes.
     #[arg(long, value_name = "N")]
-    bench: Option<usize>,
+    pub(super) bench: Option<usize>,
+    /// With --bench: read two windows of so many rows around the shaft's edges, not the whole sensor.
+    #[arg(long, value_name = "ROWS", requires = "bench")]
+    pub(super) windows: Option<u32>,
     /// Threads to use; all of the machine's by default.
     #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    pub(super) threads: Option<usize>,
     /// Print the bench as JSON.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Renders the frames of a config.
@@ -55,7 +60,13 @@ pub struct RenderArgs {
 /// # Errors
 /// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a disk that fails.
 pub fn run(args: &RenderArgs) -> CommandResult {
-    let job = config::load(&args.config).map_err(Failure::refused)?;
+    if let Some(folder) = &args.gallery {
+        return gallery(args, folder);
+    }
+    let Some(file) = &args.config else {
+        return Err(Failure::refuse("a config or --gallery DIR is needed"));
+    };
+    let job = config::load(file).map_err(Failure::refused)?;
     if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
         return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
     }
@@ -71,7 +82,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
 }
 
 /// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
-fn scene(job: &Job) -> Result<Scene, Failure> {
+pub(super) fn scene(job: &Job) -> Result<Scene, Failure> {
     let bench = OpticalBench::resolve(&job.bench_settings(), job.seed).map_err(Failure::refuse)?;
     let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
     let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
@@ -80,17 +91,20 @@ fn scene(job: &Job) -> Result<Scene, Failure> {
 }
 
 /// Request number `index` of the scan, going round again beyond its end.
-fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
+pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
     let plan = job.scan_plan();
     let angles = plan.angle_deg.len().max(1);
     let place = index % plan.frames().max(1);
+    let windows = job.camera.windows.map(|w| w.rois(job.camera.columns));
+    let (roi, second_roi) = (windows.map(|w| w[0]), windows.map(|w| w[1]));
     FrameRequest {
         frame_id: index as u64,
         t_ns: (index as f64 * job.camera.frame_period_ms * 1e6) as u64,
         z_mm: plan.field_z_mm.get(place / angles).copied().unwrap_or(0.0),
         angle_deg: plan.angle_deg.get(place % angles).copied().unwrap_or(0.0),
         noise: !args.no_noise,
-        roi: None,
+        roi,
+        second_roi,
         seed: job.seed,
         format: Some(args.format.pixel_format(job.sensor.format)),
     }
@@ -121,8 +135,17 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Refuses a folder that is taken, and makes one of a temporary name beside it.
+/// [`claim_empty`] with room for frames and previews.
 fn claim(out: &Path) -> Result<PathBuf, Failure> {
+    let staging = claim_empty(out)?;
+    for folder in ["frames", "previews"] {
+        std::fs::create_dir_all(staging.join(folder)).map_err(|e| disk(out, &e))?;
+    }
+    Ok(staging)
+}
+
+/// Refuses a folder that is taken, and makes one of a temporary name beside it.
+pub(super) fn claim_empty(out: &Path) -> Result<PathBuf, Failure> {
     if let Ok(mut entries) = std::fs::read_dir(out) {
         if entries.next().is_some() {
             return Err(Failure::refuse(format!("{}: is not empty; give a new folder", out.display())));
@@ -135,9 +158,7 @@ fn claim(out: &Path) -> Result<PathBuf, Failure> {
         return Err(Failure::refuse(format!("{}: names no folder", out.display())));
     };
     let staging = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    for folder in ["frames", "previews"] {
-        std::fs::create_dir_all(staging.join(folder)).map_err(|e| disk(out, &e))?;
-    }
+    std::fs::create_dir_all(&staging).map_err(|e| disk(out, &e))?;
     Ok(staging)
 }
 
@@ -205,7 +226,7 @@ fn true_bench(scene: &Scene) -> String {
     format!("{json:#}\n")
 }
 
-fn put(path: &Path, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
+pub(super) fn put(path: &Path, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
     bytes.and_then(|b| std::fs::write(path, b)).map_err(|e| disk(path, &e))
 }
 
@@ -213,63 +234,9 @@ fn disk(path: &Path, error: &IoError) -> Failure {
     Failure::fail(format!("{}: cannot be written: {error}", path.display()))
 }
 
-fn of_render(error: RenderError) -> Failure {
+pub(super) fn of_render(error: RenderError) -> Failure {
     match error {
         RenderError::Device { .. } | RenderError::NoAdapter { .. } => Failure::fail(error),
         _ => Failure::refuse(error),
     }
-}
-
-// ---- how long a frame takes
-
-fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
-    let scene = scene(job)?;
-    let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let (mut times, mut floors) = (Vec::new(), Vec::new());
-    let mut spare: Option<Frame> = None;
-    let mut floor_buffer = None;
-    for index in 0..frames + WARM_UP {
-        let request = request(args, job, index);
-        let start = Instant::now();
-        let frame = renderer.render(&scene, &request, spare.take()).map_err(of_render)?;
-        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
-        let job = scene.job(&request).map_err(of_render)?;
-        let start = Instant::now();
-        floor_buffer = Some(renderer.draw_constant(&job, floor_buffer.take()).map_err(of_render)?);
-        let floor_ms = start.elapsed().as_secs_f64() * 1e3;
-        if index >= WARM_UP {
-            times.push(frame_ms);
-            floors.push(floor_ms);
-        }
-        spare = Some(frame);
-    }
-    times.sort_by(f64::total_cmp);
-    floors.sort_by(f64::total_cmp);
-    let (median, floor) = (times[times.len() / 2], floors[floors.len() / 2]);
-    if args.json {
-        let report = serde_json::json!({
-            "ms_per_frame_min": times[0],
-            "ms_per_frame_median": median,
-            "floor_ms_median": floor,
-            "ratio": median / floor,
-            "backend": renderer.backend_name(),
-            "adapter": renderer.adapter_name(),
-            "width": job.camera.columns,
-            "height": job.camera.rows,
-            "frames": frames,
-            "threads": rayon::current_num_threads(),
-        });
-        println!("{report}");
-    } else {
-        println!(
-            "{} x {} by {} ({}): {median:.2} ms a frame (best {:.2}), write floor {floor:.2} ms, ratio {:.2}",
-            job.camera.columns,
-            job.camera.rows,
-            renderer.backend_name(),
-            renderer.adapter_name(),
-            times[0],
-            median / floor
-        );
-    }
-    Ok(Outcome::Done)
 }

@@ -1,32 +1,17 @@
 //! Light that is not even, as the kernel reads it.
 //!
 //! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
-//! vignetting and the gradient of the backlight ([`FieldLight`]), `clear` what contamination leaves. Stray light in the
+//! vignetting and the gradient of the backlight ([`super::lens::FieldLight`]), `clear` what contamination leaves. Stray light in the
 //! shadow is a veil over the whole field and stays as it is.
 //!
-//! Along a row the field's factor is a polynomial of sixth order in the distance u from the axis. With v fixed,
-//! `V = a + b u² + c u⁴` and `1 + gu u + gv v - s r² = d + gu u - s u²`, whose product has the coefficients below.
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light.
 
 use rayon::prelude::*;
 
 use super::contamination::TransmissionMap;
-use super::lens::FieldLight;
 
 /// The 16-bit factor of clear light.
 pub const CLEAR: f32 = 32_768.0;
-
-/// Coefficients of one row's field light over u, ascending.
-pub fn row_light(light: &FieldLight, row: usize, sensor: [usize; 2]) -> [f32; 7] {
-    let [rows, columns] = sensor.map(|n| n as f64);
-    let v = (row as f64 - 0.5 * (rows - 1.0)) / (0.5 * rows.hypot(columns));
-    let v2 = v * v;
-    let (second, fourth) = (light.vignetting_2, light.vignetting_4);
-    let (a, b, c) = (1.0 - v2 * (second + v2 * fourth), -(second + 2.0 * v2 * fourth), -fourth);
-    let (gain, sag) = (light.gradient_along, light.sag);
-    let d = 1.0 + light.gradient_down * v - sag * v2;
-    [a * d, a * gain, b * d - a * sag, b * gain, c * d - b * sag, c * gain, -c * sag].map(|k| k as f32)
-}
 
 /// 16-bit factors of a window and the mask of what dims them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,6 +23,14 @@ pub struct LightMap {
 }
 
 impl LightMap {
+    /// This map with the rows of another of the same width beneath it.
+    #[must_use]
+    pub fn followed_by(mut self, other: &Self) -> Self {
+        self.words.extend_from_slice(&other.words);
+        self.mask.extend_from_slice(&other.mask);
+        self
+    }
+
     /// Packs a transmission map into this one, keeping its allocations.
     pub fn pack(&mut self, map: &TransmissionMap) {
         let columns = map.columns();

@@ -22,6 +22,7 @@ mod profiles;
 pub mod reference;
 mod renderer;
 mod scene;
+mod sensor_presets;
 pub mod settings;
 pub mod shadowgraph;
 pub mod silhouette;

@@ -1,6 +1,6 @@
 //! Temporal noise from a counter hash: the same pixel of the same frame always gets the same noise.
 //!
-//! One 32-bit hash a pixel, keyed by (seed, frame, row) and column, gives two 16-bit numbers. Their sum v is
+//! One 32-bit hash a pixel, keyed by (seed, frame), row and column, gives two 16-bit numbers. Their sum v is
 //! triangular, so that the tail beyond |v| has the probability u²/2 with u = 1 - |v|/2¹⁶, and a standard normal deviate
 //! is a function of u without a logarithm or a square root:
 //!
@@ -26,10 +26,9 @@ pub const NUMERATOR: [f32; 5] = [5.054_005_6, 917.006_8, 9_288.955, -1_999.658_2
 /// Q, ascending powers of u from the first; its constant is 1.
 pub const DENOMINATOR: [f32; 3] = [246.368_5, 3_911.391, 986.766_36];
 
-/// Keys of a sensor row in a frame; 64 bits, so that no two rows share their noise.
-pub fn row_key(seed: u64, frame_id: u64, row: u32) -> [u32; 2] {
-    let stream = splitmix(splitmix(seed) ^ frame_id);
-    let key = splitmix(stream ^ (u64::from(row) << 1 | 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+/// Keys of a frame, 64 bits from seed and number; every row makes its own from them (`row_key` of the kernel).
+pub fn frame_key(seed: u64, frame_id: u64) -> [u32; 2] {
+    let key = splitmix(splitmix(seed) ^ frame_id);
     [key as u32, (key >> 32) as u32]
 }
 

@@ -1,9 +1,9 @@
 //! What the kernel is told about a frame: the same bytes for the shader and for its CPU twin.
 
-use super::light_map::{LightMap, row_light};
-use super::noise::row_key;
+use super::light_map::LightMap;
+use super::noise::frame_key;
 use super::shadowgraph::shaped;
-use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node, lens::FieldLight};
+use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node};
 use crate::frame::PixelFormat;
 
 /// Uniforms of `shaders/shadowgraph.wgsl`.
@@ -22,6 +22,14 @@ pub struct Params {
     pub row0: u32,
     /// Sensor column of the frame's column 0.
     pub column0: u32,
+    /// Row of the frame at which a second window of the sensor begins.
+    pub split: u32,
+    /// Sensor rows left out between the two windows.
+    pub skip: u32,
+    /// Keys of the frame's noise.
+    pub noise_key: [u32; 2],
+    /// Keys of the sensor's fixed pattern.
+    pub pattern_key: [u32; 2],
     /// Rows of a band.
     pub band_rows: u32,
     /// Segments of the edge-spread table.
@@ -42,12 +50,16 @@ pub struct Params {
     pub read_variance: f32,
     /// 1 with noise, 0 without.
     pub noise: f32,
+    /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it as well.
+    pub light: u32,
+    /// 32-bit words a row of the contamination's factors.
+    pub light_words: u32,
     /// Noise polynomial of the bright field.
     pub flat_bright: [f32; 4],
     /// Noise polynomial of the shadow.
     pub flat_shadow: [f32; 4],
-    /// Largest count.
-    pub full_scale: f32,
+    /// Largest count, the format's full scale.
+    pub most: i32,
     /// 1 where a pixel may see both edges.
     pub overlap: u32,
     /// 1 where the sensor has a fixed pattern.
@@ -62,26 +74,14 @@ pub struct Params {
     pub hot: f32,
     /// Counts at which the full well clips.
     pub ceiling: f32,
-    /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it as well.
-    pub light: u32,
-    /// 32-bit words a row of the contamination's factors.
-    pub light_words: u32,
-    /// Sensor column of the optical axis.
-    pub light_centre: f32,
-    /// Half diagonals of the sensor a column.
-    pub light_scale: f32,
-}
-
-/// What the kernel knows of a row.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Row {
-    /// Two words for the frame's noise, two for the sensor's pattern.
-    pub key: [u32; 4],
-    /// Light over the field as a polynomial in the distance from the axis along the row: constant to cubic term.
-    pub light_low: [f32; 4],
-    /// The terms of fourth to sixth order.
-    pub light_high: [f32; 4],
+    /// Vignetting of second and fourth order, gain of the backlight along columns and down rows.
+    pub field: [f32; 4],
+    /// Loss of the backlight half a diagonal from the axis.
+    pub sag: f32,
+    /// Half diagonals of the sensor a pixel.
+    pub half_diagonals: f32,
+    /// Sensor column and row of the optical axis.
+    pub axis: [f32; 2],
 }
 
 /// Levels and noise of a sensor, in counts of one format.
@@ -136,8 +136,6 @@ pub struct Job<'a> {
     pub columns: Vec<Column>,
     /// Rows that an edge touches.
     pub bands: Bands,
-    /// Noise keys and field light of every row.
-    pub rows: Vec<Row>,
     /// What contamination leaves of the light, pixel by pixel; none where nothing dims it.
     pub contamination: Option<LightMap>,
     /// The edge-spread table.
@@ -172,58 +170,35 @@ pub struct Window {
     pub columns: u32,
 }
 
-impl Params {
-    /// Uniforms of a frame; bands and quadrature are filled in from their tables.
-    pub fn new(window: Window, format: PixelFormat, levels: &Levels, noise: bool) -> Self {
-        let mut params = Self {
-            rows: window.rows,
-            columns: window.columns,
-            words: window.columns.div_ceil(pixels_per_word(format)),
-            nodes: 0,
-            row0: window.row,
-            column0: window.column,
-            band_rows: 0,
-            esf_segments: 0,
-            esf_reach: 0.0,
-            esf_per_unit: 0.0,
-            shadow: levels.shadow as f32,
-            contrast: (levels.bright - levels.shadow) as f32,
-            black: levels.black as f32,
-            electrons_per_count: levels.electrons_per_count as f32,
-            read_variance: (levels.read_noise_e * levels.read_noise_e) as f32,
-            noise: f32::from(u8::from(noise)),
-            flat_bright: [0.0; 4],
-            flat_shadow: [0.0; 4],
-            full_scale: format.full_scale().map_or(f32::MAX, f32::from),
-            overlap: 0,
-            pattern: u32::from(levels.prnu > 0.0 || levels.dsnu_e > 0.0 || levels.hot_ppm > 0.0),
-            hot_share: (levels.hot_ppm * 1e-6 * 2f64.powi(32)) as u32,
-            prnu: levels.prnu as f32,
-            dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
-            hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
-            ceiling: (levels.black + levels.full_well_e / levels.electrons_per_count) as f32,
-            light: 0,
-            light_words: window.columns.div_ceil(2),
-            light_centre: 0.0,
-            light_scale: 0.0,
-        };
-        params.flat_bright = shaped(&params, params.shadow + params.contrast);
-        params.flat_shadow = shaped(&params, params.shadow);
-        params
-    }
+/// The windows of a frame: one, or two of the same columns, the second one's rows beneath the first one's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Windows {
+    /// The upper one.
+    pub first: Window,
+    /// The lower one.
+    pub second: Option<Window>,
 }
 
-/// The rows of a window: noise by (seed, frame), pattern by the sensor alone, light over a sensor of `rows` x `columns`.
-pub fn rows_of(window: Window, keys: FrameKeys, light: &FieldLight, sensor: [usize; 2]) -> Vec<Row> {
-    (window.row..window.row + window.rows)
-        .map(|row| {
-            let [a, b] = row_key(keys.seed, keys.frame_id, row);
-            let [c, d] = row_key(keys.pattern_seed, u64::MAX, row);
-            let k = row_light(light, row as usize, sensor);
-            let (light_low, light_high) = ([k[0], k[1], k[2], k[3]], [k[4], k[5], k[6], 0.0]);
-            Row { key: [a, b, c, d], light_low, light_high }
-        })
-        .collect()
+impl Windows {
+    /// The frame's size, at the place of the first window.
+    pub fn frame(&self) -> Window {
+        Window { rows: self.first.rows + self.second.map_or(0, |w| w.rows), ..self.first }
+    }
+
+    /// The rows from the upper window's first to the lower one's last.
+    pub fn span(&self) -> Window {
+        Window { rows: self.frame().rows + self.skip(), ..self.first }
+    }
+
+    /// Sensor rows between the two.
+    pub fn skip(&self) -> u32 {
+        self.second.map_or(0, |w| w.row - self.first.row - self.first.rows)
+    }
+
+    /// Both, the upper one first.
+    pub fn parts(&self) -> impl Iterator<Item = Window> {
+        [Some(self.first), self.second].into_iter().flatten()
+    }
 }
 
 /// What keys a frame's noise and its sensor's pattern.
@@ -235,4 +210,43 @@ pub struct FrameKeys {
     pub frame_id: u64,
     /// Seed of the sensor's fixed pattern.
     pub pattern_seed: u64,
+}
+
+impl Params {
+    /// Uniforms of a frame with even light; bands, quadrature and light are filled in from their tables.
+    pub fn new(windows: Windows, format: PixelFormat, levels: &Levels, noise: bool, keys: FrameKeys) -> Self {
+        let window = windows.frame();
+        let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
+        // A signal this far beyond any scale is clipped by it; f32 counts stay exact.
+        let ceiling = ceiling.min(4.0e6);
+        let mut params = Self {
+            rows: window.rows,
+            columns: window.columns,
+            words: window.columns.div_ceil(pixels_per_word(format)),
+            row0: window.row,
+            column0: window.column,
+            split: windows.first.rows,
+            skip: windows.skip(),
+            noise_key: frame_key(keys.seed, keys.frame_id),
+            pattern_key: frame_key(keys.pattern_seed, u64::MAX),
+            shadow: levels.shadow as f32,
+            contrast: (levels.bright - levels.shadow) as f32,
+            black: levels.black as f32,
+            electrons_per_count: levels.electrons_per_count as f32,
+            read_variance: (levels.read_noise_e * levels.read_noise_e) as f32,
+            noise: f32::from(u8::from(noise)),
+            most: format.full_scale().map_or(i32::from(i16::MAX), i32::from),
+            pattern: u32::from(levels.prnu > 0.0 || levels.dsnu_e > 0.0 || levels.hot_ppm > 0.0),
+            hot_share: (levels.hot_ppm * 1e-6 * 2f64.powi(32)) as u32,
+            prnu: levels.prnu as f32,
+            dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
+            hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
+            ceiling: ceiling as f32,
+            light_words: window.columns.div_ceil(2),
+            ..bytemuck::Zeroable::zeroed()
+        };
+        params.flat_bright = shaped(&params, params.shadow + params.contrast);
+        params.flat_shadow = shaped(&params, params.shadow);
+        params
+    }
 }

@@ -1,6 +1,6 @@
 //! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is asked for.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::error::RenderError;
 use super::gpu::{Api, Gpu, Work};
@@ -29,7 +29,19 @@ pub struct Renderer {
     engine: Engine,
     backend: String,
     adapter: String,
+    lost: OnceLock<Loss>,
+    strict: bool,
 }
+
+/// What became of a device in mid-run.
+#[derive(Debug)]
+struct Loss {
+    why: String,
+    adapter: String,
+}
+
+/// Fault injection: the device is lost after so many frames.
+const LOSE_DEVICE_AFTER: &str = "SHADOWGAUGE_LOSE_DEVICE_AFTER";
 
 #[derive(Debug)]
 enum Engine {
@@ -42,6 +54,9 @@ impl Renderer {
     ///
     /// # Errors
     /// When Vulkan or GL is asked for and offers no adapter. `auto` then takes the CPU twin and says so.
+    ///
+    /// A device that fails later does not end the run: it goes on with the CPU twin, says so once and in
+    /// [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys the device after N frames.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
         let api = match choice {
             BackendChoice::Auto => Api::Any,
@@ -62,12 +77,33 @@ impl Renderer {
     }
 
     fn twin() -> Self {
-        Self { engine: Engine::Twin, backend: "cpu".into(), adapter: "CPU twin".into() }
+        Self {
+            engine: Engine::Twin,
+            backend: "cpu".into(),
+            adapter: "CPU twin".into(),
+            lost: OnceLock::new(),
+            strict: false,
+        }
     }
 
-    fn device(gpu: Gpu) -> Self {
+    fn device(mut gpu: Gpu) -> Self {
         let (backend, adapter) = (gpu.info().backend.to_string(), gpu.info().name.clone());
-        Self { engine: Engine::Device(Box::new(Mutex::new(gpu))), backend, adapter }
+        if let Some(frames) = std::env::var(LOSE_DEVICE_AFTER).ok().and_then(|n| n.parse().ok()) {
+            gpu.lose_after(frames);
+        }
+        let engine = Engine::Device(Box::new(Mutex::new(gpu)));
+        Self { engine, backend, adapter, lost: OnceLock::new(), strict: false }
+    }
+
+    /// The same renderer, for which a device that fails is an error: for comparisons of the device with the twin.
+    #[must_use]
+    pub fn strict(self) -> Self {
+        Self { strict: true, ..self }
+    }
+
+    /// Why the device was given up, where it was.
+    pub fn lost(&self) -> Option<&str> {
+        self.lost.get().map(|loss| loss.why.as_str())
     }
 
     /// `vulkan`, `gl` or `cpu`.
@@ -75,9 +111,31 @@ impl Renderer {
         &self.backend
     }
 
-    /// The adapter's name, or `CPU twin`.
+    /// The adapter's name, or `CPU twin`; both where the device was lost on the way.
     pub fn adapter_name(&self) -> &str {
-        &self.adapter
+        self.lost.get().map_or(&self.adapter, |loss| &loss.adapter)
+    }
+
+    /// Runs the job on the device, where there is one that is not lost; `false` leaves the work to the twin.
+    fn on_device(&self, job: &Job<'_>, work: Work, buffer: &mut Buffer) -> Result<bool, RenderError> {
+        let Engine::Device(gpu) = &self.engine else { return Ok(false) };
+        if self.lost.get().is_some() {
+            return Ok(false);
+        }
+        let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+        match gpu.run(job, work, |words| unpack(job, words, buffer)) {
+            Ok(()) => Ok(true),
+            Err(e) if self.strict => Err(e),
+            Err(e) => {
+                let why = e.to_string();
+                if self.lost.get().is_none() {
+                    tracing::warn!("{why}; the run goes on with the CPU twin");
+                }
+                let adapter = format!("{}, lost on the way, then the CPU twin", self.adapter);
+                let _ = self.lost.set(Loss { why, adapter });
+                Ok(false)
+            }
+        }
     }
 
     /// Renders a frame of a scene; `reuse` gives its allocation back.
@@ -116,18 +174,14 @@ impl Renderer {
     /// Draws a job into a buffer of its format.
     ///
     /// # Errors
-    /// When the device fails.
+    /// When the device fails and the renderer is strict.
     pub fn draw(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
         let mut buffer = fitting(job, reuse);
-        match &self.engine {
-            Engine::Twin => match &mut buffer {
+        if !self.on_device(job, Work::Frame, &mut buffer)? {
+            match &mut buffer {
                 Buffer::U8(p) => shadowgraph::render(job, p),
                 Buffer::U16(p) => shadowgraph::render(job, p),
                 Buffer::F32(p) => shadowgraph::render(job, p),
-            },
-            Engine::Device(gpu) => {
-                let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
-                gpu.run(job, Work::Frame, |words| unpack(job, words, &mut buffer))?;
             }
         }
         Ok(buffer)
@@ -136,18 +190,14 @@ impl Renderer {
     /// Writes one constant instead of a frame: the floor that a frame's time is compared with.
     ///
     /// # Errors
-    /// When the device fails.
+    /// As [`Self::draw`].
     pub fn draw_constant(&self, job: &Job<'_>, reuse: Option<Buffer>) -> Result<Buffer, RenderError> {
         let mut buffer = fitting(job, reuse);
-        match &self.engine {
-            Engine::Twin => match &mut buffer {
+        if !self.on_device(job, Work::Constant, &mut buffer)? {
+            match &mut buffer {
                 Buffer::U8(p) => shadowgraph::constant(job, p),
                 Buffer::U16(p) => shadowgraph::constant(job, p),
                 Buffer::F32(p) => shadowgraph::constant(job, p),
-            },
-            Engine::Device(gpu) => {
-                let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
-                gpu.run(job, Work::Constant, |words| unpack(job, words, &mut buffer))?;
             }
         }
         Ok(buffer)

@@ -13,7 +13,7 @@ use super::esf::{EsfTable, Extent, pixel_quadrature};
 use super::esf_families::EdgeSpread;
 use super::exposure::{self, Instant};
 use super::light_map::LightMap;
-use super::params::{FrameKeys, Job, Levels, Params, Window, pixels_per_word, rows_of};
+use super::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
 use super::profiles::Profiles;
 use super::silhouette::{Outline, Turned, View};
 use super::veil;
@@ -41,6 +41,9 @@ pub struct FrameRequest {
     pub noise: bool,
     /// Window of the sensor; `None` reads all of it.
     pub roi: Option<Roi>,
+    /// A second window of the same columns below the first, as cameras with several regions deliver it: its rows follow
+    /// the first one's in the frame. Each window then holds one edge.
+    pub second_roi: Option<Roi>,
     /// Seed of the noise.
     pub seed: u64,
     /// Pixel format, when it is not the sensor's own; levels are scaled to it.
@@ -139,8 +142,32 @@ impl Scene {
     /// # Errors
     /// Refuses a window that is empty or leaves the sensor.
     pub fn window(&self, request: &FrameRequest) -> Result<Window, RenderError> {
+        self.window_of(request.roi, "roi")
+    }
+
+    /// Both windows that the request reads.
+    ///
+    /// # Errors
+    /// As [`Self::window`], and refuses a second window that is not below the first or has other columns.
+    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
+        let first = self.window(request)?;
+        let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
+        let second = self.window_of(Some(roi), "second_roi")?;
+        if (second.column, second.columns) != (first.column, first.columns)
+            || second.row < first.row + first.rows
+        {
+            return Err(RenderError::setting(
+                "second_roi",
+                &format!("{roi:?}"),
+                "must have the columns of the first window and lie below it",
+            ));
+        }
+        Ok(Windows { first, second: Some(second) })
+    }
+
+    fn window_of(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
         let (rows, columns) = (self.bench.nominal.camera.rows, self.bench.nominal.camera.columns);
-        let Some(roi) = request.roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
+        let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
         let inside = |start: u32, length: u32, all: u32| {
             length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
         };
@@ -148,7 +175,7 @@ impl Scene {
             return Ok(Window { row: roi.row, column: roi.column, rows: roi.rows, columns: roi.columns });
         }
         Err(RenderError::setting(
-            "roi",
+            key,
             &format!("{roi:?}"),
             format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
         ))
@@ -160,8 +187,10 @@ impl Scene {
     /// # Errors
     /// Refuses a window outside the sensor and a shaft that leaves the field.
     pub fn geometric_edges(&self, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
-        let window = self.window(request)?;
-        Ok(exposure::mean(&exposure::instants(self, request, window, 0)?))
+        let windows = self.windows(request)?;
+        let mut edges = exposure::mean(&exposure::instants(self, request, windows.span(), 0)?);
+        stack(&mut edges, windows)?;
+        Ok(edges)
     }
 
     /// The shaft at a spindle angle, with the error motion that this frame alone has.
@@ -273,7 +302,7 @@ impl Scene {
         let nominal = &self.bench.nominal;
         Levels {
             shadow: nominal.light.shadow_counts,
-            bright: nominal.light.bright_counts,
+            bright: nominal.light.bright_in(&nominal.sensor, self.bench.electrons_per_count),
             black: nominal.sensor.black_level_counts,
             electrons_per_count: self.bench.electrons_per_count,
             read_noise_e: nominal.sensor.read_noise_e,
@@ -308,7 +337,8 @@ impl Scene {
     /// # Errors
     /// As [`Self::geometric_edges`].
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
-        let window = self.window(request)?;
+        let windows = self.windows(request)?;
+        let window = windows.span();
         let format = self.format(request);
         let halo = self.blur.reach();
         let mut instants = exposure::instants(self, request, window, halo)?;
@@ -320,12 +350,14 @@ impl Scene {
             }
         }
         let edges = exposure::mean(&instants);
+        let mut stacked = edges.clone();
+        stack(&mut stacked, windows)?;
         let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
         let contamination = veil::contamination(
             &self.bench,
             request,
-            window,
-            &edges[seen(edges.len())],
+            windows,
+            &stacked[seen(stacked.len())],
             &rises[seen(rises.len())],
             self.esf.blur_px,
         )?;
@@ -340,8 +372,15 @@ impl Scene {
         } else {
             Vec::new()
         };
+        // Whole rows: the lower edges keep their places to the last bit.
+        columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
         let bands = bands(&columns, pixels_per_word(format) as usize, &self.esf);
-        let mut params = Params::new(window, format, &self.levels(format), request.noise);
+        let keys = FrameKeys {
+            seed: request.seed,
+            frame_id: request.frame_id,
+            pattern_seed: self.bench.pattern_seed,
+        };
+        let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
         params.overlap = u32::from(bands.overlap);
@@ -349,18 +388,11 @@ impl Scene {
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;
         self.light_params(&mut params, contamination.as_ref());
-        let keys = FrameKeys {
-            seed: request.seed,
-            frame_id: request.frame_id,
-            pattern_seed: self.bench.pattern_seed,
-        };
-        let sensor = [self.bench.rows(), self.bench.columns()];
         Ok(Job {
             params,
             format,
             columns,
             bands,
-            rows: rows_of(window, keys, &self.bench.nominal.light.field, sensor),
             contamination,
             esf: &self.esf,
             quadrature,
@@ -374,9 +406,12 @@ impl Scene {
             Some(map) if !map.words.is_empty() => 2,
             _ => u32::from(!self.bench.nominal.light.field.is_even()),
         };
-        let half_diagonal = 0.5 * (self.bench.rows() as f64).hypot(self.bench.columns() as f64);
-        params.light_centre = self.bench.centre_column() as f32;
-        params.light_scale = (1.0 / half_diagonal) as f32;
+        let light = &self.bench.nominal.light.field;
+        params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
+            .map(|k| k as f32);
+        params.sag = light.sag as f32;
+        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
+        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
     }
 
     /// Takes a frame's contamination back for its memory and gives out its mask.
@@ -387,6 +422,24 @@ impl Scene {
         }
         mask
     }
+}
+
+/// Moves the lower edges into the rows that a second window has in the frame.
+fn stack(edges: &mut [ColumnEdges], windows: Windows) -> Result<(), RenderError> {
+    if windows.second.is_none() {
+        return Ok(());
+    }
+    let (split, rows) = (f64::from(windows.first.rows), f64::from(windows.frame().rows));
+    for e in &mut *edges {
+        e.bottom_px -= f64::from(windows.skip());
+    }
+    let apart =
+        |e: &ColumnEdges| e.top_px >= 0.0 && e.top_px < split && e.bottom_px >= split && e.bottom_px < rows;
+    if edges.iter().all(apart) {
+        return Ok(());
+    }
+    let right = "each window must hold one edge of the shaft in every column: move it, or give it more rows";
+    Err(RenderError::setting("second_roi", &format!("{windows:?}"), right))
 }
 
 /// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual

@@ -11,7 +11,9 @@ use super::error::{RenderError, within};
 use super::lens::FieldLight;
 use super::motion::Motion;
 pub use super::optics::{Entocentric, Esf, GaussianEsf, Optics};
-use crate::frame::PixelFormat;
+use super::sensor_presets::SensorFile;
+pub use super::sensor_presets::SensorPreset;
+use crate::frame::{PixelFormat, Roi};
 
 /// The pixel matrix and its timing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,12 +29,42 @@ pub struct Camera {
     pub exposure_us: f64,
     /// Time from one frame to the next, ms.
     pub frame_period_ms: f64,
+    /// Read only two windows of rows; none reads the whole field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub windows: Option<EdgeWindows>,
+}
+
+/// Two windows of rows, one an edge: the regions of one camera, or two heads mounted a known distance apart, seen as one
+/// tall field of which only their rows exist. A frame holds the upper window's rows, the lower one's beneath them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EdgeWindows {
+    /// First row of the upper window in the field.
+    pub upper_row: u32,
+    /// First row of the lower window in the field.
+    pub lower_row: u32,
+    /// Rows of either window.
+    pub rows: u32,
+}
+
+impl EdgeWindows {
+    /// Both windows over `columns` columns, the upper one first.
+    pub fn rois(&self, columns: u32) -> [Roi; 2] {
+        [self.upper_row, self.lower_row].map(|row| Roi { row, column: 0, rows: self.rows, columns })
+    }
 }
 
 impl Default for Camera {
     /// A 2/3" sensor of 2448 × 2048 pixels of 3.45 µm.
     fn default() -> Self {
-        Self { columns: 2448, rows: 2048, pixel_um: 3.45, exposure_us: 50.0, frame_period_ms: 28.0 }
+        Self {
+            columns: 2448,
+            rows: 2048,
+            pixel_um: 3.45,
+            exposure_us: 50.0,
+            frame_period_ms: 28.0,
+            windows: None,
+        }
     }
 }
 
@@ -56,6 +88,10 @@ impl Camera {
 pub struct Light {
     /// Mean grey value of the bright field, counts.
     pub bright_counts: f64,
+    /// Mean photons a pixel gets in the bright field during the exposure; replaces `bright_counts`, which then follows
+    /// from quantum efficiency, gain and black level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bright_photons: Option<f64>,
     /// Mean grey value in the shadow (black level + stray light), counts.
     pub shadow_counts: f64,
     /// Brightness over the field; `bright_counts` is what its centre has.
@@ -65,11 +101,24 @@ pub struct Light {
 impl Default for Light {
     /// Three quarters of a 12-bit scale, stray light of 1.5 %.
     fn default() -> Self {
-        Self { bright_counts: 3100.0, shadow_counts: 110.0, field: FieldLight::default() }
+        Self {
+            bright_counts: 3100.0,
+            bright_photons: None,
+            shadow_counts: 110.0,
+            field: FieldLight::default(),
+        }
     }
 }
 
 impl Light {
+    /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: what is set, or
+    /// black level + η·photons/(electrons a count).
+    pub fn bright_in(&self, sensor: &Sensor, electrons_per_count: f64) -> f64 {
+        self.bright_photons.map_or(self.bright_counts, |photons| {
+            sensor.black_level_counts + sensor.quantum_efficiency * photons / electrons_per_count
+        })
+    }
+
     /// Checks every value against its range and the sensor's scale.
     ///
     /// # Errors
@@ -77,19 +126,30 @@ impl Light {
     pub fn check(&self, sensor: &Sensor) -> Result<(), RenderError> {
         within("light.shadow_counts", self.shadow_counts, sensor.black_level_counts, 65535.0)?;
         let full = f64::from(sensor.format.full_scale().unwrap_or(u16::MAX));
-        within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)?;
+        if let Some(photons) = self.bright_photons {
+            within("light.bright_photons", photons, 0.0, 1e9)?;
+            let counts = self.bright_in(sensor, sensor.electrons_per_count);
+            within("light.bright_photons (as counts)", counts, self.shadow_counts, 16.0 * full)?;
+        } else {
+            within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)?;
+        }
         self.field.check()
     }
 }
 
 /// From photons to counts (EMVA 1288 4.0: K is the system gain, its inverse is set here).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(from = "SensorFile")]
 pub struct Sensor {
+    /// The published figures the rest was taken from, where it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<SensorPreset>,
     /// Pixel format; full scale follows from it.
     pub format: PixelFormat,
     /// Electrons a count stands for, 1/K.
     pub electrons_per_count: f64,
+    /// Quantum efficiency: share of the photons that become electrons.
+    pub quantum_efficiency: f64,
     /// Temporal dark noise σ_d, electrons.
     pub read_noise_e: f64,
     /// Grey value without a single electron, counts.
@@ -110,8 +170,10 @@ impl Default for Sensor {
     /// A 12-bit global-shutter CMOS sensor with 10 500 electrons full well.
     fn default() -> Self {
         Self {
+            preset: None,
             format: PixelFormat::Mono12,
             electrons_per_count: 2.6,
+            quantum_efficiency: 0.6,
             read_noise_e: 2.4,
             black_level_counts: 64.0,
             full_well_e: 10_500.0,
@@ -130,6 +192,7 @@ impl Sensor {
     /// Names the key that is wrong and what would be right.
     pub fn check(&self) -> Result<(), RenderError> {
         within("sensor.electrons_per_count", self.electrons_per_count, 1e-4, 1e5)?;
+        within("sensor.quantum_efficiency", self.quantum_efficiency, 1e-3, 1.0)?;
         within("sensor.read_noise_e", self.read_noise_e, 0.0, 1e4)?;
         within("sensor.black_level_counts", self.black_level_counts, 0.0, 65535.0)?;
         within("sensor.full_well_e", self.full_well_e, 1.0, 1e8)?;

@@ -8,13 +8,28 @@ use rayon::prelude::*;
 
 use super::columns::{Edge, PROFILE};
 use super::noise::{DENOMINATOR, NUMERATOR};
-use super::params::{Job, Params, Row};
+use super::params::{Job, Params};
 
 /// Columns treated together: their counts stay in the first-level cache.
 const BLOCK: usize = 256;
 
 /// Rows a task of the thread pool.
 const TASK_ROWS: usize = 32;
+
+/// Row of the sensor that a row of the frame shows: a second window may follow the first.
+#[inline(always)]
+fn sensor_row(params: &Params, row: u32) -> u32 {
+    params.row0 + row + if row >= params.split { params.skip } else { 0 }
+}
+
+/// Keys of a sensor row from those of the frame: one of them is different in every row.
+#[inline(always)]
+fn row_key(key: [u32; 2], row: u32) -> [u32; 2] {
+    let mut x = row ^ key[0];
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    [x ^ (x >> 16), x.wrapping_add(key[1])]
+}
 
 /// 32 random bits of a pixel.
 #[inline(always)]
@@ -61,19 +76,21 @@ fn sample(k: [f32; 4], z: f32) -> f32 {
 
 /// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same in every frame.
 #[inline(always)]
-fn fixed_pattern(params: &Params, mean: f32, key: [u32; 4], column: u32) -> f32 {
-    let a = hash([key[2], key[3]], column);
-    let b = hash([key[3], key[2]], column);
+fn fixed_pattern(params: &Params, mean: f32, key: [u32; 2], column: u32) -> f32 {
+    let a = hash(key, column);
+    let b = hash([key[1], key[0]], column);
     let response = params.prnu * (mean - params.black) * standard_normal(a);
     let dark = params.dsnu * standard_normal(b);
     let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.hot_share { params.hot } else { 0.0 };
     response + dark + hot
 }
 
-/// Counts as bits: rounded half to even by adding 2^23.
+/// Counts as bits: rounded half to even by adding 1.5·2²³, then clamped as integers.
 #[inline(always)]
 fn quantise(params: &Params, counts: f32) -> u32 {
-    (counts.min(params.ceiling).max(0.0).min(params.full_scale) + 8_388_608.0).to_bits() & 0x7f_ffff
+    ((counts.min(params.ceiling) + 12_582_912.0).to_bits() as i32)
+        .wrapping_sub(0x4b40_0000)
+        .clamp(0, params.most) as u32
 }
 
 /// Share of the light at u, by one tabulated edge-spread function.
@@ -117,29 +134,30 @@ fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     sum
 }
 
-/// Light over the field along a row: a polynomial in the distance from the axis.
+/// Light over the field: vignetting times the backlight's gradient, 1 on the axis.
 #[inline(always)]
-fn field_light(params: &Params, low: [f32; 4], high: [f32; 4], sensor_column: u32) -> f32 {
-    let u = (sensor_column as f32 - params.light_centre) * params.light_scale;
-    low[0] + u * (low[1] + u * (low[2] + u * (low[3] + u * (high[0] + u * (high[1] + u * high[2])))))
+fn field_light(params: &Params, row: u32, column: u32) -> f32 {
+    let u = (column as f32 - params.axis[0]) * params.half_diagonals;
+    let v = (row as f32 - params.axis[1]) * params.half_diagonals;
+    let r2 = u * u + v * v;
+    let lens = 1.0 - r2 * (params.field[0] + r2 * params.field[1]);
+    lens * (1.0 + params.field[2] * u + params.field[3] * v - params.sag * r2)
 }
 
-/// What contamination leaves of a pixel's light.
+/// What contamination leaves of the light of a pixel of the frame.
 #[inline(always)]
-fn clear_light(params: &Params, words: &[u32], row: usize, column: usize) -> f32 {
-    let word = words[row * params.light_words as usize + (column >> 1)];
+fn clear_light(params: &Params, words: &[u32], row: u32, column: u32) -> f32 {
+    let word = words[(row * params.light_words + (column >> 1)) as usize];
     ((word >> ((column & 1) << 4)) & 0xffff) as f32 * 3.051_757_8e-5
 }
 
-/// Light of the bright field at a pixel, 1 where it is even and clear.
+/// Light of the bright field at a pixel of the frame, 1 where it is even and clear.
 #[inline(always)]
-fn field_factor(job: &Job<'_>, row: &Row, at: At) -> f32 {
-    let sensor_column = job.params.column0 + at.column as u32;
-    let factor = field_light(&job.params, row.light_low, row.light_high, sensor_column);
+fn field_factor(job: &Job<'_>, row: u32, column: u32) -> f32 {
+    let params = &job.params;
+    let factor = field_light(params, sensor_row(params, row), params.column0 + column);
     match &job.contamination {
-        Some(map) if job.params.light > 1 => {
-            factor * clear_light(&job.params, &map.words, at.row as usize, at.column)
-        }
+        Some(map) if params.light > 1 => factor * clear_light(params, &map.words, row, column),
         _ => factor,
     }
 }
@@ -173,9 +191,9 @@ impl Pixel for f32 {
 
 /// Standard normal deviates of a block of a row.
 #[inline(always)]
-fn deviates(key: [u32; 4], first: u32, z: &mut [f32; BLOCK]) {
+fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
     for (i, z) in z.iter_mut().enumerate() {
-        *z = standard_normal(hash([key[0], key[1]], first.wrapping_add(i as u32)));
+        *z = standard_normal(hash(key, first.wrapping_add(i as u32)));
     }
 }
 
@@ -198,29 +216,38 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     }
 }
 
-/// The fixed pattern of a block of flat pixels.
+/// The fixed pattern of a block of pixels of known means.
 #[inline(always)]
-fn flat_pattern(job: &Job<'_>, at: At, counts: &mut [f32; BLOCK]) {
+fn pattern_pixels(params: &Params, at: At, means: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let key = row_key(params.pattern_key, sensor_row(params, at.row as u32));
+    for i in 0..BLOCK {
+        let column = (params.column0 + at.column as u32).wrapping_add(i as u32);
+        counts[i] += fixed_pattern(params, means[i], key, column);
+    }
+}
+
+/// Mean grey values of a block of flat pixels.
+#[inline(always)]
+fn flat_means(job: &Job<'_>, at: At, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
     let params = &job.params;
     let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for (i, (out, c)) in counts.iter_mut().zip(columns).enumerate() {
+    for ((mean, factor), c) in means.iter_mut().zip(factors).zip(columns) {
         let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        let mean = params.shadow + if inside { 0.0 } else { params.contrast };
-        *out += fixed_pattern(params, mean, at.key, params.column0 + (at.column + i) as u32);
+        *mean = params.shadow + if inside { 0.0 } else { params.contrast * factor };
     }
 }
 
 /// Light of the bright field over a block of a row.
 #[inline(always)]
 fn field_factors(job: &Job<'_>, at: At, factors: &mut [f32; BLOCK]) {
-    let row = &job.rows[at.row as usize];
+    let params = &job.params;
+    let row = sensor_row(params, at.row as u32);
     let count = BLOCK.min(job.columns.len() - at.column);
     for (i, factor) in factors[..count].iter_mut().enumerate() {
-        let sensor_column = job.params.column0 + (at.column + i) as u32;
-        *factor = field_light(&job.params, row.light_low, row.light_high, sensor_column);
+        *factor = field_light(params, row, params.column0 + (at.column + i) as u32);
     }
-    let Some(map) = job.contamination.as_ref().filter(|_| job.params.light > 1) else { return };
-    let first = at.row as usize * job.params.light_words as usize + at.column / 2;
+    let Some(map) = job.contamination.as_ref().filter(|_| params.light > 1) else { return };
+    let first = at.row as usize * params.light_words as usize + at.column / 2;
     let words = &map.words[first..first + count.div_ceil(2)];
     for (pair, word) in factors.chunks_exact_mut(2).zip(words) {
         pair[0] *= (word & 0xffff) as f32 * 3.051_757_8e-5;
@@ -228,28 +255,50 @@ fn field_factors(job: &Job<'_>, at: At, factors: &mut [f32; BLOCK]) {
     }
 }
 
-/// Counts of a block of flat pixels where the light is not even, their fixed pattern with them.
+/// Counts of a block of flat pixels where the light is not even.
 #[inline(always)]
-fn lit_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
-    let params = &job.params;
-    let mut means = [1.0; BLOCK];
-    field_factors(job, at, &mut means);
-    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for (mean, c) in means.iter_mut().zip(columns) {
-        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        *mean = params.shadow + if inside { 0.0 } else { params.contrast * *mean };
-    }
+fn lit_pixels(job: &Job<'_>, at: At, means: &[f32; BLOCK], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     for i in 0..BLOCK {
-        counts[i] = sample(shaped(params, means[i]), z[i]);
+        counts[i] = sample(shaped(&job.params, means[i]), z[i]);
     }
-    if params.pattern != 0 {
-        for i in 0..BLOCK {
-            counts[i] += fixed_pattern(params, means[i], at.key, params.column0 + (at.column + i) as u32);
-        }
+    if job.params.pattern != 0 {
+        pattern_pixels(&job.params, at, means, counts);
     }
 }
 
-/// Counts of a pixel near an edge.
+/// Counts of a block of a row, far from the edges.
+#[inline(always)]
+fn fill_block(job: &Job<'_>, extent: &BlockExtent, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let params = &job.params;
+    if params.light != 0 && !extent.dark(at.row) {
+        let (mut factors, mut means) = ([1.0; BLOCK], [params.shadow; BLOCK]);
+        field_factors(job, at, &mut factors);
+        flat_means(job, at, &factors, &mut means);
+        return lit_pixels(job, at, &means, z, counts);
+    }
+    match extent.even(params, at.row) {
+        Some(k) => even_pixels(k, z, counts),
+        None => flat_pixels(job, at, z, counts),
+    }
+    if params.pattern != 0 {
+        let mut means = [params.shadow; BLOCK];
+        flat_means(job, at, &[1.0; BLOCK], &mut means);
+        pattern_pixels(params, at, &means, counts);
+    }
+}
+
+/// A pixel of a known mean, with noise and fixed pattern, in counts.
+#[inline(always)]
+fn pixel(params: &Params, k: [f32; 4], mean: f32, key: [u32; 2], [row, column]: [u32; 2]) -> f32 {
+    let sensor_column = params.column0 + column;
+    let counts = sample(k, standard_normal(hash(key, sensor_column)));
+    if params.pattern == 0 {
+        return counts;
+    }
+    counts + fixed_pattern(params, mean, row_key(params.pattern_key, row), sensor_column)
+}
+
+/// Counts of a pixel near an edge; the other edge adds light only where the two bands overlap.
 #[inline(always)]
 fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
     let c = &job.columns[at.column];
@@ -257,17 +306,13 @@ fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
     if job.params.overlap != 0 {
         light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
     }
+    let (row, column) = (at.row as u32, at.column as u32);
     if job.params.light != 0 {
-        light *= field_factor(job, &job.rows[at.row as usize], at);
+        light *= field_factor(job, row, column);
     }
     let mean = job.params.shadow + job.params.contrast * light;
-    let column = job.params.column0 + at.column as u32;
-    let z = standard_normal(hash([at.key[0], at.key[1]], column));
-    let mut counts = sample(shaped(&job.params, mean), z);
-    if job.params.pattern != 0 {
-        counts += fixed_pattern(&job.params, mean, at.key, column);
-    }
-    counts
+    let place = [sensor_row(&job.params, row), column];
+    pixel(&job.params, shaped(&job.params, mean), mean, at.key, place)
 }
 
 /// A place in the frame with its row's noise key.
@@ -275,7 +320,7 @@ fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
 struct At {
     row: i32,
     column: usize,
-    key: [u32; 4],
+    key: [u32; 2],
 }
 
 /// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
@@ -326,22 +371,11 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
         let row = (first + r) as i32;
-        let key = job.rows[first + r].key;
+        let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
-            let column = block * BLOCK;
-            deviates(key, job.params.column0 + column as u32, &mut z);
-            let at = At { row, column, key };
-            if job.params.light != 0 && !extents[block].dark(row) {
-                lit_pixels(job, at, &z, &mut counts);
-            } else {
-                match extents[block].even(&job.params, row) {
-                    Some(k) => even_pixels(k, &z, &mut counts),
-                    None => flat_pixels(job, at, &z, &mut counts),
-                }
-                if job.params.pattern != 0 {
-                    flat_pattern(job, at, &mut counts);
-                }
-            }
+            let at = At { row, column: block * BLOCK, key };
+            deviates(key, job.params.column0 + at.column as u32, &mut z);
+            fill_block(job, &extents[block], at, &z, &mut counts);
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);
             }
@@ -360,7 +394,8 @@ fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
         for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
             let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
             for row in rows {
-                let at = At { row, column, key: job.rows[row as usize].key };
+                let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
+                let at = At { row, column, key };
                 let counts = edge_pixel(job, at, side == 1);
                 out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
             }

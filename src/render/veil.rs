@@ -7,7 +7,7 @@ use super::columns::ColumnEdges;
 use super::contamination::{Rise, mark_rise};
 use super::error::RenderError;
 use super::light_map::LightMap;
-use super::params::Window;
+use super::params::{Window, Windows};
 use super::scene::FrameRequest;
 use crate::shaft::Shaft;
 
@@ -46,18 +46,25 @@ pub(super) fn raise_edges(
 pub(super) fn contamination(
     bench: &OpticalBench,
     request: &FrameRequest,
-    window: Window,
+    windows: Windows,
     edges: &[ColumnEdges],
     rises: &[Rise],
     blur_px: f64,
 ) -> Result<Option<LightMap>, RenderError> {
     let Some(soiling) = &bench.soiling else { return Ok(None) };
-    let size = [window.rows as usize, window.columns as usize];
-    let mut map = if soiling.dims() {
-        soiling.transmission(request.frame_id, [window.row as usize, window.column as usize], size)?
+    let frame = windows.frame();
+    let size = [frame.rows as usize, frame.columns as usize];
+    let mut map = LightMap::default();
+    if soiling.dims() {
+        for part in windows.parts() {
+            let [row, column, rows, columns] =
+                [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
+            let piece = soiling.transmission(request.frame_id, [row, column], [rows, columns])?;
+            map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
+        }
     } else {
-        LightMap { words: Vec::new(), mask: vec![0; size[0] * size[1]] }
-    };
+        map.mask = vec![0; size[0] * size[1]];
+    }
     for (column, (e, rise)) in edges.iter().zip(rises).enumerate() {
         mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);
         mark_rise(&mut map.mask, size[1], column, e.bottom_px - rise.bottom_px, rise.bottom_px, blur_px);

@@ -5,10 +5,13 @@ use std::sync::mpsc;
 use bytemuck::cast_slice;
 
 use super::super::error::RenderError;
-use super::super::params::{Job, Params, Row};
+use super::super::params::{Job, Params};
 
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;
+
+/// Longest edge-spread table that lies in a uniform, as in the shader.
+pub(super) const ESF_UNIFORM_SEGMENTS: usize = 1024;
 
 /// Buffers kept while the frame size stays the same.
 pub(super) struct Buffers {
@@ -16,6 +19,7 @@ pub(super) struct Buffers {
     size: Size,
     inputs: [wgpu::Buffer; 6],
     light: wgpu::Buffer,
+    frame_bytes: u64,
     image: wgpu::Buffer,
     readback: Option<wgpu::Buffer>,
 }
@@ -31,10 +35,11 @@ impl Size {
             size_of::<Params>() as u64,
             bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
             bytes(job.bands.start.len(), 8),
-            bytes(job.rows.len(), size_of::<Row>()),
-            bytes(job.esf.segments.len() + job.profiles.len(), 16),
             MOST_NODES * 16,
-            u64::from(job.params.words) * u64::from(job.params.rows) * 4,
+            bytes(ESF_UNIFORM_SEGMENTS, 16),
+            bytes(job.esf.segments.len() + job.profiles.len(), 16),
+            // Whole steps of `fill`, which writes rows beyond the last one too.
+            u64::from(job.params.words) * u64::from(job.params.rows.next_multiple_of(super::FILL_ROWS)) * 4,
             bytes(light_words(job).len().max(4), 4),
         ])
     }
@@ -45,14 +50,14 @@ fn light_words<'a>(job: &'a Job<'_>) -> &'a [u32] {
     job.contamination.as_ref().map_or(&[], |map| &map.words)
 }
 
-/// The bind-group layout: a uniform, five read-only buffers, the image, the contamination's factors.
+/// The bind-group layout: uniforms (parameters, quadrature, short tables), read-only buffers, the image.
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer {
             ty: match binding {
-                0 => wgpu::BufferBindingType::Uniform,
+                0 | 3 | 4 => wgpu::BufferBindingType::Uniform,
                 6 => wgpu::BufferBindingType::Storage { read_only: false },
                 _ => wgpu::BufferBindingType::Storage { read_only: true },
             },
@@ -85,7 +90,7 @@ impl Buffers {
             })
         };
         let inputs = std::array::from_fn(|i| {
-            let usage = if i == 0 { Use::UNIFORM } else { Use::STORAGE };
+            let usage = if matches!(i, 0 | 3 | 4) { Use::UNIFORM } else { Use::STORAGE };
             buffer(size.0[i], usage | Use::COPY_DST)
         });
         let light = buffer(size.0[7], Use::STORAGE | Use::COPY_DST);
@@ -106,7 +111,8 @@ impl Buffers {
             layout,
             entries: &entries,
         });
-        Self { group, size, inputs, light, image, readback }
+        let frame_bytes = u64::from(job.params.words) * u64::from(job.params.rows) * 4;
+        Self { group, size, inputs, light, frame_bytes, image, readback }
     }
 
     /// Whether the job has exactly this size.
@@ -115,16 +121,21 @@ impl Buffers {
     }
 
     pub(super) fn upload(&self, queue: &wgpu::Queue, job: &Job<'_>) {
+        let segments = job.esf.segments.as_slice();
+        let (short, long): (&[_], &[_]) =
+            if segments.len() <= ESF_UNIFORM_SEGMENTS { (segments, &[]) } else { (&[], segments) };
         let parts: [&[u8]; 6] = [
             bytemuck::bytes_of(&job.params),
             cast_slice(&job.columns),
             cast_slice(&job.bands.start),
-            cast_slice(&job.rows),
-            cast_slice(&job.esf.segments),
             cast_slice(&job.quadrature),
+            cast_slice(short),
+            cast_slice(long),
         ];
         for (buffer, bytes) in self.inputs.iter().zip(parts) {
-            queue.write_buffer(buffer, 0, bytes);
+            if !bytes.is_empty() {
+                queue.write_buffer(buffer, 0, bytes);
+            }
         }
         let light = light_words(job);
         if !light.is_empty() {
@@ -132,7 +143,7 @@ impl Buffers {
         }
         if !job.profiles.is_empty() {
             queue.write_buffer(
-                &self.inputs[4],
+                &self.inputs[5],
                 16 * job.esf.segments.len() as u64,
                 cast_slice(&job.profiles),
             );
@@ -141,7 +152,7 @@ impl Buffers {
 
     pub(super) fn copy_out(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some(readback) = &self.readback {
-            encoder.copy_buffer_to_buffer(&self.image, 0, readback, 0, self.size.0[6]);
+            encoder.copy_buffer_to_buffer(&self.image, 0, readback, 0, self.frame_bytes);
         }
     }
 
@@ -154,7 +165,7 @@ impl Buffers {
         let failed = |what: String| RenderError::Device { what };
         let source = self.readback.as_ref().unwrap_or(&self.image);
         let (sender, receiver) = mpsc::channel();
-        source.map_async(wgpu::MapMode::Read, .., move |result| {
+        source.map_async(wgpu::MapMode::Read, ..self.frame_bytes, move |result| {
             let _ = sender.send(result);
         });
         device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(e.to_string()))?;
@@ -164,7 +175,7 @@ impl Buffers {
             Err(_) => return Err(failed("the image was never delivered".into())),
         }
         let result = {
-            let view = source.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
+            let view = source.get_mapped_range(..self.frame_bytes).map_err(|e| failed(e.to_string()))?;
             read(cast_slice(&view))
         };
         source.unmap();

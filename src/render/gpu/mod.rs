@@ -39,16 +39,33 @@ pub struct Gpu {
     pipelines: BTreeMap<Variant, Pipelines>,
     buffers: Option<Buffers>,
     failure: Arc<Mutex<Option<String>>>,
+    frames_left: Option<u64>,
 }
 
-/// What the kernels are compiled for: pixels a word, fixed pattern, overlapping bands, uneven light, stacked tables,
-/// profiles.
-type Variant = [u32; 6];
+/// Rows an invocation of `fill` writes, as in the shader.
+const FILL_ROWS: u32 = 16;
+
+/// What the kernels are compiled for, in the order of [`OVERRIDES`].
+type Variant = [u32; 8];
+
+/// The shader's names for it: pixels a word, fixed pattern, overlapping bands, uneven light, stacked tables, profiles,
+/// nodes over a pixel, whether the edge-spread tables lie in a uniform.
+const OVERRIDES: [&str; 8] = [
+    "pixels_per_word",
+    "with_pattern",
+    "with_overlap",
+    "with_light",
+    "with_stack",
+    "with_profiles",
+    "nodes",
+    "esf_in_uniform",
+];
 
 fn variant(job: &Job<'_>) -> Variant {
-    let params = &job.params;
+    let p = &job.params;
     let (stack, profiles) = (u32::from(job.stacked), u32::from(!job.profiles.is_empty()));
-    [pixels_per_word(job.format), params.pattern, params.overlap, params.light, stack, profiles]
+    let small = u32::from(job.esf.segments.len() <= buffers::ESF_UNIFORM_SEGMENTS);
+    [pixels_per_word(job.format), p.pattern, p.overlap, p.light, stack, profiles, p.nodes, small]
 }
 
 struct Pipelines {
@@ -122,12 +139,29 @@ impl Gpu {
             return Err(RenderError::Device { what: e.to_string() });
         }
         let (pipelines, buffers) = (BTreeMap::new(), None);
-        Ok(Self { info, device, queue, module, bindings, layout, mappable, pipelines, buffers, failure })
+        Ok(Self {
+            info,
+            device,
+            queue,
+            module,
+            bindings,
+            layout,
+            mappable,
+            pipelines,
+            buffers,
+            failure,
+            frames_left: None,
+        })
     }
 
     /// The adapter in use.
     pub fn info(&self) -> &wgpu::AdapterInfo {
         &self.info
+    }
+
+    /// Fault injection: the device is destroyed after `frames` more frames.
+    pub fn lose_after(&mut self, frames: u64) {
+        self.frames_left = Some(frames);
     }
 
     /// Runs the job's kernels and hands the packed words to `read`.
@@ -140,6 +174,11 @@ impl Gpu {
         work: Work,
         read: impl FnOnce(&[u32]) -> R,
     ) -> Result<R, RenderError> {
+        match &mut self.frames_left {
+            Some(0) => self.device.destroy(),
+            Some(left) => *left -= 1,
+            None => {}
+        }
         self.prepare(job)?;
         let Some(buffers) = &self.buffers else {
             return Err(RenderError::Device { what: "no buffers".into() });
@@ -149,6 +188,7 @@ impl Gpu {
         self.encode(&mut encoder, buffers, job, work);
         buffers.copy_out(&mut encoder);
         self.queue.submit([encoder.finish()]);
+        self.check_device()?;
         let result = buffers.read(&self.device, read);
         self.check_device()?;
         result
@@ -166,7 +206,7 @@ impl Gpu {
             }
             Work::Frame => {
                 pass.set_pipeline(&pipelines.fill);
-                pass.dispatch_workgroups(groups, job.params.rows, 1);
+                pass.dispatch_workgroups(groups, job.params.rows.div_ceil(FILL_ROWS), 1);
                 pass.set_pipeline(&pipelines.band);
                 pass.dispatch_workgroups(groups, 2 * job.params.band_rows, 1);
             }
@@ -206,14 +246,7 @@ impl Gpu {
             module: &self.module,
             entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[
-                    ("pixels_per_word", f64::from(variant[0])),
-                    ("with_pattern", f64::from(variant[1])),
-                    ("with_overlap", f64::from(variant[2])),
-                    ("with_light", f64::from(variant[3])),
-                    ("with_stack", f64::from(variant[4])),
-                    ("with_profiles", f64::from(variant[5])),
-                ],
+                constants: &std::array::from_fn::<_, 8, _>(|i| (OVERRIDES[i], f64::from(variant[i]))),
                 ..Default::default()
             },
             cache: None,

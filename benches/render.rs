@@ -1,0 +1,81 @@
+//! Each kernel of the renderer by itself, on the CPU: the device's times are `render --bench`'s.
+//!
+//! 2048 x 2048 pixels, 12 bit; `job` is what the host prepares for a frame, `frame` the twin's kernels.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use shadowgauge::frame::{Buffer, Roi};
+use shadowgauge::render::contamination::{
+    AirDroplets, Chips, Contamination, Dirt, Films, Mist, WindowDroplets,
+};
+use shadowgauge::render::lens::FieldLight;
+use shadowgauge::render::settings::{BenchSettings, Departures};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use shadowgauge::shaft::Shaft;
+
+fn scene(set: impl FnOnce(&mut BenchSettings)) -> Result<Scene, RenderError> {
+    let mut settings = BenchSettings { departures: Departures::none(), ..BenchSettings::default() };
+    settings.camera.rows = 2048;
+    settings.camera.columns = 2048;
+    set(&mut settings);
+    let mut shaft = Shaft::cylinder(25.0);
+    shaft.pose.tilt_mrad = 2.0;
+    Scene::new(&OpticalBench::resolve(&settings, 1)?, shaft)
+}
+
+fn dirty() -> Contamination {
+    Contamination {
+        mist: Mist { clouds_per_cm2: 1.0, ..Mist::default() },
+        window_droplets: WindowDroplets { per_cm2: 2.0, ..WindowDroplets::default() },
+        air_droplets: AirDroplets { per_cm2: 4.0, ..AirDroplets::default() },
+        chips: Chips { per_cm2: 0.5, ..Chips::default() },
+        films: Films { per_cm2: 1.0, ..Films::default() },
+        dirt: Dirt { per_cm2: 4.0, ..Dirt::default() },
+        ..Contamination::default()
+    }
+}
+
+fn frames(c: &mut Criterion) -> Result<(), RenderError> {
+    let twin = Renderer::new(BackendChoice::Cpu)?;
+    let gradient = FieldLight { gradient_along: 0.1, vignetting_2: 0.1, ..FieldLight::default() };
+    let roi = |row| Some(Roi { row, column: 0, rows: 32, columns: 2048 });
+    let full = FrameRequest { noise: true, ..FrameRequest::default() };
+    let windows = FrameRequest { roi: roi(190), second_roi: roi(1826), ..full.clone() };
+    let level = scene(|s| s.camera.pixel_um = 3.45)?;
+    let cases = [
+        ("even light", scene(|_| {})?, full.clone()),
+        ("without noise", scene(|_| {})?, FrameRequest { noise: false, ..full.clone() }),
+        ("uneven light", scene(|s| s.light.field = gradient)?, full.clone()),
+        ("fixed pattern", scene(|s| s.sensor.prnu_rel = 0.01)?, full.clone()),
+        ("contamination", scene(|s| s.contamination = dirty())?, full.clone()),
+    ];
+    for (name, scene, request) in &cases {
+        c.bench_function(&format!("job, {name}"), |b| {
+            b.iter(|| black_box(scene.job(request).map(|j| j.params.rows)))
+        });
+        let job = scene.job(request)?;
+        let mut spare: Option<Buffer> = None;
+        c.bench_function(&format!("frame, {name}"), |b| {
+            b.iter(|| spare = twin.draw(&job, spare.take()).ok())
+        });
+    }
+    if let Ok(job) = level.job(&windows) {
+        let mut spare: Option<Buffer> = None;
+        c.bench_function("frame, 2 x 32 rows", |b| b.iter(|| spare = twin.draw(&job, spare.take()).ok()));
+    }
+    Ok(())
+}
+
+fn all(c: &mut Criterion) {
+    if let Err(e) = frames(c) {
+        eprintln!("not measured: {e}");
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20);
+    targets = all
+}
+criterion_main!(benches);
