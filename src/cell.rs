@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
+use crate::control::{PartAndTool, PartEvent};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::job::{Job, MasterPin};
 use crate::plan::{PassPlan, ScanPlan};
@@ -24,6 +25,9 @@ pub enum CellError {
     /// The part cannot be shown.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The cell does not change parts.
+    #[error("this cell turns one part only")]
+    OnePart,
 }
 
 /// A lathe with a gauge on its carriage, real or simulated.
@@ -46,6 +50,24 @@ pub trait TurningCell {
     /// Where no frame can be taken at all.
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
 
+    /// Clamps the next blank of a batch; `part` counts from 0, the one the cell began with.
+    ///
+    /// # Errors
+    /// Where the cell has no other blank.
+    fn next_part(&mut self, _part: u64, _event: PartEvent) -> Result<(), CellError> {
+        Err(CellError::OnePart)
+    }
+
+    /// Part and tool that are in the machine; `None` where the cell cannot tell.
+    fn in_machine(&self) -> Option<PartAndTool> {
+        None
+    }
+
+    /// The clock that frames are stamped with, ns; `None` where the cell has none.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// True mean caliper diameter of stations (z from, z to), mm; `None` where nobody knows. For comparison only.
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;
 }
@@ -59,12 +81,35 @@ pub struct SimulatedCell<'a> {
     masters_mm: Vec<f64>,
     seed: u64,
     frame_id: u64,
+    master_frame_id: u64,
     clock_ns: u64,
+    /// Pass cut last; 0 before the first.
+    pass: u32,
+    stock: Stock,
+    batch: Batch,
+}
+
+/// What is filmed: the two count their frames apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Film {
+    Part,
+    Master,
+}
+
+/// Which part of a batch, cut by which insert.
+#[derive(Clone, Debug, Default)]
+struct Batch {
+    name: String,
+    first_seed: u64,
+    part: u64,
+    insert: u32,
 }
 
 /// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
 const MASTER_STREAM: u64 = 0x6d61_7374_6572;
 const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
+/// Passes that a part may have: ids and clock of the next part start beyond them.
+const PASSES_OF_A_PART: u64 = 1024;
 /// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
 /// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a pass takes, and
@@ -80,14 +125,15 @@ impl<'a> SimulatedCell<'a> {
         let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
         let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
         let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
-        let part = form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)?;
+        let formed = form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)?;
         let form = BaseForm {
-            lobes: part.lobes.clone(),
-            eccentricity: part.eccentricity,
-            bow: part.bow.clone(),
-            pose: part.pose,
+            lobes: formed.lobes.clone(),
+            eccentricity: formed.eccentricity,
+            bow: formed.bow.clone(),
+            pose: formed.pose,
         };
         let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
+        let part = Shaft { deflection: formed.deflection, spindle: formed.spindle, ..process.blank() };
         Ok(Self {
             renderer,
             bench,
@@ -96,7 +142,11 @@ impl<'a> SimulatedCell<'a> {
             masters_mm: true_masters_mm(&job.masters.pins, job.seed),
             seed: job.seed,
             frame_id: 0,
+            master_frame_id: 0,
             clock_ns: 0,
+            pass: 0,
+            stock,
+            batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
         })
     }
 }
@@ -104,9 +154,8 @@ impl<'a> SimulatedCell<'a> {
 impl TurningCell for SimulatedCell<'_> {
     fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError> {
         let cut = self.process.cut(plan)?;
-        self.part = Shaft { deflection: std::mem::take(&mut self.part.deflection), ..cut };
-        self.frame_id = u64::from(plan.pass) * FRAMES_OF_A_PASS;
-        self.clock_ns = u64::from(plan.pass) * PASS_PERIOD_NS;
+        self.part = self.clamped(cut);
+        self.begin_pass(plan.pass);
         Ok(())
     }
 
@@ -114,21 +163,52 @@ impl TurningCell for SimulatedCell<'_> {
         let scene = Scene::new(&self.bench, self.part.clone())?;
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
-        Ok(self.film(vec![scene], stops))
+        Ok(self.film(vec![scene], stops, Film::Part))
     }
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let diameter_mm = self.masters_mm[index];
-        let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48));
+        // the calibration's pins lie as the seed says; a pin looked at again after a pass lies elsewhere
+        let again = u64::from(self.pass) << 40;
+        let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
             .map(|pose| {
                 Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
             })
             .collect();
-        self.frame_id = (1 << 31) + ((index as u64) << 24);
+        self.master_frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
-        Ok(self.film(scenes?, stops))
+        Ok(self.film(scenes?, stops, Film::Master))
+    }
+
+    fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), CellError> {
+        match event {
+            PartEvent::Continued => {}
+            PartEvent::InsertChanged => {
+                self.process.change_insert();
+                self.batch.insert += 1;
+            }
+            PartEvent::ColdStart => self.process.cool_down(),
+        }
+        self.batch.part = part;
+        self.seed = self.batch.first_seed + part;
+        self.process = self.process.next_blank(self.stock, self.seed ^ PROCESS_STREAM)?;
+        self.part = self.clamped(self.process.blank());
+        self.begin_pass(0);
+        Ok(())
+    }
+
+    fn in_machine(&self) -> Option<PartAndTool> {
+        let Batch { name, part, insert, .. } = &self.batch;
+        Some(PartAndTool {
+            part: format!("{name}, part {}", part + 1),
+            tool: format!("T1, insert {}", insert + 1),
+        })
+    }
+
+    fn now_ns(&self) -> Option<u64> {
+        Some(self.clock_ns)
     }
 
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>> {
@@ -137,14 +217,32 @@ impl TurningCell for SimulatedCell<'_> {
 }
 
 impl SimulatedCell<'_> {
+    /// A workpiece in this machine: sag and spindle belong to it, not to the part.
+    fn clamped(&self, part: Shaft) -> Shaft {
+        Shaft { deflection: self.part.deflection.clone(), spindle: self.part.spindle.clone(), ..part }
+    }
+
+    fn first_frame_id(&self) -> u64 {
+        (self.batch.part * PASSES_OF_A_PART + u64::from(self.pass)) * FRAMES_OF_A_PASS
+    }
+
+    fn begin_pass(&mut self, pass: u32) {
+        self.pass = pass;
+        self.frame_id = self.first_frame_id();
+        self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
+    }
+
     /// One scene for all stops, or one a stop.
-    fn film(&mut self, scenes: Vec<Scene>, stops: Vec<(f64, f64)>) -> Box<dyn FrameSource + '_> {
+    fn film(&mut self, scenes: Vec<Scene>, stops: Vec<(f64, f64)>, film: Film) -> Box<dyn FrameSource + '_> {
         Box::new(SimulatedFrames {
             renderer: self.renderer,
             scenes,
             stops,
             next: 0,
-            frame_id: &mut self.frame_id,
+            frame_id: match film {
+                Film::Part => &mut self.frame_id,
+                Film::Master => &mut self.master_frame_id,
+            },
             clock_ns: &mut self.clock_ns,
             seed: self.seed,
             spare: None,
@@ -170,7 +268,7 @@ fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
         let z: f64 = StandardNormal.sample(&mut random);
         size * z.clamp(-2.0, 2.0)
     };
-    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3) }).collect()
+    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3), ..Pose::default() }).collect()
 }
 
 struct SimulatedFrames<'a> {

@@ -2,12 +2,16 @@
 //!
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
 
+mod evidence;
+
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
 use crate::cell::{CellError, TurningCell};
-use crate::control::{self, ControlError, Controller, NextPass, PassContext};
+pub use evidence::Evidence;
+
+use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
@@ -16,8 +20,10 @@ use crate::gauge::{
     MasterMeasurement, StationAverager,
 };
 use crate::job::{Job, JobError};
+use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::{DiameterProfile, Reading};
+use evidence::{AfterCut, Stamp};
 
 /// Length of the intervals over which one frame's columns are averaged for the record, mm.
 const RECORD_STEP_MM: f64 = 0.5;
@@ -99,6 +105,12 @@ pub struct PassResult {
     pub readings: Vec<FrameReading>,
     /// What control decided; `None` after the last pass.
     pub decision: Option<Decision>,
+    /// What the decision was made by besides the profile.
+    pub evidence: Evidence,
+    /// Control's remarks, and what rounding for the machine left of the offsets.
+    pub notes: Vec<String>,
+    /// Why the next pass should not be cut until someone has looked.
+    pub alarm: Option<String>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
     /// Form and sizes of the sections over the angles scanned.
@@ -126,8 +138,28 @@ pub struct ClosedLoop<'a> {
     calibration: Calibration,
     controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
+    /// What the controller asked for; `offset` is what the machine's program made of it.
+    asked: DiameterOffset,
     held: Option<HeldReason>,
+    notes: Vec<String>,
+    alarm: Option<String>,
     next_pass: u32,
+    /// What changed since the last part; taken when the part begins.
+    event: Option<PartEvent>,
+    stock: Option<DiameterProfile>,
+}
+
+/// A scan, measured.
+struct Scanned {
+    profile: DiameterProfile,
+    form: PartForm,
+    readings: Vec<FrameReading>,
+    sample: Option<Sample>,
+    frames: usize,
+    refused: Vec<String>,
+    waited: Duration,
+    measured: Duration,
+    ends: Option<(Stamp, Stamp)>,
 }
 
 impl<'a> ClosedLoop<'a> {
@@ -143,14 +175,88 @@ impl<'a> ClosedLoop<'a> {
         job.check()?;
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
-        let controller = control::build(&job.control, &job.part.station_z_mm())?;
+        let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
         let gauge = Gauge::new(job.gauge.clone())?;
         let calibration = match calibration {
             Some(known) => known,
             None => calibrate(job, cell.as_mut(), &gauge)?,
         };
         let offset = DiameterOffset::zero(stations);
-        Ok(Self { job, cell, gauge, calibration, controller, offset, held: None, next_pass: 1 })
+        Ok(Self {
+            job,
+            cell,
+            gauge,
+            calibration,
+            controller,
+            asked: offset.clone(),
+            offset,
+            held: None,
+            notes: Vec::new(),
+            alarm: None,
+            next_pass: 1,
+            event: Some(PartEvent::Continued),
+            stock: None,
+        })
+    }
+
+    /// Clamps the next blank of a batch: edge, machine, calibration and what the controller has learnt stay. `part` counts
+    /// from 0, the part the cell began with.
+    ///
+    /// # Errors
+    /// Where the cell has no other blank.
+    pub fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), LoopError> {
+        self.cell.next_part(part, event)?;
+        self.next_pass = 1;
+        (self.held, self.alarm, self.stock) = (None, None, None);
+        self.event = Some(event);
+        Ok(())
+    }
+
+    /// Diameters of the stock, where it was scanned.
+    pub fn stock(&self) -> Option<&DiameterProfile> {
+        self.stock.as_ref()
+    }
+
+    /// Takes up the stock as it was scanned before, so that no frame is taken of it.
+    pub fn resume_stock(&mut self, stock: Option<DiameterProfile>) {
+        self.begin_part(stock);
+    }
+
+    /// Why the next pass should not be cut until someone has looked.
+    pub fn alarm(&self) -> Option<&str> {
+        self.alarm.as_deref()
+    }
+
+    /// Scans the stock where the job wants it and lets the controller begin.
+    ///
+    /// # Errors
+    /// Where the source fails.
+    pub fn begin(&mut self) -> Result<(), LoopError> {
+        if self.event.is_some() {
+            let stock = match self.job.scans_stock() {
+                true => Some(self.scan(0, &mut |_, _| {})?.profile),
+                false => None,
+            };
+            self.begin_part(stock);
+        }
+        Ok(())
+    }
+
+    fn begin_part(&mut self, stock: Option<DiameterProfile>) {
+        self.stock = stock;
+        if let Some(event) = self.event.take() {
+            let start = PartStart { event, stock: self.stock.as_ref() };
+            let stations = self.job.part.station_z_mm().len();
+            let first = self.controller.begin_part(&start, stations);
+            match self.to_machine(first) {
+                Ok(()) => self.held = None,
+                Err(reason) => {
+                    self.offset = DiameterOffset::zero(stations);
+                    self.asked = self.offset.clone();
+                    self.held = Some(reason);
+                }
+            }
+        }
     }
 
     /// The calibration in force.
@@ -172,54 +278,102 @@ impl<'a> ClosedLoop<'a> {
     ///
     /// # Errors
     /// Where the record does not fit the job, or the cut fails.
-    pub fn replay(&mut self, measured: &DiameterProfile) -> Result<(), LoopError> {
+    pub fn replay(&mut self, measured: &DiameterProfile, evidence: &Evidence) -> Result<(), LoopError> {
+        self.begin_part(self.stock.clone());
         let plan = self.plan();
         let (found, expected) = (measured.stations.len(), plan.station_z_mm.len());
         if found != expected {
             return Err(LoopError::Replay { pass: plan.pass, found, expected });
         }
         self.cell.cut(&plan)?;
-        self.conclude(&plan, measured);
+        self.conclude(&plan, measured, evidence);
         Ok(())
     }
 
-    /// Cuts, scans, measures and corrects the next pass.
+    /// Cuts, scans, measures and corrects the next pass; before the first one the stock is scanned where the job wants it.
     ///
     /// # Errors
     /// Where the cut or the source fails; a frame that cannot be measured is no error but leaves gaps.
     pub fn run_pass(&mut self, progress: Progress<'_>) -> Result<PassResult, LoopError> {
+        self.begin()?;
         let plan = self.plan();
         self.cell.cut(&plan)?;
-        let scan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, scan.frames(), &self.calibration, self.gauge.stream());
-        let mut source = self.cell.scan(&scan)?;
+        let after_cut = AfterCut::of(self.cell.as_ref());
+        let mut scan = self.scan(plan.pass, progress)?;
+        let master = self.check_master()?;
+        let mut evidence = Evidence {
+            origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
+            in_machine: self.cell.in_machine(),
+            repeat: None,
+        };
+        if self.controller.needs_repeat(&plan, &scan.profile, &self.context(&evidence)) {
+            let again = self.scan(plan.pass, progress)?;
+            scan.frames += again.frames;
+            scan.waited += again.waited;
+            scan.measured += again.measured;
+            scan.refused.extend(again.refused);
+            evidence.repeat = Some(again.profile);
+        }
+        let decision = self.conclude(&plan, &scan.profile, &evidence);
+        let half = self.job.part.station_mm / 2.0;
+        let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
+        Ok(PassResult {
+            truth_mm: self.cell.true_stations_mm(&intervals),
+            plan,
+            profile: scan.profile,
+            readings: scan.readings,
+            decision,
+            evidence,
+            notes: self.notes.clone(),
+            alarm: self.alarm.clone(),
+            form: scan.form,
+            sample: scan.sample,
+            frames: scan.frames,
+            refused: scan.refused,
+            render: scan.waited,
+            gauge: scan.measured,
+        })
+    }
+
+    fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
+        let plan = self.job.scan_plan();
+        let mut measured = Measured::new(self.job, plan.frames(), &self.calibration, self.gauge.stream());
+        let mut source = self.cell.scan(&plan)?;
         while let Some(frame) = measured.wait(source.as_mut())? {
             let spent = measured.take(frame);
             if let Some(frame) = spent {
                 source.recycle(frame);
             }
-            progress(measured.frames, scan.frames());
+            progress(measured.frames, plan.frames());
         }
         drop(source);
-        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, .. } = measured;
-        let profile = averager.finish(plan.pass);
+        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, ends, .. } =
+            measured;
+        let profile = averager.finish(pass);
         let form = turns.finish(Cutoff::default());
-        let half = self.job.part.station_mm / 2.0;
-        let intervals: Vec<(f64, f64)> = plan.station_z_mm.iter().map(|z| (z - half, z + half)).collect();
-        let decision = self.conclude(&plan, &profile);
-        Ok(PassResult {
-            truth_mm: self.cell.true_stations_mm(&intervals),
-            plan,
-            profile,
-            readings,
-            decision,
-            form,
-            sample,
-            frames,
-            refused,
-            render: waited,
-            gauge: measured,
-        })
+        Ok(Scanned { profile, form, readings, sample, frames, refused, waited, measured, ends })
+    }
+
+    /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such
+    /// frame.
+    fn check_master(&mut self) -> Result<Option<f64>, LoopError> {
+        let (Some(pin), frames) = (self.job.masters.pins.first(), self.job.masters.check_frames) else {
+            return Ok(None);
+        };
+        if frames == 0 {
+            return Ok(None);
+        }
+        let mut source = self.cell.scan_master(0, frames)?;
+        let mut diameters = Vec::new();
+        while let Some(frame) = source.next_frame()? {
+            if let Ok(edges) = self.gauge.edges(&frame.view()) {
+                let columns = edges.top.len();
+                diameters.extend(self.calibration.diameters(&edges).mean(0..columns).value().map(|d| d.d_mm));
+            }
+            source.recycle(frame);
+        }
+        // a pin that cannot be measured reads nothing, which is as far off as can be
+        Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - pin.diameter_mm))
     }
 
     /// The next pass as it would be commanded now.
@@ -227,24 +381,73 @@ impl<'a> ClosedLoop<'a> {
         self.job.pass_plan(self.next_pass, self.offset.clone())
     }
 
-    fn conclude(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Option<Decision> {
-        self.next_pass += 1;
-        self.next_pass()?;
-        let next = NextPass {
-            nominal_mm: self.job.part.target_mm(self.next_pass),
+    fn context<'e>(&self, evidence: &'e Evidence) -> PassContext<'e> {
+        let coming = self.next_pass + 1;
+        let next = (coming as usize <= self.job.passes()).then(|| NextPass {
+            nominal_mm: self.job.part.target_mm(coming),
             cutting: self.job.cutting,
-            finishing: self.next_pass as usize == self.job.part.passes(),
-        };
-        let context = PassContext { next: Some(next), ..PassContext::default() };
-        let decision = self.controller.decide_in(plan, measured, &context);
-        match &decision {
-            Decision::Offset(offset) => {
-                self.offset = offset.clone();
-                self.held = None;
-            }
-            Decision::Held(reason) => self.held = Some(reason.clone()),
+            finishing: coming as usize == self.job.part.passes(),
+        });
+        PassContext {
+            origin: evidence.origin.as_ref(),
+            in_machine: evidence.in_machine.as_ref(),
+            repeat: evidence.repeat.as_ref(),
+            next,
         }
+    }
+
+    fn conclude(
+        &mut self,
+        plan: &PassPlan,
+        measured: &DiameterProfile,
+        evidence: &Evidence,
+    ) -> Option<Decision> {
+        let context = self.context(evidence);
+        self.next_pass += 1;
+        (self.notes, self.alarm) = (Vec::new(), None);
+        // after the last pass nothing is decided, but the next part is learnt for
+        let decision = self.controller.decide_in(plan, measured, &context);
+        self.next_pass()?;
+        self.notes = self.controller.notes().to_vec();
+        self.alarm = self.controller.alarm().map(str::to_owned);
+        let decision = match decision {
+            Decision::Offset(offset) => match self.to_machine(offset) {
+                Ok(()) => Decision::Offset(self.offset.clone()),
+                Err(reason) => Decision::Held(reason),
+            },
+            held => held,
+        };
+        self.held = match &decision {
+            Decision::Offset(_) => None,
+            Decision::Held(reason) => Some(reason.clone()),
+        };
         Some(decision)
+    }
+
+    /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The
+    /// controller is told of these in the next plan. Offsets that no program can carry are not put in force.
+    fn to_machine(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
+        let Some(machine) = &self.job.nc else {
+            self.offset = asked.clone();
+            self.asked = asked;
+            return Ok(());
+        };
+        let plan = self.job.pass_plan(self.next_pass, asked);
+        let path = nc::Path::new(&plan, &machine.machine, machine.dialect)
+            .map_err(|refused| HeldReason::Guard(format!("program: {refused}")))?;
+        self.notes.push(format!(
+            "{} knots for {}, the program departs from the offsets by up to {:.2} µm",
+            path.knots.len(),
+            machine.dialect.as_str(),
+            path.largest_departure(&plan) * 1e3
+        ));
+        (self.offset, self.asked) = (path.in_force, plan.offset);
+        Ok(())
+    }
+
+    /// Offsets of the next pass as the controller asked for them, before the machine's program rounded them.
+    pub fn asked(&self) -> &DiameterOffset {
+        &self.asked
     }
 }
 
@@ -289,6 +492,8 @@ struct Measured<'c> {
     frames: usize,
     waited: Duration,
     measured: Duration,
+    /// First and last frame.
+    ends: Option<(Stamp, Stamp)>,
 }
 
 impl<'c> Measured<'c> {
@@ -308,6 +513,7 @@ impl<'c> Measured<'c> {
             frames: 0,
             waited: Duration::ZERO,
             measured: Duration::ZERO,
+            ends: None,
         }
     }
 
@@ -323,6 +529,8 @@ impl<'c> Measured<'c> {
         let start = Instant::now();
         let index = self.frames;
         self.frames += 1;
+        let stamp = Stamp::of(&frame.meta);
+        self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
         let measured = self.stream.measure(&frame.view(), &mut self.edges);
         match &measured {
             Ok(()) => self.add(&frame),

@@ -8,6 +8,8 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::job::{Job, JobError};
+use crate::render::form::read_contour;
+use crate::render::settings::Esf;
 
 /// The preset of the main job, carried in the binary; the same file as `configs/slender_shaft.toml`.
 pub const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
@@ -67,7 +69,35 @@ pub enum ConfigError {
 pub fn load(path: &Path) -> Result<Job, ConfigError> {
     let text =
         std::fs::read_to_string(path).map_err(|cause| ConfigError::Read { path: path.to_owned(), cause })?;
-    parse(&text, &path.display().to_string())
+    let file = path.display().to_string();
+    let mut job: Job = parse_as(&text, &file)?;
+    read_named_files(&mut job, path.parent().unwrap_or(Path::new("")))
+        .map_err(|e| value_error(&text, &file, e))?;
+    job.check().map_err(|e| value_error(&text, &file, e))?;
+    Ok(job)
+}
+
+/// Reads the files that a config names, beside it; what they hold takes the place of their names.
+fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
+    let open = |key: &str, name: &str| {
+        let path = folder.join(name);
+        std::fs::File::open(&path)
+            .map_err(|e| JobError::at(key, format!("{}: cannot be read: {e}", path.display())))
+    };
+    if let Esf::Measured(measured) = &mut job.optics.esf {
+        if let Some(name) = measured.file.clone() {
+            let file = open("optics.esf.measured.file", &name)?;
+            measured.fill(file).map_err(crate::job::from_render)?;
+        }
+    }
+    if let Some(name) = job.shaft.contour_file.take() {
+        if !job.shaft.contour.is_empty() {
+            return Err(JobError::at("shaft.contour_file", "stands beside shaft.contour; give one of them"));
+        }
+        let file = open("shaft.contour_file", &name)?;
+        job.shaft.contour = read_contour(file).map_err(crate::job::from_render)?;
+    }
+    Ok(())
 }
 
 /// Reads and checks the text of a config; `file` names it in errors.

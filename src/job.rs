@@ -7,12 +7,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::control::{ControlError, ControlSettings};
+use crate::control::{ControlError, ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
+use crate::nc::{Dialect, NcError, NcSettings};
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
 use crate::process::ProcessSettings;
 use crate::render::RenderError;
 use crate::render::contamination::Contamination;
+use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 
@@ -154,11 +156,27 @@ pub struct Scan {
     pub fields: usize,
     /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
     pub angles: usize,
+    /// Whether the stock is scanned before the first pass. Its form is copied into the first pass in part: a controller
+    /// that has seen it need not guess what was copied and what is the shaft's own yielding.
+    pub stock: StockScan,
+}
+
+/// Whether the stock is scanned before the first pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StockScan {
+    /// Where the controller makes use of it: the model-based one.
+    #[default]
+    Auto,
+    /// Before every part.
+    Always,
+    /// Not at all.
+    Never,
 }
 
 impl Default for Scan {
     fn default() -> Self {
-        Self { fields: 14, angles: 8 }
+        Self { fields: 14, angles: 8, stock: StockScan::default() }
     }
 }
 
@@ -187,13 +205,26 @@ pub struct Masters {
     pub pins: Vec<MasterPin>,
     /// Frames taken of each pin.
     pub frames_each: usize,
+    /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0 for none.
+    pub check_frames: usize,
 }
 
 impl Default for Masters {
     fn default() -> Self {
         let pin = |diameter_mm| MasterPin { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
-        Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8 }
+        Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8, check_frames: 1 }
     }
+}
+
+/// Where offsets go: the control whose increments they are rounded to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NcJob {
+    /// The control.
+    pub dialect: Dialect,
+    /// What its programs need to know of the machine.
+    #[serde(default)]
+    pub machine: NcSettings,
 }
 
 /// Everything one run needs. The top-level tables of a config file are its fields.
@@ -224,6 +255,8 @@ pub struct Job {
     pub light: Light,
     /// Sensor.
     pub sensor: Sensor,
+    /// What moves during an exposure.
+    pub motion: Motion,
     /// What soils the view; clean by default.
     pub contamination: Contamination,
     /// How far the true optics and sensor may lie from their nominal values (drawn by seed).
@@ -234,6 +267,9 @@ pub struct Job {
     pub gauge: GaugeSettings,
     /// The controller.
     pub control: ControlSettings,
+    /// The control that the offsets go to: what its rounding leaves of them is what the controller is told. Without one
+    /// offsets are commanded as they are.
+    pub nc: Option<NcJob>,
 }
 
 impl Default for Job {
@@ -251,11 +287,13 @@ impl Default for Job {
             optics: Optics::default(),
             light: Light::default(),
             sensor: Sensor::default(),
+            motion: Motion::default(),
             contamination: Contamination::default(),
             departures: Departures::default(),
             process: ProcessSettings::default(),
             gauge: GaugeSettings::default(),
             control: ControlSettings::default(),
+            nc: None,
         }
     }
 }
@@ -268,6 +306,7 @@ impl Job {
             optics: self.optics.clone(),
             light: self.light.clone(),
             sensor: self.sensor.clone(),
+            motion: self.motion.clone(),
             contamination: self.contamination.clone(),
             departures: self.departures.clone(),
         }
@@ -305,6 +344,24 @@ impl Job {
         ScanPlan { field_z_mm, angle_deg }
     }
 
+    /// Whether the stock is scanned before the first pass.
+    pub fn scans_stock(&self) -> bool {
+        match self.scan.stock {
+            StockScan::Auto => self.control.controller == ControllerName::Model,
+            StockScan::Always => true,
+            StockScan::Never => false,
+        }
+    }
+
+    /// The controller's settings as a run uses them: the lower limit of size from the part's tolerance, where no other is
+    /// given.
+    pub fn run_control(&self) -> ControlSettings {
+        let mut control = self.control.clone();
+        let lower = self.part.tolerance.map(|t| t.nominal_mm + t.lower_mm).filter(|l| *l > 0.0);
+        control.guards.lower_limit_mm = control.guards.lower_limit_mm.or(lower);
+        control
+    }
+
     /// Length along z that one frame shows, mm, by the nominal magnification; a little less than the whole field, so that
     /// fields overlap whatever the true magnification.
     pub fn field_length_mm(&self) -> f64 {
@@ -331,7 +388,16 @@ impl Job {
         self.process.validate().map_err(|e| {
             JobError::at(format!("process.{}", e.key), format!("{} must be {}", e.value, e.must_be))
         })?;
+        self.check_nc()?;
         self.control.validate().map_err(from_control)
+    }
+
+    /// A path of the first pass must be possible: its lead-out clear of the chuck, its settings in range.
+    fn check_nc(&self) -> Result<(), JobError> {
+        let Some(nc) = &self.nc else { return Ok(()) };
+        let stations = self.part.station_z_mm().len();
+        let plan = self.pass_plan(1, crate::plan::DiameterOffset::zero(stations));
+        crate::nc::Path::new(&plan, &nc.machine, nc.dialect).map(drop).map_err(from_nc)
     }
 
     /// Checks that the controller can be built for the job's stations: an unstable loop is refused here, so that a study
@@ -385,11 +451,17 @@ impl Job {
         Ok(())
     }
 
-    /// Whether the fields cover the part: needed by a run, not by `render`.
+    /// Whether the fields cover the part, and the shaft is one that can be turned: needed by a run, not by `render`.
     ///
     /// # Errors
     /// Names the number of fields that would be enough.
     pub fn check_coverage(&self) -> Result<(), JobError> {
+        if let Some(key) = self.shaft.finished_key() {
+            return Err(JobError::at(
+                key,
+                "describes a finished part, which `render` draws; a run turns a plain shaft: leave it out",
+            ));
+        }
         let needed = (self.part.length_mm / self.field_length_mm()).ceil() as usize;
         if self.scan.fields < needed {
             return Err(JobError::at(
@@ -443,7 +515,8 @@ impl Job {
     }
 }
 
-fn from_render(error: RenderError) -> JobError {
+/// A renderer's refusal as one of the job.
+pub fn from_render(error: RenderError) -> JobError {
     match error {
         RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
         other => JobError::at("optics", other.to_string()),
@@ -454,6 +527,15 @@ fn from_control(error: ControlError) -> JobError {
     match error {
         ControlError::Setting { key, value, right } => JobError::at(key, format!("{value} must be {right}")),
         other => JobError::at("control", other.to_string()),
+    }
+}
+
+fn from_nc(error: NcError) -> JobError {
+    match error {
+        NcError::Setting { key, value, right } => {
+            JobError::at(key.replacen("nc.", "nc.machine.", 1), format!("{value} must be {right}"))
+        }
+        other => JobError::at("nc.machine", other.to_string()),
     }
 }
 

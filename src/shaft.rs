@@ -2,7 +2,14 @@
 //!
 //! r(z,θ) = R(z) + Σ_{k≥2} a_k cos(k(θ - θ_k)) + texture(z,θ), θ the body angle from x towards y; eccentricity
 //! (k = 1), bow and deflection move the axis c(z,φ), φ the spindle angle: a body point θ stands at machine angle
-//! θ + φ. Eccentricity and bow turn with the body; deflection and pose do not.
+//! θ + φ. Eccentricity and bow turn with the body; deflection, spindle error and pose do not. Threads and feed marks are
+//! heights over the phase of a helix, flats and keyways cut the slice. [`form`] is what a user writes.
+
+pub mod form;
+
+pub use form::{
+    Bow, ContourPoint, Deflection, FeedMarks, ShaftForm, TextureForm, TextureSpectrum, Thermal, Thread,
+};
 
 /// A point of the mean radius profile R(z); between knots R is linear, beyond the ends constant.
 /// Two knots at the same z make a shoulder.
@@ -75,6 +82,123 @@ pub struct Pose {
     pub x_mm: f64,
     /// Tilt in the image plane: rise of the axis along z, mrad.
     pub tilt_mrad: f64,
+    /// Tilt towards the camera: how the axis comes nearer along z, mrad, about the middle of the field (the carriage keeps
+    /// the focus).
+    pub tilt_to_camera_mrad: f64,
+}
+
+/// A wave of the radius along z, a·cos(2πz/λ + phase), the same all around.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxialWave {
+    /// Wavelength λ, mm.
+    pub wavelength_mm: f64,
+    /// Amplitude a, mm.
+    pub amplitude_mm: f64,
+    /// Phase at z = 0, degrees.
+    #[serde(default)]
+    pub phase_deg: f64,
+}
+
+/// A plane cut parallel to the axis.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Flat {
+    /// Where it begins, mm.
+    pub from_mm: f64,
+    /// Where it ends, mm.
+    pub to_mm: f64,
+    /// Distance of the plane from the body's axis, mm.
+    pub distance_mm: f64,
+    /// Body angle of its normal, degrees.
+    #[serde(default)]
+    pub angle_deg: f64,
+}
+
+/// A slot with parallel walls and a flat floor, along the axis.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Keyway {
+    /// Where it begins, mm.
+    pub from_mm: f64,
+    /// Where it ends, mm.
+    pub to_mm: f64,
+    /// Distance of its walls, mm.
+    pub width_mm: f64,
+    /// Distance of its floor from the body's axis, mm.
+    pub floor_mm: f64,
+    /// Body angle of its middle, degrees.
+    #[serde(default)]
+    pub angle_deg: f64,
+}
+
+/// Part of a helix' profile: height c0 + c1 w + c2 w², mm, over the phase w past `from`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HelixPiece {
+    /// Phase 0..1 at which it begins; it ends where the next one begins.
+    pub from: f64,
+    /// c0, c1, c2, mm.
+    pub height_mm: [f64; 3],
+}
+
+/// Heights that climb along a helix: a thread (below the radius), feed marks (above it).
+///
+/// The phase is u = z/pitch ∓ starts·θ/2π modulo 1, minus for a right-handed helix.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Helix {
+    /// Where it begins, mm.
+    pub from_mm: f64,
+    /// Where it ends, mm.
+    pub to_mm: f64,
+    /// Distance of neighbouring turns along z, mm.
+    pub pitch_mm: f64,
+    /// Starts.
+    pub starts: u32,
+    /// Whether it climbs the other way.
+    pub left_handed: bool,
+    /// Pieces of one turn, ascending from phase 0.
+    pub pieces: Vec<HelixPiece>,
+}
+
+/// Everything on a shaft beyond profile, lobes and texture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// Waves along z.
+    pub waves: Vec<AxialWave>,
+    /// Threads and feed marks; their heights add up.
+    pub helices: Vec<Helix>,
+    /// Flats.
+    pub flats: Vec<Flat>,
+    /// Keyways.
+    pub keyways: Vec<Keyway>,
+}
+
+/// One harmonic of the synchronous error motion: x(φ) = x_um·cos(order·φ + x_phase), y likewise.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpindleHarmonic {
+    /// Cycles per revolution.
+    pub order: u32,
+    /// Amplitude along x (up in the image), µm.
+    pub x_um: f64,
+    /// Phase of x at φ = 0, degrees.
+    pub x_phase_deg: f64,
+    /// Amplitude along y (towards the camera), µm.
+    pub y_um: f64,
+    /// Phase of y at φ = 0, degrees.
+    pub y_phase_deg: f64,
+}
+
+/// Radial error motion of the axis of rotation (ISO 230-7).
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpindleMotion {
+    /// What repeats every revolution.
+    pub synchronous: Vec<SpindleHarmonic>,
+    /// What does not: standard deviation along x and along y, µm, drawn anew for every frame.
+    pub asynchronous_rms_um: f64,
 }
 
 /// A shaft as it turns in the machine.
@@ -94,6 +218,10 @@ pub struct Shaft {
     pub deflection: Vec<AxisKnot>,
     /// How the axis of rotation lies in the field.
     pub pose: Pose,
+    /// Waves, threads, feed marks, flats and keyways.
+    pub features: Features,
+    /// Error motion of the spindle.
+    pub spindle: SpindleMotion,
 }
 
 impl Shaft {
@@ -107,66 +235,8 @@ impl Shaft {
             bow: Vec::new(),
             deflection: Vec::new(),
             pose: Pose::default(),
+            features: Features::default(),
+            spindle: SpindleMotion::default(),
         }
     }
-}
-
-/// Roughness and waviness to be drawn by seed: a Gaussian random field over z and θ.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TextureForm {
-    /// Root mean square of the heights, µm.
-    pub rms_um: f64,
-    /// Distance along z over which the autocorrelation falls to 1/e, mm.
-    pub correlation_z_mm: f64,
-    /// Angle over which the autocorrelation falls to 1/e, degrees.
-    pub correlation_theta_deg: f64,
-}
-
-impl Default for TextureForm {
-    fn default() -> Self {
-        Self { rms_um: 0.4, correlation_z_mm: 0.5, correlation_theta_deg: 2.0 }
-    }
-}
-
-/// A bow of the body's own axis, half a sine wave over the part's length; turns with the spindle.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(deny_unknown_fields, default)]
-pub struct Bow {
-    /// Largest offset of the axis, mm.
-    pub sagitta_mm: f64,
-    /// Body angle of the offset, degrees.
-    pub phase_deg: f64,
-}
-
-/// A deflection of the axis in the machine's frame, half a sine wave over the part's length; does not turn.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
-#[serde(deny_unknown_fields, default)]
-pub struct Deflection {
-    /// Largest offset along x (up in the image), mm.
-    pub sagitta_x_mm: f64,
-    /// Largest offset along y (towards the camera), mm.
-    pub sagitta_y_mm: f64,
-}
-
-/// Form errors and lie of a shaft as a user writes them: the `[shaft]` table.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ShaftForm {
-    /// Lobing terms, constant along z.
-    pub lobes: Vec<Lobe>,
-    /// Offset that turns with the spindle.
-    pub eccentricity: Eccentricity,
-    /// How the axis of rotation lies in the field.
-    pub pose: Pose,
-    /// Bow of the body's own axis.
-    pub bow: Bow,
-    /// Deflection of the axis in the machine's frame.
-    pub deflection: Deflection,
-    /// Roughness and waviness; none leaves the surface smooth.
-    pub texture: Option<TextureForm>,
 }

@@ -111,7 +111,13 @@ fn scatter_and_outliers_hold() {
 #[test]
 fn a_measurement_must_belong_here_be_fresh_and_be_used_once() {
     let here = PartAndTool { part: "7".into(), tool: "T1/3".into() };
-    let origin = Origin { of: here.clone(), scan: 11, age_s: 5.0, master_deviation_mm: Some(0.0002) };
+    let origin = Origin {
+        of: here.clone(),
+        scan: 11,
+        age_s: 5.0,
+        since_cut_s: 3.0,
+        master_deviation_mm: Some(0.0002),
+    };
     let decide = |c: &mut dyn Controller, origin: &Origin| {
         let context = PassContext { origin: Some(origin), in_machine: Some(&here), ..PassContext::default() };
         first(c, &barrel(0.04), &context)
@@ -124,6 +130,7 @@ fn a_measurement_must_belong_here_be_fresh_and_be_used_once() {
     assert_held(decide(fresh().as_mut(), &Origin { of: other("8", "T1/3"), ..origin.clone() }), "part");
     assert_held(decide(fresh().as_mut(), &Origin { of: other("7", "T1/4"), ..origin.clone() }), "tool");
     assert_held(decide(fresh().as_mut(), &Origin { age_s: 901.0, ..origin.clone() }), "fresh");
+    assert_held(decide(fresh().as_mut(), &Origin { since_cut_s: -0.1, ..origin.clone() }), "fresh");
     let drifted = Origin { master_deviation_mm: Some(-0.0021), ..origin };
     assert_held(decide(fresh().as_mut(), &drifted), "master");
     let p = plan(2, 26.0, vec![0.0; STATIONS]);

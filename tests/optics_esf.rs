@@ -371,7 +371,7 @@ fn the_limits_in_s_are_the_closed_forms() {
 fn a_lens_out_of_range_is_refused_by_its_key() {
     let refused = |edge: PartiallyCoherentEdge| edge.edge_spread().unwrap_err().to_string();
     let cases = [
-        (refused(PartiallyCoherentEdge { na: 0.0, ..Default::default() }), "na"),
+        (refused(PartiallyCoherentEdge { na: 0.0, ..Default::default() }), "numerical_aperture"),
         (refused(PartiallyCoherentEdge { coherence_ratio: -1.0, ..Default::default() }), "coherence_ratio"),
         (refused(PartiallyCoherentEdge { defocus_mm: 1e3, ..Default::default() }), "defocus_mm"),
         (

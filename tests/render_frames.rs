@@ -136,7 +136,7 @@ fn tilted_taper_shows_the_closed_form_gap() {
         ProfileKnot { z_mm: -50.0, radius_mm: 30.0 - 50.0 * alpha.tan() },
         ProfileKnot { z_mm: 50.0, radius_mm: 30.0 + 50.0 * alpha.tan() },
     ];
-    shaft.pose = Pose { x_mm: 0.4, tilt_mrad: tilt * 1e3 };
+    shaft.pose = Pose { x_mm: 0.4, tilt_mrad: tilt * 1e3, ..Pose::default() };
     let e = Outline::new(shaft).unwrap().turned(0.0).edges(2.0);
     let diameter = 2.0 * (30.0 + 2.0 / tilt.cos() * alpha.tan());
     let gap = diameter * tilt.cos() / (tilt.cos().powi(2) - (tilt.sin() * alpha.tan()).powi(2));
@@ -165,7 +165,12 @@ fn mean_caliper_is_the_perimeter_over_pi() {
 #[test]
 fn drawn_texture_has_the_rms_and_correlation_asked_for() {
     let form = ShaftForm {
-        texture: Some(TextureForm { rms_um: 0.8, correlation_z_mm: 1.0, correlation_theta_deg: 4.0 }),
+        texture: Some(TextureForm {
+            rms_um: 0.8,
+            correlation_z_mm: 1.0,
+            correlation_theta_deg: 4.0,
+            ..Default::default()
+        }),
         ..Default::default()
     };
     let knots = vec![ProfileKnot { z_mm: 0.0, radius_mm: 12.5 }];
@@ -264,7 +269,12 @@ fn device_meets_the_reference_to_row_4096_and_60_degrees() {
 #[test]
 fn rough_edges_meet_the_two_dimensional_blur() {
     let form = ShaftForm {
-        texture: Some(TextureForm { rms_um: 1.0, correlation_z_mm: 0.2, correlation_theta_deg: 2.0 }),
+        texture: Some(TextureForm {
+            rms_um: 1.0,
+            correlation_z_mm: 0.2,
+            correlation_theta_deg: 2.0,
+            ..Default::default()
+        }),
         ..Default::default()
     };
     let bench = bench(256, 300, 1.2);

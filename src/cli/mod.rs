@@ -20,11 +20,13 @@ mod reproduce_003;
 mod run;
 mod schema;
 mod study;
+mod study_contamination;
 mod study_controllers;
 mod study_coverage;
 mod study_deflection;
 mod study_factor;
 mod study_files;
+mod study_parts;
 mod study_stability;
 mod study_uncertainty;
 

@@ -32,7 +32,8 @@ pub struct NcArgs {
     /// Knots along z, or macro variables of a line.
     #[arg(long, value_enum, default_value = "knots")]
     form: Form,
-    /// A TOML file with the machine's data (tool, wear offset, clearances, limits, re-measurement).
+    /// A TOML file with the machine's data (tool, wear offset, clearances, limits, re-measurement); by default the run's
+    /// own [nc.machine], where it was made for this control.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Number of the part: with the pass it makes the program run once only.
@@ -63,7 +64,7 @@ pub fn run(args: &NcArgs) -> CommandResult {
     let name = folder.path().join("run.toml").display().to_string();
     let job = config::parse(&text, &name).map_err(Failure::refused)?;
     let rows = folder.offsets().map_err(Failure::fail)?;
-    let settings = settings(args)?;
+    let settings = settings(args, &job)?;
     let pass = Pass::of(&job, &rows, args.pass)?;
     let text = match args.form {
         Form::Knots => knots(args, &settings, &pass)?,
@@ -76,9 +77,11 @@ pub fn run(args: &NcArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn settings(args: &NcArgs) -> Result<NcSettings, Failure> {
+/// The machine file's, else the run's own where it was made for this control.
+fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
+    let own = job.nc.as_ref().filter(|nc| nc.dialect == args.dialect);
     let mut settings = match &args.machine {
-        None => NcSettings::default(),
+        None => own.map_or_else(NcSettings::default, |nc| nc.machine.clone()),
         Some(path) => super::study_files::ConfigText::read(path)?.parse()?,
     };
     settings.part_number = args.part.unwrap_or(settings.part_number);
@@ -106,12 +109,14 @@ impl Pass {
             return Err(Failure::refuse(format!("offsets.csv has no pass {number}; there are 1 to {last}")));
         };
         let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
+        // what was asked for: rounding what is rounded already would give another program than the one that was cut with
+        let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm).collect() };
         let plan = PassPlan {
             pass: number,
             nominal_mm: first.commanded_mm + first.offset_mm,
             cutting: job.cutting,
             station_z_mm: of(number).map(|r| r.z_mm).collect(),
-            offset: offsets(number),
+            offset: asked,
         };
         let finishing = number as usize == job.passes();
         let tolerance = job.part.tolerance.filter(|_| finishing);

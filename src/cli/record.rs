@@ -4,6 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample};
+use crate::control::OnAlarm;
 use crate::gauge::Calibration;
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
@@ -11,8 +12,8 @@ use crate::plan::Decision;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    DiameterRow, FormRow, OffsetRow, PartFormRow, PassRow, RunFolder, StationRow, TruthRow, profile_of,
-    read_diameters,
+    ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder, StationRow,
+    TruthRow, profile_of, read_diameters,
 };
 
 use super::Failure;
@@ -30,6 +31,8 @@ pub struct Recorded {
     pub form: Option<PartForm>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
     pub in_tolerance: Option<bool>,
+    /// Why not all passes were cut: an alarm.
+    pub stopped: Option<String>,
 }
 
 /// A run being written.
@@ -43,6 +46,7 @@ pub struct Recorder<'a> {
     offsets: Vec<OffsetRow>,
     diameters: Vec<DiameterRow>,
     form: (Vec<FormRow>, Vec<PartFormRow>),
+    control: ControlRecord,
 }
 
 impl<'a> Recorder<'a> {
@@ -69,12 +73,19 @@ impl<'a> Recorder<'a> {
         let json = serde_json::to_string_pretty(chain.calibration()).map_err(Failure::fail)?;
         folder.write("calibration.json", json.as_bytes()).map_err(folder_failure)?;
         let mut offsets = Vec::new();
-        for row in &passes {
+        let control = match passes.is_empty() {
+            true => ControlRecord::default(),
+            false => folder.control().map_err(folder_failure)?,
+        };
+        if !passes.is_empty() {
+            chain.resume_stock(control.stock.clone());
+        }
+        for (row, told) in passes.iter().zip(&control.passes) {
             offsets.extend(offset_rows(&chain));
-            chain.replay(&profile_of(row.pass, &stations)).map_err(loop_failure)?;
+            chain.replay(&profile_of(row.pass, &stations), &told.evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, form })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -84,7 +95,14 @@ impl<'a> Recorder<'a> {
     pub fn run(mut self, progress: bool) -> Result<Recorded, Failure> {
         let mut seconds = vec![(0.0, 0.0); self.passes.len()];
         let (mut sample, mut form) = (None, None);
+        let mut stopped = None;
         while let Some(pass) = self.chain.next_pass() {
+            if let Some(alarm) = self.chain.alarm().filter(|_| self.stops()) {
+                tracing::error!("stopped before pass {pass}: {alarm}");
+                stopped = Some(format!("stopped before pass {pass}: {alarm}"));
+                break;
+            }
+            self.chain.begin().map_err(loop_failure)?;
             let bar = progress_bar(progress, &format!("pass {pass} of {}", self.job.passes()));
             self.offsets.extend(offset_rows(&self.chain));
             let result = self
@@ -98,9 +116,7 @@ impl<'a> Recorder<'a> {
             for refused in &result.refused {
                 tracing::warn!("pass {pass}: {refused}");
             }
-            if let Some(Decision::Held(reason)) = &result.decision {
-                tracing::warn!("pass {pass}: the last offsets hold: {reason}");
-            }
+            log_decision(&result);
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.write(&result)?;
             self.write_timings(&seconds)?;
@@ -108,7 +124,11 @@ impl<'a> Recorder<'a> {
             sample = result.sample.or(sample);
         }
         let in_tolerance = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, form, in_tolerance })
+        Ok(Recorded { passes: self.passes, seconds, sample, form, in_tolerance, stopped })
+    }
+
+    fn stops(&self) -> bool {
+        self.job.control.guards.on_alarm == OnAlarm::Stop
     }
 
     /// All tables, `passes.csv` last: a pass that stands there has all its data.
@@ -122,6 +142,8 @@ impl<'a> Recorder<'a> {
         self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
         self.passes.push(pass_row(result, truth));
+        self.control.stock = self.chain.stock().cloned();
+        self.control.passes.push(pass_record(result));
         let truth_rows: Vec<TruthRow> = self
             .stations
             .iter()
@@ -134,6 +156,7 @@ impl<'a> Recorder<'a> {
             .and_then(|()| folder.write_form(&self.form.0, &self.form.1))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
+            .and_then(|()| folder.write_control(&self.control))
             .and_then(|()| folder.write_passes(&self.passes))
             .map_err(folder_failure)
     }
@@ -151,10 +174,46 @@ impl<'a> Recorder<'a> {
     fn verdict(&self) -> Option<bool> {
         let tolerance = self.job.part.tolerance?;
         let last = self.job.part.passes();
-        (self.job.passes() == last).then(|| {
+        (self.passes.len() == last).then(|| {
             let mut rows = self.stations.iter().filter(|s| s.pass as usize == last).peekable();
             rows.peek().is_some() && rows.all(|s| s.d_mm.is_some_and(|d| tolerance.contains(d)))
         })
+    }
+}
+
+fn log_decision(result: &PassResult) {
+    let pass = result.plan.pass;
+    if let Some(Decision::Held(reason)) = &result.decision {
+        tracing::warn!("pass {pass}: the last offsets hold: {reason}");
+    }
+    if let Some(alarm) = &result.alarm {
+        tracing::error!("pass {pass}: alarm: {alarm}");
+    }
+    for note in &result.notes {
+        tracing::info!("pass {pass}: {note}");
+    }
+}
+
+fn pass_record(result: &PassResult) -> PassRecord {
+    let reason = match &result.decision {
+        Some(Decision::Held(reason)) => Some(reason.to_string()),
+        _ => None,
+    };
+    PassRecord {
+        pass: result.plan.pass,
+        decision: decision_word(result).to_owned(),
+        reason,
+        alarm: result.alarm.clone(),
+        notes: result.notes.clone(),
+        evidence: result.evidence.clone(),
+    }
+}
+
+fn decision_word(result: &PassResult) -> &'static str {
+    match &result.decision {
+        None => "last",
+        Some(Decision::Offset(_)) => "released",
+        Some(Decision::Held(_)) => "held",
     }
 }
 
@@ -195,11 +254,13 @@ fn offset_rows(chain: &ClosedLoop<'_>) -> Vec<OffsetRow> {
     plan.station_z_mm
         .iter()
         .zip(&plan.offset.o_mm)
+        .zip(&chain.asked().o_mm)
         .zip(commanded)
-        .map(|((&z_mm, &offset_mm), commanded_mm)| OffsetRow {
+        .map(|(((&z_mm, &offset_mm), &asked_mm), commanded_mm)| OffsetRow {
             pass: plan.pass,
             z_mm,
             offset_mm,
+            asked_mm,
             commanded_mm,
             status: status.to_owned(),
             reason: reason.clone(),
@@ -252,12 +313,7 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
         rms_error_over_u: rms(&mut measured.iter().map(|(d, t)| (d.d_mm - t) / d.u_mm())),
         stations_measured: measured.len(),
         frames: result.frames,
-        decision: match &result.decision {
-            None => "last",
-            Some(Decision::Offset(_)) => "released",
-            Some(Decision::Held(_)) => "held",
-        }
-        .to_owned(),
+        decision: decision_word(result).to_owned(),
     }
 }
 

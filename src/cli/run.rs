@@ -80,6 +80,7 @@ pub struct Finished {
     reference: Option<Vec<PassRow>>,
     seconds: Vec<(f64, f64)>,
     in_tolerance: Option<bool>,
+    stopped: Option<String>,
 }
 
 /// Runs a checked job into `out`; with `reference`, the same without control into a folder below it.
@@ -113,6 +114,7 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
         backend: renderer.backend_name().to_owned(),
         adapter: renderer.adapter_name().to_owned(),
         in_tolerance: main.in_tolerance,
+        stopped: main.stopped,
         seconds: main.seconds,
         passes: main.passes,
         reference: reference.map(|r| r.passes().unwrap_or_default()),
@@ -177,7 +179,11 @@ pub fn folder_failure(error: RunFolderError) -> Failure {
 
 impl Finished {
     fn outcome(&self) -> Outcome {
-        if self.in_tolerance == Some(false) { Outcome::OutOfTolerance } else { Outcome::Done }
+        if self.in_tolerance == Some(false) || self.stopped.is_some() {
+            Outcome::OutOfTolerance
+        } else {
+            Outcome::Done
+        }
     }
 
     fn to_json(&self) -> serde_json::Value {
@@ -190,7 +196,7 @@ impl Finished {
                         "pass": p.pass, "nominal_mm": p.nominal_mm, "max_abs_error_mm": p.max_abs_error_mm,
                         "rms_error_mm": p.rms_error_mm, "true_max_abs_error_mm": p.true_max_abs_error_mm,
                         "worst_measured_minus_true_mm": p.worst_measured_minus_true_mm,
-                        "rms_error_over_u": p.rms_error_over_u, "frames": p.frames,
+                        "rms_error_over_u": p.rms_error_over_u, "frames": p.frames, "decision": p.decision,
                         "render_s": render_s, "gauge_s": gauge_s,
                     })
                 })
@@ -202,6 +208,7 @@ impl Finished {
             "adapter": self.adapter,
             "passes": rows(&self.passes, &self.seconds),
             "in_tolerance": self.in_tolerance,
+            "stopped": self.stopped,
         });
         if let Some(reference) = &self.reference {
             json["without_control"] = serde_json::json!({ "passes": rows(reference, &[]) });
@@ -234,6 +241,9 @@ impl Finished {
                 um(p.worst_measured_minus_true_mm),
                 p.rms_error_over_u
             );
+        }
+        if let Some(stopped) = &self.stopped {
+            text += &format!("\nALARM, {stopped}\n");
         }
         match self.in_tolerance {
             Some(true) => text += "\nin tolerance at every station\n",

@@ -3,10 +3,12 @@
 use clap::Subcommand;
 
 use super::CommandResult;
+use super::study_contamination::{self, StudyContaminationArgs};
 use super::study_controllers::{self, StudyControllersArgs};
 use super::study_coverage::{self, StudyCoverageArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
+use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
 use super::study_uncertainty::{self, StudyUncertaintyArgs};
 
@@ -15,8 +17,12 @@ use super::study_uncertainty::{self, StudyUncertaintyArgs};
 pub enum Study {
     /// Compliance of a held shaft over the position of a radial load.
     Deflection(StudyDeflectionArgs),
+    /// Matter before the shaft and on it: how often it misleads the gauge.
+    Contamination(StudyContaminationArgs),
     /// Every controller on the same shafts, through rendered and measured frames.
     Controllers(StudyControllersArgs),
+    /// A batch of parts, with and without learning from part to part.
+    Parts(StudyPartsArgs),
     /// Stability of every controller with every plant.
     Stability(StudyStabilityArgs),
     /// One cutting variable at a time against the size error.
@@ -34,7 +40,9 @@ pub enum Study {
 pub fn run(study: &Study) -> CommandResult {
     match study {
         Study::Deflection(args) => study_deflection::run(args),
+        Study::Contamination(args) => study_contamination::run(args),
         Study::Controllers(args) => study_controllers::run(args),
+        Study::Parts(args) => study_parts::run(args),
         Study::Stability(args) => study_stability::run(args),
         Study::Coverage(args) => study_coverage::run(args),
         Study::Uncertainty(args) => study_uncertainty::run(args),

@@ -161,6 +161,15 @@ impl<L: Law> Controller for Compensator<L> {
         }
     }
 
+    fn needs_repeat(&self, plan: &PassPlan, measured: &DiameterProfile, context: &PassContext<'_>) -> bool {
+        let Ok(errors) = readings::errors(plan, measured, &self.settings.gaps) else {
+            return false;
+        };
+        let proposed = self.law.clone().propose(&Seen { plan, errors: &errors, next: context.next }).o_mm;
+        let steps = proposed.iter().zip(&plan.offset.o_mm).map(|(new, old)| (new - old).abs());
+        steps.fold(0.0, f64::max) > self.settings.guards.confirm_above_mm
+    }
+
     fn notes(&self) -> &[String] {
         &self.notes
     }

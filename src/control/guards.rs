@@ -80,6 +80,10 @@ pub(crate) fn check_origin(
     if used.is_some_and(|last| origin.scan <= last) {
         return Err(guard(format!("used once: scan {} was used before", origin.scan)));
     }
+    if !(origin.since_cut_s >= 0.0) {
+        let text = format!("fresh: the scan began {:.1} s before the pass was cut", -origin.since_cut_s);
+        return Err(guard(text));
+    }
     if !within(origin.age_s, limits.age_limit_s) {
         let text = format!("fresh: the scan is {:.0} s old, limit {} s", origin.age_s, limits.age_limit_s);
         return Err(guard(text));

@@ -50,6 +50,16 @@ pub trait Controller {
         context: &PassContext<'_>,
     ) -> Decision;
 
+    /// Whether a second scan of this pass is needed before [`Self::decide_in`]: a step so large that two must agree.
+    fn needs_repeat(
+        &self,
+        _plan: &PassPlan,
+        _measured: &DiameterProfile,
+        _context: &PassContext<'_>,
+    ) -> bool {
+        false
+    }
+
     /// As [`Self::decide_in`], knowing nothing but the plan and the measurement.
     fn decide(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Decision {
         self.decide_in(plan, measured, &PassContext::default())

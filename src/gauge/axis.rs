@@ -24,6 +24,10 @@ const GROW_LIMIT: f64 = 1.5;
 const GROWTH: usize = 64;
 /// Neighbours of a refused stretch that go with it: half the width of an edge's window.
 const GUARD: usize = 3;
+/// Share of the blocks that must agree with the axis, and the scale that turns that quantile of their departures into a standard deviation.
+/// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
+const AGREEING: f64 = 0.5;
+const SCALE: f64 = 1.4826;
 /// Trial axes of the robust fit.
 const TRIALS: usize = 96;
 /// Bend of the axis over half a field that is as likely as not, px. A film as long as the field looks like one; a real one costs trials
@@ -64,9 +68,10 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
     refused as f64 / usable.max(1) as f64
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// Standard deviation from the agreeing share of departures.
+fn robust_sd(sizes: &mut [f64]) -> f64 {
+    let index = (AGREEING * sizes.len() as f64) as usize;
+    SCALE * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 fn abscissa(column: f64, columns: usize) -> f64 {
@@ -105,8 +110,8 @@ impl AxisScratch {
         usable
     }
 
-    /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half the blocks
-    /// agree with best.
+    /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half of the
+    /// blocks agree with best.
     fn axis(&mut self) -> Option<Vector3<f64>> {
         let plain = fit(self.blocks.iter(), true)?;
         let limit = (4.0 * self.spread(&plain)).max(FLOOR_PX);
@@ -151,7 +156,7 @@ impl AxisScratch {
     fn spread(&mut self, axis: &Vector3<f64>) -> f64 {
         self.sizes.clear();
         self.sizes.extend(self.blocks.iter().map(|(x, m)| (m - axis.dot(&basis(*x))).abs()));
-        1.4826 * median(&mut self.sizes)
+        robust_sd(&mut self.sizes)
     }
 
     /// Turns middles into departures; gives the robust standard deviations of a column and of a block, px.
@@ -166,7 +171,7 @@ impl AxisScratch {
         let step = columns.div_ceil(256).max(1);
         let every = self.departures.iter().step_by(step);
         self.sizes.extend(every.filter(|d| d.is_finite()).map(|d| f64::from(d.abs())));
-        let column_sd = if self.sizes.is_empty() { 0.0 } else { 1.4826 * median(&mut self.sizes) };
+        let column_sd = if self.sizes.is_empty() { 0.0 } else { robust_sd(&mut self.sizes) };
         (column_sd, block_sd)
     }
 

@@ -17,6 +17,9 @@ const CELLS: usize = 256;
 /// image reaches 7.0, a uniform one or a plain ramp 12.
 const TWO_LEVELS: f64 = 16.0;
 
+/// Rows that the shadow itself is looked for inside a stretch of dimmed light.
+const INWARDS: usize = 256;
+
 /// A whole-pixel edge: the shadow's outermost pixel, or why there is none.
 pub(crate) type CoarseEdge = Result<i32, Reason>;
 
@@ -43,11 +46,11 @@ struct Thinned {
 /// The reason for which the frame shows no part.
 pub(crate) fn find_part<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Result<Coarse, Reason> {
     let thinned = thin(plane, settings.min_diameter_px);
-    let threshold = separate(&thinned.values).ok_or(Reason::LowContrast)?;
-    let spans = part_spans(&thinned, threshold).ok_or(Reason::NoEdge)?;
+    let levels = separate(&thinned.values).ok_or(Reason::LowContrast)?;
+    let spans = part_spans(&thinned, levels.threshold).ok_or(Reason::NoEdge)?;
     let mut coarse = Coarse { top: Vec::new(), bottom: Vec::new() };
     for column in 0..plane.columns {
-        let (top, bottom) = refine(plane, &thinned, &spans, threshold, column, settings.min_diameter_px);
+        let (top, bottom) = refine(plane, &thinned, &spans, levels.shadow, column, settings.min_diameter_px);
         coarse.top.push(top);
         coarse.bottom.push(bottom);
     }
@@ -82,8 +85,20 @@ fn thin<T: Sample>(plane: &Plane<'_, T>, min_diameter_px: f64) -> Thinned {
     Thinned { columns, row_step, column_step, values }
 }
 
-/// Otsu's threshold, if the values fall into two levels at all.
-fn separate(values: &[f32]) -> Option<f32> {
+/// Two levels of grey.
+#[derive(Clone, Copy, Debug)]
+struct TwoLevels {
+    /// Otsu's threshold between them.
+    threshold: f32,
+    /// What is darker is the part's own shadow, not light dimmed by mist.
+    shadow: f32,
+}
+
+/// Share of the way from shadow to light below which a pixel is shadow.
+const SHADOW: f64 = 0.35;
+
+/// The two levels, if the values fall into two at all.
+fn separate(values: &[f32]) -> Option<TwoLevels> {
     const BINS: usize = 1024;
     let (low, high) =
         values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -114,7 +129,11 @@ fn separate(values: &[f32]) -> Option<f32> {
     let (between, below, above) = best;
     let within = square / total - (sum / total).powi(2) - between / (total * total);
     let two_levels = (above - below).powi(2) > TWO_LEVELS * within.max(1.0 / 12.0);
-    two_levels.then(|| low + ((0.5 * (below + above)) as f32 + 0.5) / scale)
+    let grey = |bin: f64| low + (bin as f32 + 0.5) / scale;
+    two_levels.then(|| TwoLevels {
+        threshold: grey(0.5 * (below + above)),
+        shadow: grey(below + SHADOW * (above - below)),
+    })
 }
 
 /// First and last cell row of the largest shadow (four-connected) in each cell column; of two as large the first.
@@ -178,7 +197,7 @@ fn walk_out<T: Sample>(
     let inside = |row: i32| row >= 0 && (row as usize) < plane.rows;
     let dark = |row: i32| inside(row) && plane.at(row as usize, column) < threshold;
     let mut row = start as i32;
-    let mut budget = reach;
+    let mut budget = INWARDS.max(reach);
     while !(dark(row) && dark(row - outward)) {
         row -= outward;
         budget -= 1;
@@ -216,7 +235,7 @@ mod tests {
         assert!(separate(&noise).is_none());
         let shadow: Vec<f32> =
             (0..10_000).map(|i| if i % 100 == 0 { 20.0 } else { 200.0 } + uniform()).collect();
-        let threshold = separate(&shadow).unwrap();
+        let threshold = separate(&shadow).unwrap().threshold;
         assert!((30.0..190.0).contains(&threshold));
     }
 }

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface texture and noise; its
-//! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. A station that scatters far more than
-//! the others keeps its own, larger value.
+//! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. Where a station scatters far more than
+//! the others and one angle alone explains it, by more diameter than the others say, that angle shows matter that turns with the part (a film, a
+//! smeared chip) and is left out: the same z at other angles knows better. Otherwise the station keeps its own, larger value.
 
 use std::collections::BTreeMap;
 
@@ -63,14 +64,37 @@ pub struct StationAverager {
     pitch_mm: f64,
 }
 
-/// Mean over the angles of one station before its uncertainty is known.
-struct AngleFit {
+/// Mean and even lobes over the angles.
+struct LobeFit {
     mean_mm: f64,
     /// Variance of the mean over variance of one angle.
     gain: f64,
     /// Residual variance of one angle, mm², and its degrees of freedom.
     residual: f64,
     freedom: f64,
+    /// Mean, then cosine and sine of each lobe, mm.
+    solution: Vec<f64>,
+}
+
+impl LobeFit {
+    /// Diameter at an angle, mm.
+    fn at(&self, angle: f64) -> f64 {
+        self.solution.iter().enumerate().map(|(j, a)| a * lobe(j, angle)).sum()
+    }
+}
+
+/// Column `j` of the design: 1, cos 2φ, sin 2φ, cos 4φ, sin 4φ.
+fn lobe(j: usize, angle: f64) -> f64 {
+    match j {
+        0 => 1.0,
+        j if j % 2 == 1 => (f64::from(j as u32 + 1) * angle).cos(),
+        j => (f64::from(j as u32) * angle).sin(),
+    }
+}
+
+/// One station before its uncertainty is known.
+struct AngleFit {
+    lobes: LobeFit,
     /// Variance of the mean by noise alone, mm².
     noise: f64,
     common_mm: f64,
@@ -114,8 +138,17 @@ impl StationAverager {
 
     /// Ends the scan: one reading a station.
     pub fn finish(&self, pass: u32) -> DiameterProfile {
-        let fits: Vec<Result<AngleFit, Reason>> = self.sums.iter().map(|sums| self.fit(sums)).collect();
+        let mut fits: Vec<Result<AngleFit, Reason>> =
+            self.sums.iter().map(|sums| self.fit(sums, None)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
+        if let Some(pooled) = pooled {
+            for (fit, sums) in fits.iter_mut().zip(&self.sums) {
+                let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > FAR * pooled);
+                if let Some(better) = far.then(|| self.without_matter(sums, pooled)).flatten() {
+                    *fit = Ok(better);
+                }
+            }
+        }
         let stations = self
             .z_mm
             .iter()
@@ -125,40 +158,60 @@ impl StationAverager {
         DiameterProfile { pass, stations }
     }
 
-    fn fit(&self, sums: &BTreeMap<i64, AngleSums>) -> Result<AngleFit, Reason> {
+    /// Angles with enough columns, by their means, but for one.
+    fn angles(&self, sums: &BTreeMap<i64, AngleSums>, but: Option<i64>) -> Vec<(i64, AngleSums)> {
+        let whole = self.station_mm / self.pitch_mm.max(1e-12);
+        let least = (self.settings.min_fill * whole).max(1.0);
+        let enough = |(angle, s): &(&i64, &AngleSums)| s.columns as f64 >= least && Some(**angle) != but;
+        sums.iter().filter(enough).map(|(angle, s)| (*angle, *s)).collect()
+    }
+
+    fn fit(&self, sums: &BTreeMap<i64, AngleSums>, but: Option<i64>) -> Result<AngleFit, Reason> {
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
-        let whole = self.station_mm / self.pitch_mm.max(1e-12);
-        let least = (self.settings.min_fill * whole).max(1.0);
-        let good: Vec<(f64, AngleSums)> = sums
-            .iter()
-            .filter(|(_, s)| s.columns as f64 >= least)
-            .map(|(angle, s)| ((*angle as f64 * 1e-6).to_radians(), *s))
-            .collect();
+        let good = self.angles(sums, but);
         if good.len() < self.settings.min_angles.max(1) {
             return Err(Reason::TooFewColumns);
         }
         let n = good.len() as f64;
         let noise = good.iter().map(|(_, s)| s.noise()).sum::<f64>() / (n * n);
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
-        let angles: Vec<(f64, f64)> = good.iter().map(|(angle, s)| (*angle, s.mean_mm())).collect();
-        let (mean_mm, gain, residual, freedom) = fit_lobes(&angles);
-        Ok(AngleFit { mean_mm, gain, residual, freedom, noise, common_mm })
+        let angles: Vec<(f64, f64)> = good.iter().map(|(a, s)| (radians(*a), s.mean_mm())).collect();
+        Ok(AngleFit { lobes: fit_lobes(&angles), noise, common_mm })
+    }
+
+    /// The fit without the one angle that lies above what the others say, where that explains the station's scatter.
+    fn without_matter(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
+        let mut best: Option<AngleFit> = None;
+        for (angle, s) in self.angles(sums, None) {
+            let Ok(fit) = self.fit(sums, Some(angle)) else { continue };
+            let above = s.mean_mm() - fit.lobes.at(radians(angle));
+            let explains = fit.lobes.freedom >= 2.0 && fit.lobes.residual <= FAR * pooled;
+            let matter = above > 5.0 * pooled.sqrt();
+            let better = best.as_ref().is_none_or(|b| fit.lobes.residual < b.lobes.residual);
+            if explains && matter && better {
+                best = Some(fit);
+            }
+        }
+        best
     }
 }
 
-/// Mean with the even lobes 2 and 4 taken out as far as the angles allow: (mean, variance factor, residual variance, freedom).
-fn fit_lobes(angles: &[(f64, f64)]) -> (f64, f64, f64, f64) {
+/// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of good ones with three degrees of freedom).
+const FAR: f64 = 7.0;
+
+fn radians(microdegrees: i64) -> f64 {
+    (microdegrees as f64 * 1e-6).to_radians()
+}
+
+/// Mean with the even lobes 2 and 4 taken out as far as the angles allow.
+fn fit_lobes(angles: &[(f64, f64)]) -> LobeFit {
     let n = angles.len();
     let lobes = n.saturating_sub(2).min(4) / 2;
     for lobes in (0..=lobes).rev() {
         let parameters = 1 + 2 * lobes;
-        let design = DMatrix::from_fn(n, parameters, |i, j| match j {
-            0 => 1.0,
-            j if j % 2 == 1 => (f64::from(j as u32 + 1) * angles[i].0).cos(),
-            j => (f64::from(j as u32) * angles[i].0).sin(),
-        });
+        let design = DMatrix::from_fn(n, parameters, |i, j| lobe(j, angles[i].0));
         let observed = DVector::from_iterator(n, angles.iter().map(|a| a.1));
         let Some(inverse) = (design.transpose() * &design).try_inverse() else { continue };
         // Badly spread angles would buy the lobes with the mean's variance.
@@ -169,19 +222,21 @@ fn fit_lobes(angles: &[(f64, f64)]) -> (f64, f64, f64, f64) {
         let square = (&observed - &design * &solution).norm_squared();
         let freedom = (n - parameters) as f64;
         let residual = if freedom > 0.0 { square / freedom } else { 0.0 };
-        return (solution[0], inverse[(0, 0)], residual, freedom);
+        let (mean_mm, gain) = (solution[0], inverse[(0, 0)]);
+        return LobeFit { mean_mm, gain, residual, freedom, solution: solution.iter().copied().collect() };
     }
-    (angles.iter().map(|a| a.1).sum::<f64>() / n as f64, 1.0 / n as f64, 0.0, 0.0)
+    let mean_mm = angles.iter().map(|a| a.1).sum::<f64>() / n as f64;
+    LobeFit { mean_mm, gain: 1.0 / n as f64, residual: 0.0, freedom: 0.0, solution: vec![mean_mm] }
 }
 
 /// Variance of one angle pooled over the stations: those beyond seven times the median's estimate are left out (below 0.1 % of
 /// good ones with three degrees of freedom). `None` without freedom.
 fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<f64> {
     let mut all: Vec<(f64, f64)> =
-        fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
+        fits.map(|f| &f.lobes).filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = 7.0 * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = FAR * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
     let kept = || all.iter().filter(|v| v.0 <= limit);
     let total: f64 = kept().map(|v| v.1).sum();
     (total > 0.0).then(|| kept().map(|v| v.0 * v.1).sum::<f64>() / total)
@@ -193,13 +248,13 @@ fn reading(fit: &Result<AngleFit, Reason>, pooled: Option<f64>) -> Reading {
         Err(reason) => return Reading::Gap(*reason),
     };
     let one_angle = match pooled {
-        Some(pooled) if fit.residual > 7.0 * pooled => fit.residual,
+        Some(pooled) if fit.lobes.residual > FAR * pooled => fit.lobes.residual,
         Some(pooled) => pooled,
         None => 0.0,
     };
     Reading::Value(Diameter {
-        d_mm: fit.mean_mm,
-        u_random_mm: (fit.gain * one_angle).max(fit.noise).sqrt(),
+        d_mm: fit.lobes.mean_mm,
+        u_random_mm: (fit.lobes.gain * one_angle).max(fit.noise).sqrt(),
         u_common_mm: fit.common_mm,
     })
 }
@@ -256,6 +311,29 @@ mod tests {
         }
         let ratio: f64 = (square / u_square).sqrt();
         assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_film_seen_at_one_angle_does_not_move_the_mean() {
+        let mut rng = Pcg64::seed_from_u64(6);
+        let texture = Normal::new(0.0, 2e-4).unwrap();
+        let z: Vec<f64> = (0..20).map(|k| 1.0 + f64::from(k)).collect();
+        let mut averager = StationAverager::new(&StationSettings::default(), z, 1.0);
+        for i in 0..8 {
+            let angle = 22.5 * f64::from(i);
+            let lobe = 5e-3 * (2.0 * angle.to_radians() + 0.3).cos();
+            let draws: Vec<f64> = (0..40).map(|_| texture.sample(&mut rng)).collect();
+            // 20 µm of coolant at z = 7 and one angle.
+            let film = |z: f64| if i == 3 && (z - 7.0).abs() < 0.5 { 0.02 } else { 0.0 };
+            let d = |z: f64| 25.0 + lobe + draws[z.clamp(0.0, 39.0) as usize] + film(z);
+            let (meta, diameters) = frame(angle, 10.0, d);
+            averager.add(&meta, &diameters);
+        }
+        let profile = averager.finish(1);
+        for station in &profile.stations {
+            let d = station.reading.value().unwrap();
+            assert!((d.d_mm - 25.0).abs() < 5e-4, "z {}: {d:?}", station.z_mm);
+        }
     }
 
     #[test]

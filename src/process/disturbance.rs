@@ -29,6 +29,10 @@ pub struct DisturbanceSettings {
     pub wear_um_per_pass: f64,
     /// Growth of the diameter from pass to pass by thermal drift of the machine, µm of diameter.
     pub drift_um_per_pass: f64,
+    /// Growth of the diameter while the machine warms up, µm of diameter, approached exponentially from a cold start.
+    pub warm_up_um: f64,
+    /// Passes after which 1 − 1/e of the warming is reached.
+    pub warm_up_passes: f64,
     /// Standard deviation of the tool's position from pass to pass, µm of diameter.
     pub repeatability_um: f64,
     /// Standard deviation of the blank's diameter along z, µm.
@@ -52,6 +56,8 @@ impl Default for DisturbanceSettings {
         Self {
             wear_um_per_pass: 0.0,
             drift_um_per_pass: 0.0,
+            warm_up_um: 0.0,
+            warm_up_passes: 8.0,
             repeatability_um: 0.0,
             stock_form_um: 0.0,
             stock_form_correlation_mm: 100.0,
@@ -69,6 +75,8 @@ impl DisturbanceSettings {
         let key = |name: &str| format!("disturbance.{name}");
         Range::NOT_NEGATIVE.check(&key("wear_um_per_pass"), self.wear_um_per_pass)?;
         Range::between(-1e3, 1e3).check(&key("drift_um_per_pass"), self.drift_um_per_pass)?;
+        Range::between(-1e3, 1e3).check(&key("warm_up_um"), self.warm_up_um)?;
+        Range::POSITIVE.check(&key("warm_up_passes"), self.warm_up_passes)?;
         Range::NOT_NEGATIVE.check(&key("repeatability_um"), self.repeatability_um)?;
         Range::NOT_NEGATIVE.check(&key("stock_form_um"), self.stock_form_um)?;
         Range::between(1.0, 2000.0)
@@ -118,10 +126,12 @@ impl DisturbanceSettings {
         Uniform::new_inclusive(1.0 - half, 1.0 + half).map_or(1.0, |range| range.sample(&mut random))
     }
 
-    /// Displacement common to a whole pass, mm of diameter; `cuts` counts the passes before it.
+    /// Displacement common to a whole pass, mm of diameter; `cuts` counts the passes since the machine was cold.
     pub(super) fn common_mm(&self, seed: u64, pass: u32, cuts: u32) -> f64 {
         let mut random = generator(seed, Stream::Repeatability, pass);
         let scatter: f64 = StandardNormal.sample(&mut random);
-        1e-3 * (self.drift_um_per_pass * f64::from(cuts) + self.repeatability_um * scatter)
+        let warmed = -(-f64::from(cuts) / self.warm_up_passes).exp_m1();
+        let grown = self.drift_um_per_pass * f64::from(cuts) + self.warm_up_um * warmed;
+        1e-3 * (grown + self.repeatability_um * scatter)
     }
 }

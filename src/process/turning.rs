@@ -15,7 +15,7 @@ use super::section::Section;
 use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
 use super::texture;
 use crate::plan::PassPlan;
-use crate::shaft::{AxisKnot, Eccentricity, Lobe, Pose, ProfileKnot, Shaft};
+use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
 
 /// Why a pass was not cut.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -110,6 +110,8 @@ pub struct TurningProcess {
     diameter_mm: Vec<f64>,
     force_factor: f64,
     cuts: u32,
+    /// Passes since the machine was cold.
+    since_cold: u32,
     /// Recession of the edge when the next pass starts, mm (radial).
     wear_mm: f64,
     last_cut: Option<CutSummary>,
@@ -152,6 +154,7 @@ impl TurningProcess {
             diameter_mm: form_mm.iter().map(|form| diameter_mm + form).collect(),
             force_factor: settings.disturbance.force_factor(seed),
             cuts: 0,
+            since_cold: 0,
             wear_mm: 0.0,
             last_cut: None,
         })
@@ -167,6 +170,22 @@ impl TurningProcess {
         &self.diameter_mm
     }
 
+    /// The blank as it was clamped, with the surface of a drawn or rolled bar left out.
+    pub fn blank(&self) -> Shaft {
+        let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
+        Shaft {
+            profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
+            lobes: self.form.lobes.clone(),
+            texture: None,
+            eccentricity: self.form.eccentricity,
+            bow: self.form.bow.clone(),
+            deflection: Vec::new(),
+            pose: self.form.pose,
+            features: Features::default(),
+            spindle: SpindleMotion::default(),
+        }
+    }
+
     /// What the last pass cut.
     pub fn last_cut(&self) -> Option<&CutSummary> {
         self.last_cut.as_ref()
@@ -177,13 +196,19 @@ impl TurningProcess {
         self.wear_mm = 0.0;
     }
 
+    /// Lets the machine cool down: drift and warming start again.
+    pub fn cool_down(&mut self) {
+        self.since_cold = 0;
+    }
+
     /// Clamps the next blank of a batch: edge and machine stay as they are, the blank's form and force are drawn anew.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn next_blank(&self, stock: Stock, seed: u64) -> Result<Self, ProcessError> {
         let fresh = Self::new(&self.settings, stock, &self.form, seed)?;
-        Ok(Self { cuts: self.cuts, wear_mm: self.wear_mm, ..fresh })
+        let Self { cuts, since_cold, wear_mm, .. } = *self;
+        Ok(Self { cuts, since_cold, wear_mm, ..fresh })
     }
 
     /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What the first pass used
@@ -234,6 +259,7 @@ impl TurningProcess {
         self.diameter_mm = after;
         self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
         self.cuts += 1;
+        self.since_cold += 1;
         Ok(self.last_cut.insert(summary))
     }
 
@@ -258,7 +284,7 @@ impl TurningProcess {
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
         let d = &self.settings.disturbance;
         let stations: Vec<f64> = plan.commanded_mm().collect();
-        let common = d.common_mm(self.seed, plan.pass, self.cuts);
+        let common = d.common_mm(self.seed, plan.pass, self.since_cold);
         let mut upper = 1;
         self.node_z_mm()
             .map(|z| {
@@ -336,6 +362,8 @@ impl TurningProcess {
             bow: self.form.bow.clone(),
             deflection: Vec::new(),
             pose: self.form.pose,
+            features: Features::default(),
+            spindle: SpindleMotion::default(),
         }
     }
 }

@@ -8,8 +8,8 @@ use rand_pcg::rand_core::SeedableRng;
 
 use super::contamination::{FieldGeometry, Soiling};
 use super::error::RenderError;
-use super::esf::EsfTable;
-use super::settings::{BenchSettings, Esf};
+use super::esf::{EsfTable, Extent};
+use super::settings::{BenchSettings, Esf, Optics};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
@@ -111,15 +111,17 @@ fn soiling(
         return Ok(None);
     }
     let effective_na = match esf {
-        Esf::PartiallyCoherent(p) => p.numerical_aperture * p.coherence_ratio.min(1.0),
+        Esf::PartiallyCoherent(p) => p.na * p.coherence_ratio.min(1.0),
         _ => settings.optics.defocus_na,
     };
+    let dull = Optics { reflection: None, ..settings.optics.clone() };
+    let in_focus = Extent { pixel_mm, depth_mm: 0.0, radius_mm: (1.0, 1.0) };
     let geometry = FieldGeometry {
         rows: settings.camera.rows as usize,
         columns: settings.camera.columns as usize,
         pixel_um: pixel_mm * 1e3,
         effective_na,
-        sigma_um: EsfTable::new(esf, pixel_mm).blur_px * pixel_mm * 1e3,
+        sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
     };
     Soiling::new(&settings.contamination, geometry, seed ^ SOIL_STREAM)
 }
@@ -133,7 +135,7 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
         }
         Esf::PartiallyCoherent(p) => {
             let mut scaled = p.clone();
-            scaled.numerical_aperture /= factor;
+            scaled.na /= factor;
             Esf::PartiallyCoherent(scaled)
         }
         Esf::Fresnel(f) => {
@@ -141,10 +143,10 @@ fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
             scaled.distance_mm *= factor * factor;
             Esf::Fresnel(scaled)
         }
-        Esf::Table(t) => {
-            let mut scaled = t.clone();
-            scaled.distance_px.iter_mut().for_each(|d| *d *= factor);
-            Esf::Table(scaled)
+        Esf::Measured(m) => {
+            let mut scaled = m.clone();
+            scaled.d_um.iter_mut().for_each(|d| *d *= factor);
+            Esf::Measured(scaled)
         }
     }
 }

@@ -58,10 +58,10 @@ pub struct RowBlur {
 
 /// Straight-edge equivalent of an edge about a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Straight {
-    row: f64,
-    slope: f64,
-    excess_variance: f64,
+pub(super) struct Straight {
+    pub(super) row: f64,
+    pub(super) slope: f64,
+    pub(super) excess_variance: f64,
 }
 
 impl RowBlur {
@@ -82,7 +82,7 @@ impl RowBlur {
     }
 
     /// The straight equivalent of `edges`, the window of `2·reach + 1` rows about a column.
-    fn straight(&self, edges: impl Iterator<Item = f64> + Clone) -> Straight {
+    pub(super) fn straight(&self, edges: impl Iterator<Item = f64> + Clone) -> Straight {
         let reach = self.reach() as f64;
         let row: f64 = self.weights.iter().zip(edges.clone()).map(|(w, e)| w * e).sum();
         let (mut moment, mut variance) = (0.0, 0.0);
@@ -96,42 +96,51 @@ impl RowBlur {
     }
 }
 
-/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end; `defocus` adds
-/// variance of the blur, px², to every column, or is empty.
-pub fn kernel_columns(edges: &[ColumnEdges], defocus: &[f64], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
+/// Where the shaft's axis and surface lie in a column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Depth {
+    /// Distance of the axis from the plane of focus, mm towards the camera.
+    pub y_mm: f64,
+    /// Mean radius, mm.
+    pub radius_mm: f64,
+}
+
+/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end; `depth` of every
+/// column, or empty where all are in focus.
+pub fn kernel_columns(edges: &[ColumnEdges], depth: &[Depth], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
     edges
         .windows(2 * blur.reach() + 1)
         .enumerate()
         .map(|(column, window)| {
-            let extra = defocus.get(column).copied().unwrap_or(0.0);
+            let depth = depth.get(column).copied().unwrap_or_default();
             Column {
-                top: edge(blur.straight(window.iter().map(|e| e.top_px)), extra, esf, -1.0),
-                bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), extra, esf, 1.0),
+                top: edge(blur.straight(window.iter().map(|e| e.top_px)), depth, esf, -1.0),
+                bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), depth, esf, 1.0),
             }
         })
         .collect()
 }
 
-fn edge(straight: Straight, defocus: f64, esf: &EsfTable, sign: f64) -> Edge {
+fn edge(straight: Straight, depth: Depth, esf: &EsfTable, sign: f64) -> Edge {
     let cos = 1.0 / straight.slope.hypot(1.0);
-    let extra = if esf.widens { straight.excess_variance * cos * cos + defocus } else { 0.0 };
-    let scale = (esf.scale_px * esf.scale_px + extra).sqrt();
+    let place = esf.place(depth.y_mm, depth.radius_mm, straight.excess_variance * cos * cos);
+    let scale = place.scale_px;
     let whole = straight.row.round();
     Edge {
         whole: whole as i32,
         part: (straight.row - whole) as f32,
         across: (sign * cos / scale) as f32,
         along: (-sign * cos * straight.slope / scale) as f32,
-        table: 0,
-        blend: 0.0,
+        table: place.table,
+        blend: place.blend as f32,
     }
 }
 
-/// Largest |sin β|, and the smallest cos β/scale, over all columns.
-pub fn extremes(columns: &[Column], scale_px: f64) -> (f64, f64) {
-    columns.iter().flat_map(|c| [c.top, c.bottom]).fold((0.0, f64::INFINITY), |(sin, across), e| {
-        (f64::max(sin, f64::from(e.along.abs()) * scale_px), across.min(f64::from(e.across.abs())))
-    })
+/// Largest |sin β| over all columns.
+pub fn steepest(columns: &[Column]) -> f64 {
+    let tan = columns.iter().flat_map(|c| [c.top, c.bottom]).map(|e| f64::from((e.along / e.across).abs()));
+    let tan = tan.fold(0.0, f64::max);
+    tan / tan.hypot(1.0)
 }
 
 /// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a band.

@@ -9,9 +9,14 @@
 //! with F over the perpendicular distance d into the light, so that one table serves every slope. The integral is a
 //! Gauss-Legendre product whose order follows from the blur; its error stays below 1e-6 of the contrast.
 
-use super::coherence::edge_image;
-use super::fresnel::straight_edge_in_band;
-use super::settings::{Esf, FresnelEsf, PartiallyCoherentEsf, TableEsf};
+use std::sync::Arc;
+
+use super::error::RenderError;
+use super::esf_families::quadrature::gauss_legendre;
+use super::esf_families::{
+    EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, PartiallyCoherentEdge, Shifts,
+};
+use super::optics::{Esf, Optics};
 
 /// Knots a unit of σ of the Gaussian's table: cubic Hermite errs by (1/16)⁴/384·max|F⁗| = 2e-8.
 const KNOTS_PER_SIGMA: f64 = 16.0;
@@ -19,128 +24,337 @@ const KNOTS_PER_SIGMA: f64 = 16.0;
 /// Reach of the Gaussian table in σ: 1 - Φ(5.25) = 8e-8, below the spacing of f32 at 1.
 const GAUSSIAN_REACH: f64 = 5.25;
 
-/// Knots a λ/NA of the partially coherent edge, whose finest ripple is λ/2NA: errs by (π/24)⁴/384 = 8e-7.
-const KNOTS_PER_AIRY: f64 = 48.0;
+/// Largest error of the blend between two tables of neighbouring focus, share of full intensity.
+const BLEND_TOLERANCE: f64 = 1e-4;
 
-/// Reach of the partially coherent edge in focus, λ/NA.
-const COHERENT_REACH: f64 = 12.0;
+/// Largest error of a table made from another one.
+const TOLERANCE: f64 = 1e-6;
 
-/// Farthest fringe of the Fresnel edge in v; a monochromatic fringe there is .5 % of the light.
-const FRESNEL_REACH: f64 = 60.0;
+/// Nodes of a defocused disc.
+const DISC_NODES: usize = 24;
 
-/// Share of the reach over which what is left of ripples and shadow light is led to 1 and 0.
-const TAPER: f64 = 0.1;
+/// Radii whose reflections share a table differ by a factor of at most this; the strip is as much too wide.
+const RADIUS_RATIO: f64 = 1.01;
 
-/// An edge-spread function over u = d/scale, piecewise cubic, 0 in the shadow and 1 in the light.
+/// Most segments of all tables together: 16 MiB.
+const MOST_SEGMENTS: usize = 1 << 20;
+
+/// 10-90 % width of a Gaussian in σ.
+const WIDTH_10_90: f64 = 2.563;
+
+/// What a table has to cover beyond a knife edge in focus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Size of a pixel on the object, mm.
+    pub pixel_mm: f64,
+    /// Largest distance of the axis from the plane of focus, mm.
+    pub depth_mm: f64,
+    /// Smallest and largest mean radius of the shaft, mm.
+    pub radius_mm: (f64, f64),
+}
+
+/// How an edge out of focus finds its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Focus {
+    /// One for all.
+    Fixed,
+    /// The scale widens: variance of (y·na/2)², mm².
+    Widens { na: f64 },
+    /// The scale shrinks with the distance to the sensor, √(1 - y/ℓ).
+    Nears { distance_mm: f64 },
+    /// Tables at equal steps of |y + offset|, linear between two.
+    Stack { offset_mm: f64, step_mm: f64, tables: u32 },
+}
+
+/// Edge-spread functions over u = d/scale, piecewise cubic, 0 in the shadow and 1 in the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EsfTable {
-    /// Coefficients c0..c3 of every segment in its own fraction 0..1.
+    /// Coefficients c0..c3 of every segment in its own fraction 0..1, table after table.
     pub segments: Vec<[f32; 4]>,
+    /// Segments of one table.
+    pub per_table: u32,
     /// u of the first knot is -reach, of the last +reach.
     pub reach: f32,
     /// Segments a unit of u.
     pub per_unit: f32,
     /// Pixels a unit of u in focus (σ for the Gaussian).
     pub scale_px: f64,
-    /// Standard deviation of a Gaussian about as sharp, px: what the quadrature over a pixel has to resolve.
+    /// Standard deviation of a Gaussian about as wide, px.
     pub blur_px: f64,
+    /// Standard deviation of a Gaussian about as sharp, px: what the quadrature over a pixel has to resolve.
+    pub sharp_px: f64,
     /// Whether extra blur just widens the scale (true for the Gaussian only).
     pub widens: bool,
+    focus: Focus,
+    /// Radii of reflecting surfaces that have tables of their own, ascending; empty without reflection.
+    radii_mm: Vec<f64>,
+    /// The tables in f64, µm on the object; empty for the plain Gaussian.
+    sources: Arc<[EdgeSpread]>,
+    pixel_mm: f64,
+}
+
+/// The table of an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TablePlace {
+    /// Number of the table.
+    pub table: u32,
+    /// Share of the next one.
+    pub blend: f64,
+    /// Pixels a unit of u.
+    pub scale_px: f64,
 }
 
 impl EsfTable {
-    /// Tabulates a family for pixels of `pixel_mm` on the object.
-    pub fn new(esf: &Esf, pixel_mm: f64) -> Self {
-        match esf {
-            Esf::Gaussian(g) => Self::gaussian(g.sigma_px),
-            Esf::PartiallyCoherent(p) => Self::partially_coherent(p, pixel_mm),
-            Esf::Fresnel(f) => Self::fresnel(f, pixel_mm),
-            Esf::Table(t) => Self::measured(t),
+    /// Tabulates the edge spread of `esf` (the true one of the family in `optics`) over all that `extent` asks for.
+    ///
+    /// # Errors
+    /// Refuses families whose values are out of range or whose tables would grow too large.
+    pub fn new(esf: &Esf, optics: &Optics, extent: &Extent) -> Result<Self, RenderError> {
+        let reflection = optics.reflection.as_ref().filter(|r| r.polished_share > 0.0);
+        if let (Esf::Gaussian(g), None) = (esf, reflection) {
+            return Ok(Self::gaussian(g.sigma_px, optics.defocus_na, extent.pixel_mm));
         }
+        let family = Family { esf, na: optics.defocus_na, pixel_um: extent.pixel_mm * 1e3 };
+        let (focus, tables) = family.over_focus(extent.depth_mm)?;
+        let (radii_mm, tables) = match reflection {
+            Some(r) => over_radii(r, &tables, extent.radius_mm)?,
+            None => (Vec::new(), tables),
+        };
+        Self::from_tables(tables, focus, radii_mm, extent.pixel_mm)
     }
 
-    fn gaussian(sigma_px: f64) -> Self {
+    fn gaussian(sigma_px: f64, na: f64, pixel_mm: f64) -> Self {
         let count = (2.0 * GAUSSIAN_REACH * KNOTS_PER_SIGMA).ceil();
         let step = 2.0 * GAUSSIAN_REACH / count;
-        let segments = (0..count as usize)
+        let segments: Vec<_> = (0..count as usize)
             .map(|i| {
                 let (a, da) = gaussian(-GAUSSIAN_REACH + i as f64 * step);
                 let (b, db) = gaussian(-GAUSSIAN_REACH + (i + 1) as f64 * step);
                 hermite(a, da * step, b, db * step)
             })
             .collect();
-        let (reach, per_unit) = (GAUSSIAN_REACH as f32, (1.0 / step) as f32);
-        Self { segments, reach, per_unit, scale_px: sigma_px, blur_px: sigma_px, widens: true }
+        Self {
+            per_table: segments.len() as u32,
+            segments,
+            reach: GAUSSIAN_REACH as f32,
+            per_unit: (1.0 / step) as f32,
+            scale_px: sigma_px,
+            blur_px: sigma_px,
+            sharp_px: sigma_px,
+            widens: true,
+            focus: if na == 0.0 { Focus::Fixed } else { Focus::Widens { na } },
+            radii_mm: Vec::new(),
+            sources: Arc::new([]),
+            pixel_mm,
+        }
     }
 
-    fn partially_coherent(p: &PartiallyCoherentEsf, pixel_mm: f64) -> Self {
-        let airy_mm = p.wavelength_nm * 1e-6 / p.numerical_aperture;
-        let zeta = p.defocus_um * 1e-3 * p.numerical_aperture / airy_mm;
-        let reach = COHERENT_REACH * (1.0 + zeta.abs() / 4.0);
-        let count = (reach * KNOTS_PER_AIRY).ceil() as usize;
-        let values = edge_image(p.coherence_ratio, zeta, reach, count);
-        // A 10-90 % width of .36-.66 λ/NA is that of a Gaussian of .14-.26 λ/NA.
-        Self::from_values(values, reach, airy_mm / pixel_mm, 0.15 * airy_mm / pixel_mm)
+    fn from_tables(
+        tables: Vec<EdgeSpread>,
+        focus: Focus,
+        radii_mm: Vec<f64>,
+        pixel_mm: f64,
+    ) -> Result<Self, RenderError> {
+        let pixel_um = pixel_mm * 1e3;
+        let reach_um = tables.iter().map(|t| t.range_um().1.max(-t.range_um().0)).fold(0.0, f64::max);
+        let step_um = tables.iter().map(EdgeSpread::step_um).fold(f64::INFINITY, f64::min);
+        let count = (2.0 * reach_um / step_um).ceil().max(1.0) as usize;
+        if count.saturating_mul(tables.len()) > MOST_SEGMENTS {
+            return Err(RenderError::setting(
+                "optics.esf",
+                &format!("{} tables of {count} segments", tables.len()),
+                "are too many: shorten the family's reach, bend the shaft less, or take fewer diameters with a reflection",
+            ));
+        }
+        let narrowed = |t: &EdgeSpread| t.cubics(reach_um, count).into_iter().map(|c| c.map(|v| v as f32));
+        let width = tables[0].width_10_90_um().unwrap_or(0.0).max(1e-3 * reach_um);
+        let sharp_um = tables.iter().map(EdgeSpread::sharpness_um).fold(f64::INFINITY, f64::min);
+        Ok(Self {
+            segments: tables.iter().flat_map(narrowed).collect(),
+            per_table: count as u32,
+            reach: (reach_um / pixel_um) as f32,
+            per_unit: (0.5 * count as f64 * pixel_um / reach_um) as f32,
+            scale_px: 1.0,
+            blur_px: width / WIDTH_10_90 / pixel_um,
+            sharp_px: sharp_um / pixel_um,
+            widens: false,
+            focus,
+            radii_mm,
+            sources: tables.into(),
+            pixel_mm,
+        })
     }
 
-    fn fresnel(f: &FresnelEsf, pixel_mm: f64) -> Self {
-        let unit_mm = (f.wavelength_nm * 1e-6 * f.distance_mm / 2.0).sqrt();
-        let band = f.bandwidth_nm / f.wavelength_nm;
-        // Fringes are damped to 1e-4 where a standard deviation of the band turns their phase by √(2 ln 1e4).
-        let damped = if band > 0.0 { (6.5 / band).sqrt() } else { FRESNEL_REACH };
-        let reach = damped.clamp(8.0, FRESNEL_REACH);
-        // The last fringe is 2/reach long; 24 knots to it.
-        let count = (12.0 * reach * reach).ceil() as usize;
-        let values = straight_edge_in_band(reach, count, band);
-        // As sharp as the fringes, not as the edge: the pixel has to be integrated over them.
-        Self::from_values(values, reach, unit_mm / pixel_mm, 0.2 * unit_mm / pixel_mm)
+    /// Whether edges may lie between two tables.
+    pub fn is_stacked(&self) -> bool {
+        matches!(self.focus, Focus::Stack { .. })
     }
 
-    fn measured(t: &TableEsf) -> Self {
-        let reach = t.distance_px.iter().fold(0.0, |r: f64, d| r.max(d.abs()));
-        let gaps = || t.distance_px.windows(2).map(|w| w[1] - w[0]);
-        let spacing = gaps().fold(f64::INFINITY, f64::min);
-        let count = (4.0 * reach / spacing).ceil().clamp(64.0, 16384.0) as usize;
-        let values = (0..=2 * count).map(|i| t.at(reach * (i as f64 / count as f64 - 1.0))).collect();
-        let rises = t.light.windows(2).map(|w| w[1] - w[0]);
-        let steepest = gaps().zip(rises).map(|(d, l)| l / d).fold(0.0, f64::max);
-        Self::from_values(values, reach, 1.0, 1.0 / (steepest * (2.0 * std::f64::consts::PI).sqrt()))
+    /// Whether an edge's table depends on where its axis lies or how thick it is.
+    pub fn is_even(&self) -> bool {
+        self.focus == Focus::Fixed && self.radii_mm.len() < 2
     }
 
-    /// A table through equidistant values over ±reach, slopes by central differences of fourth order.
-    fn from_values(mut values: Vec<f64>, reach: f64, scale_px: f64, blur_px: f64) -> Self {
-        taper_ends(&mut values);
-        let at = |i: i64| values[i.clamp(0, values.len() as i64 - 1) as usize];
-        let slope = |i: i64| (8.0 * (at(i + 1) - at(i - 1)) - (at(i + 2) - at(i - 2))) / 12.0;
-        let segments: Vec<_> =
-            (0..values.len() as i64 - 1).map(|i| hermite(at(i), slope(i), at(i + 1), slope(i + 1))).collect();
-        let per_unit = (segments.len() as f64 / (2.0 * reach)) as f32;
-        Self { segments, reach: reach as f32, per_unit, scale_px, blur_px, widens: false }
+    /// Whether surfaces of different radius have tables of their own.
+    pub fn has_radii(&self) -> bool {
+        self.radii_mm.len() > 1
     }
 
-    /// The tabulated function at a distance into the light, px, in f64: for figures and tests.
+    /// Table and scale of an edge whose axis lies `y_mm` before the plane of focus (towards the camera), on a surface of
+    /// mean radius `radius_mm`; `extra_px2` widens the scale of the Gaussian.
+    pub fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
+        let scale = |variance: f64| (self.scale_px * self.scale_px + variance).sqrt();
+        match self.focus {
+            Focus::Fixed if self.widens => TablePlace { table: 0, blend: 0.0, scale_px: scale(extra_px2) },
+            Focus::Widens { na } => {
+                let defocus = (0.5 * y_mm * na / self.pixel_mm).powi(2);
+                TablePlace { table: 0, blend: 0.0, scale_px: scale(extra_px2 + defocus) }
+            }
+            Focus::Fixed => TablePlace { table: self.bin(radius_mm), blend: 0.0, scale_px: self.scale_px },
+            Focus::Nears { distance_mm } => {
+                let nearer = (1.0 - y_mm / distance_mm).max(1e-3).sqrt();
+                TablePlace { table: self.bin(radius_mm), blend: 0.0, scale_px: self.scale_px * nearer }
+            }
+            Focus::Stack { offset_mm, step_mm, tables } => {
+                let last = f64::from(tables - 2);
+                let at = ((y_mm + offset_mm).abs() / step_mm).min(last + 1.0);
+                let below = at.floor().min(last);
+                let table = self.bin(radius_mm) * tables + below as u32;
+                TablePlace { table, blend: at - below, scale_px: self.scale_px }
+            }
+        }
+    }
+
+    /// Which radius' tables serve a surface.
+    fn bin(&self, radius_mm: f64) -> u32 {
+        let after = self.radii_mm.partition_point(|r| *r < radius_mm);
+        match (after.checked_sub(1).map(|i| self.radii_mm[i]), self.radii_mm.get(after)) {
+            (Some(a), Some(b)) if radius_mm * radius_mm < a * b => after as u32 - 1,
+            (Some(_), None) => after as u32 - 1,
+            _ => after as u32,
+        }
+    }
+
+    /// Light at a distance (px) into the light of an edge of the table given, in f64: for profiles, figures and tests.
+    pub fn light(&self, at: &TablePlace, distance_px: f64) -> f64 {
+        let u = distance_px / at.scale_px;
+        let one = |table: u32| match self.sources.get(table as usize) {
+            Some(source) => source.value(u * self.pixel_mm * 1e3),
+            None => gaussian(u).0,
+        };
+        let near = one(at.table);
+        if at.blend == 0.0 { near } else { near + at.blend * (one(at.table + 1) - near) }
+    }
+
+    /// As [`Self::light`] from the kernel's own cubics: twenty times as fast, good to 1e-7.
+    pub fn sample(&self, at: &TablePlace, distance_px: f64) -> f64 {
+        let count = self.per_table as usize;
+        let place = ((distance_px / at.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
+            .clamp(0.0, count as f64);
+        let segment = (place as usize).min(count - 1);
+        let t = place - segment as f64;
+        let one = |table: u32| {
+            let [a, b, c, d] = self.segments[table as usize * count + segment].map(f64::from);
+            a + t * (b + t * (c + t * d))
+        };
+        let near = one(at.table);
+        if at.blend == 0.0 { near } else { near + at.blend * (one(at.table + 1) - near) }
+    }
+
+    /// The tables in f64, µm on the object; none for the plain Gaussian.
+    pub fn sources(&self) -> &[EdgeSpread] {
+        &self.sources
+    }
+
+    /// The first table at a distance into the light, px, as the kernel holds it: for figures and tests.
     pub fn at_px(&self, distance_px: f64) -> f64 {
+        let count = self.per_table as usize;
         let place = ((distance_px / self.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))
-            .clamp(0.0, self.segments.len() as f64);
-        let segment = (place as usize).min(self.segments.len() - 1);
+            .clamp(0.0, count as f64);
+        let segment = (place as usize).min(count - 1);
         let t = place - segment as f64;
         self.segments[segment].iter().rev().fold(0.0, |sum, &c| sum * t + f64::from(c))
     }
 }
 
-/// Leads both ends smoothly to 0 and 1, so that the flat fields join the table.
-fn taper_ends(values: &mut [f64]) {
-    let n = values.len();
-    let width = (0.5 * TAPER * n as f64).max(1.0);
-    let keep = |t: f64| if t < 1.0 { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-    for (i, value) in values.iter_mut().enumerate() {
-        *value *= keep(i as f64 / width);
-        *value = 1.0 - (1.0 - *value) * keep((n - 1 - i) as f64 / width);
+/// A family with what its focus needs.
+struct Family<'a> {
+    esf: &'a Esf,
+    na: f64,
+    pixel_um: f64,
+}
+
+impl Family<'_> {
+    /// Tables up to `depth_mm` out of focus, and how an edge finds its own.
+    fn over_focus(&self, depth_mm: f64) -> Result<(Focus, Vec<EdgeSpread>), RenderError> {
+        let (na, pixel_um) = (self.na, self.pixel_um);
+        let stack = |offset_mm: f64, table: &(dyn Fn(f64) -> Result<EdgeSpread, RenderError> + Sync)| {
+            let stack = FocusStack::of(depth_mm + offset_mm.abs(), BLEND_TOLERANCE, table)?;
+            let tables = stack.tables().len() as u32;
+            let focus = Focus::Stack { offset_mm, step_mm: stack.step_mm(), tables };
+            Ok((focus, stack.tables().to_vec()))
+        };
+        let flat = depth_mm == 0.0;
+        match self.esf {
+            Esf::Gaussian(g) => {
+                let table = |y: f64| {
+                    let lens_sigma_um = g.sigma_px * pixel_um;
+                    GaussianBlur { lens_sigma_um, defocus_mm: y, effective_na: na, motion_um: 0.0 }
+                        .edge_spread()
+                };
+                if flat || na == 0.0 { Ok((Focus::Fixed, vec![table(0.0)?])) } else { stack(0.0, &table) }
+            }
+            Esf::PartiallyCoherent(p) if flat => Ok((Focus::Fixed, vec![p.edge_spread()?])),
+            Esf::PartiallyCoherent(p) => stack(p.defocus_mm, &|defocus_mm| {
+                PartiallyCoherentEdge { defocus_mm, ..p.clone() }.edge_spread()
+            }),
+            Esf::Fresnel(f) => {
+                let focus = if flat { Focus::Fixed } else { nears(f, depth_mm)? };
+                Ok((focus, vec![f.edge_spread()?]))
+            }
+            Esf::Measured(m) => {
+                let edge = m.edge()?.edge_spread()?;
+                let table = |y: f64| {
+                    if y == 0.0 {
+                        return Ok(edge.clone());
+                    }
+                    edge.spread(&Shifts::disc(y.abs() * na * 1e3, DISC_NODES), TOLERANCE)
+                };
+                if flat || na == 0.0 { Ok((Focus::Fixed, vec![edge])) } else { stack(0.0, &table) }
+            }
+        }
     }
 }
 
+/// A laser's shadow scales with the root of the distance to the sensor.
+fn nears(laser: &LaserShadow, depth_mm: f64) -> Result<Focus, RenderError> {
+    if depth_mm < 0.5 * laser.distance_mm {
+        return Ok(Focus::Nears { distance_mm: laser.distance_mm });
+    }
+    let right = format!("must be more than twice the {depth_mm} mm by which the axis comes nearer");
+    Err(RenderError::setting("optics.esf.fresnel.distance_mm", &laser.distance_mm, right))
+}
+
+/// The tables with the reflection of every radius between the two given.
+fn over_radii(
+    reflection: &GrazingReflection,
+    tables: &[EdgeSpread],
+    (least, most): (f64, f64),
+) -> Result<(Vec<f64>, Vec<EdgeSpread>), RenderError> {
+    let steps = ((most / least).ln() / RADIUS_RATIO.ln()).ceil().max(0.0);
+    let radii: Vec<f64> =
+        (0..=steps as usize).map(|i| least * (most / least).powf(i as f64 / steps.max(1.0))).collect();
+    let mut made = Vec::new();
+    for radius in &radii {
+        for table in tables {
+            made.push(reflection.edge_spread(table, *radius)?);
+        }
+    }
+    Ok((radii, made))
+}
+
 /// Φ(u) and φ(u); the reference takes another route to Φ (libm's erf).
-fn gaussian(u: f64) -> (f64, f64) {
+pub(super) fn gaussian(u: f64) -> (f64, f64) {
     let density = (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
     (statrs::function::erf::erfc(-u / std::f64::consts::SQRT_2) * 0.5, density)
 }
@@ -188,27 +402,4 @@ fn order(a: f64) -> usize {
         a if a <= 0.9 => 4,
         _ => 8,
     }
-}
-
-/// Nodes and weights on -1..1, by Newton's method on the Legendre recurrence.
-pub(super) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let legendre = |x: f64| {
-        let (mut before, mut now) = (1.0, x);
-        for k in 2..=n {
-            let k = k as f64;
-            (before, now) = (now, ((2.0 * k - 1.0) * x * now - (k - 1.0) * before) / k);
-        }
-        (now, n as f64 * (x * now - before) / (x * x - 1.0))
-    };
-    (0..n)
-        .map(|i| {
-            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            for _ in 0..50 {
-                let (p, slope) = legendre(x);
-                x -= p / slope;
-            }
-            let slope = legendre(x).1;
-            (x, 2.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
 }

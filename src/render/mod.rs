@@ -4,21 +4,21 @@
 //! a frame. The twin ([`shadowgraph`]) and the shader of the same name are judged by [`reference`].
 
 mod bench;
-pub mod coherence;
 pub mod columns;
 pub mod contamination;
 mod error;
 pub mod esf;
 pub mod esf_families;
-mod esf_settings;
+mod exposure;
 pub mod form;
-pub mod fresnel;
 pub mod gpu;
 pub mod lens;
 pub mod light_map;
 pub mod motion;
 pub mod noise;
+mod optics;
 pub mod params;
+mod profiles;
 pub mod reference;
 mod renderer;
 mod scene;

@@ -26,6 +26,9 @@ const NODES: usize = 4;
 /// Periods from which a sinusoid's phase no longer matters and the arcsine takes its place.
 const MANY_PERIODS: f64 = 64.0;
 
+/// Periods up to which a vibration is followed through an exposure that is drawn.
+const FOLLOWED_PERIODS: f64 = 8.0;
+
 /// Nodes of the arcsine.
 const ARCSINE_NODES: usize = 48;
 
@@ -127,6 +130,46 @@ impl Motion {
         gauss_legendre(nodes.max(1)).into_iter().map(pose).collect()
     }
 
+    /// Instants over the light's time at which to draw, with weights that add up to one; a single one where nothing moves.
+    ///
+    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a turn included; vibrations of
+    /// more than 8 periods enter as arcsines.
+    pub fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
+        let time = self.light_time(exposure_us);
+        let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
+        let (fast, slow): (Vec<Vibration>, Vec<Vibration>) = self
+            .vibration
+            .iter()
+            .filter(|v| v.amplitude_um > 0.0)
+            .partition(|v| periods(v) > FOLLOWED_PERIODS);
+        let turns = self.spindle_rpm.abs() / 60.0 * time.length_us * 1e-6;
+        let still = self.spindle_rpm == 0.0 && self.carriage_mm_s == 0.0 && slow.is_empty();
+        let quickest =
+            slow.iter().map(|v| TAU * periods(v)).fold(TAU * turns * undulations.max(1.0), f64::max);
+        let rule = gauss_legendre(if still { 1 } else { NODES });
+        let panel = time.length_us / (0.5 * quickest).ceil().max(1.0);
+        let nodes = panels(time.start_us, time.start_us + time.length_us, &[], panel, &rule);
+        let fast_lifts = fast
+            .iter()
+            .fold(Shifts::none(), |shifts, v| shifts.folded(&Shifts::arcsine(v.amplitude_um, ARCSINE_NODES)));
+        let mut poses = Vec::new();
+        for (t_us, weight) in nodes {
+            let wave = |v: &Vibration| {
+                v.amplitude_um * (TAU * v.frequency_hz * t_us * 1e-6 + v.phase_deg.to_radians()).sin()
+            };
+            let lift_um: f64 = slow.iter().map(wave).sum();
+            for (more_um, share) in fast_lifts.iter() {
+                poses.push(Pose {
+                    angle_deg: 6.0 * self.spindle_rpm * t_us * 1e-6,
+                    z_mm: self.carriage_mm_s * t_us * 1e-6,
+                    lift_mm: (lift_um + more_um) * 1e-3,
+                    weight: weight / time.length_us * share,
+                });
+            }
+        }
+        poses
+    }
+
     /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows the sinusoids of
     /// `turning`, given per turn of the spindle (run-out has 1 undulation, lobes their order).
     pub fn path(&self, slope: f64, turning: &[Turning]) -> EdgePath {
@@ -147,6 +190,19 @@ impl Motion {
         // The carriage moves the camera by +v along z: at a fixed column the edge rises by v·dx/dz.
         EdgePath { um_per_us: self.carriage_mm_s * slope * 1e-3, waves }
     }
+}
+
+/// Where shaft and camera stand at an instant of an exposure, against its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Turn of the spindle, degrees.
+    pub angle_deg: f64,
+    /// Way of the carriage along z, mm.
+    pub z_mm: f64,
+    /// The shaft's height by vibration, mm up in the image.
+    pub lift_mm: f64,
+    /// Share of the light.
+    pub weight: f64,
 }
 
 /// A motion of the edge tied to the spindle: A·sin(k·φ + phase).

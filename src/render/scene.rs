@@ -1,20 +1,28 @@
 //! A scene: one shaft before one bench, ready to be drawn at any field and angle.
 
-use rayon::prelude::*;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
 
 use super::bench::OpticalBench;
-use super::columns::{ColumnEdges, RowBlur, bands, extremes, kernel_columns};
+use super::columns::{ColumnEdges, Depth, RowBlur, Straight, bands, kernel_columns, steepest};
 use super::error::RenderError;
-use super::esf::{EsfTable, pixel_quadrature};
+use super::esf::{EsfTable, Extent, pixel_quadrature};
+use super::esf_families::EdgeSpread;
+use super::exposure::{self, Instant};
 use super::light_map::LightMap;
 use super::params::{FrameKeys, Job, Levels, Params, Window, pixels_per_word, rows_of};
-use super::silhouette::{Outline, Turned};
+use super::profiles::Profiles;
+use super::silhouette::{Outline, Turned, View};
 use super::veil;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::shaft::Shaft;
 
-/// Columns of a task; the result does not depend on the number of threads.
-const BLOCK: usize = 256;
+/// Stream of the spindle's asynchronous error motion.
+const ASYNCHRONOUS_STREAM: u64 = 0x6173_796e_6368;
+
+/// Room that a pinhole keeps from the shaft, mm.
+const CLEARANCE_MM: f64 = 1.0;
 
 /// Which frame of a scene to draw.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +52,14 @@ pub struct Scene {
     outline: Outline,
     esf: EsfTable,
     blur: RowBlur,
+    /// One over the distance of the pinhole, 1/mm; 0 for a telecentric lens.
+    per_distance: f64,
+    /// Largest distance of any axis from the plane of focus, mm.
+    depth_mm: f64,
+    /// Standard deviation of the widest Gaussian, px.
+    largest_sigma_px: f64,
+    /// How far along z tilt, perspective and distortion may carry a corner, mm.
+    margin_mm: f64,
     wiped: bool,
 }
 
@@ -65,9 +81,34 @@ impl Scene {
                 ),
             });
         }
-        let esf = EsfTable::new(&bench.esf, bench.pixel_mm);
+        let per_distance = per_distance(bench, &outline)?;
+        let pose = outline.shaft().pose;
+        let lean = (pose.tilt_to_camera_mrad * 1e-3).sin().abs();
+        let half_mm = 0.5 * bench.columns() as f64 * bench.pixel_mm;
+        let depth_mm = outline.largest_depth_mm() + half_mm * lean;
+        let radius_mm = outline.mean_radii_mm();
+        let esf = EsfTable::new(
+            &bench.esf,
+            &bench.nominal.optics,
+            &Extent { pixel_mm: bench.pixel_mm, depth_mm, radius_mm },
+        )?;
+        let margin_mm = radius_mm.1 * ((pose.tilt_mrad * 1e-3).sin().abs() + lean)
+            + (half_mm + radius_mm.1) * radius_mm.1 * per_distance.abs()
+            + sideways_px(bench) * bench.pixel_mm;
+        let widest = if esf.widens { esf.place(depth_mm, radius_mm.1, 0.0).scale_px } else { esf.blur_px };
         let blur = RowBlur::new(esf.blur_px);
-        Ok(Self { bench: bench.clone(), outline, esf, blur, wiped: false })
+        let (bench, largest_sigma_px) = (bench.clone(), widest);
+        Ok(Self {
+            bench,
+            outline,
+            esf,
+            blur,
+            per_distance,
+            depth_mm,
+            largest_sigma_px,
+            margin_mm,
+            wiped: false,
+        })
     }
 
     /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
@@ -84,6 +125,11 @@ impl Scene {
     /// The shaft's outline.
     pub fn outline(&self) -> &Outline {
         &self.outline
+    }
+
+    /// The edge spreads of the scene in f64, µm on the object; none where it is the plain Gaussian.
+    pub fn edge_spreads(&self) -> &[EdgeSpread] {
+        self.esf.sources()
     }
 
     /// The window of the sensor that the request reads.
@@ -106,75 +152,118 @@ impl Scene {
         ))
     }
 
-    /// Exact edges of the silhouette at every column, in rows of the frame asked for.
+    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over the exposure where they
+    /// move, as the lens distorts them.
     ///
     /// # Errors
     /// Refuses a window outside the sensor and a shaft that leaves the field.
     pub fn geometric_edges(&self, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
         let window = self.window(request)?;
-        self.edges_over(request, window, 0)
+        Ok(exposure::mean(&exposure::instants(self, request, window, 0)?))
+    }
+
+    /// The shaft at a spindle angle, with the error motion that this frame alone has.
+    pub(super) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
+        let turned = self.outline.turned(angle_deg);
+        let rms_um = self.outline.shaft().spindle.asynchronous_rms_um;
+        if rms_um == 0.0 {
+            return turned;
+        }
+        let key = request.seed ^ ASYNCHRONOUS_STREAM ^ request.frame_id.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mut random = Pcg64::seed_from_u64(key);
+        let mut draw = || {
+            let z: f64 = StandardNormal.sample(&mut random);
+            1e-3 * rms_um * z.clamp(-4.0, 4.0)
+        };
+        turned.shifted(draw(), draw())
+    }
+
+    /// Whether every slice projects by itself.
+    pub(super) fn is_straight(&self) -> bool {
+        self.view(0.0).is_straight(self.outline.shaft().pose.tilt_to_camera_mrad)
+    }
+
+    fn view(&self, field_z_mm: f64) -> View {
+        View { middle_z_mm: field_z_mm, per_distance: self.per_distance }
     }
 
     /// Exact edges at a fractional column, in rows of the full sensor.
     pub fn edges_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> ColumnEdges {
-        let pair = turned.edges(self.bench.column_z_mm(field_z_mm, sensor_column));
-        ColumnEdges {
-            top_px: self.bench.row_of_x(pair.top_mm),
-            bottom_px: self.bench.row_of_x(pair.bottom_mm),
+        let distortion = &self.bench.nominal.optics.distortion;
+        let view = self.view(field_z_mm);
+        if distortion.is_none() {
+            let pair = turned.edges_seen(self.bench.column_z_mm(field_z_mm, sensor_column), &view);
+            return ColumnEdges {
+                top_px: self.bench.row_of_x(pair.top_mm),
+                bottom_px: self.bench.row_of_x(pair.bottom_mm),
+            };
         }
+        let ideal = |upper: bool| {
+            distortion.edge_row(sensor_column, self.bench.rows(), self.bench.columns(), |c| {
+                self.bench.row_of_x(turned.edge_seen(self.bench.column_z_mm(field_z_mm, c), &view, upper))
+            })
+        };
+        ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
     }
 
-    fn edges_over(
-        &self,
-        request: &FrameRequest,
-        window: Window,
-        halo: usize,
-    ) -> Result<Vec<ColumnEdges>, RenderError> {
-        let turned = self.outline.turned(request.angle_deg);
-        let count = window.columns as usize + 2 * halo;
-        let mut edges = vec![ColumnEdges { top_px: 0.0, bottom_px: 0.0 }; count];
-        edges.par_chunks_mut(BLOCK).enumerate().for_each(|(block, chunk)| {
-            for (i, e) in chunk.iter_mut().enumerate() {
-                let column = f64::from(window.column) + (block * BLOCK + i) as f64 - halo as f64;
-                let at = self.edges_at(&turned, request.z_mm, column);
-                let row0 = f64::from(window.row);
-                *e = ColumnEdges { top_px: at.top_px - row0, bottom_px: at.bottom_px - row0 };
+    /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
+    pub(super) fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
+        let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
+        self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
+    }
+
+    /// Whether a column of a frame sees a corner of the outline within the blur.
+    pub(super) fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
+        if !self.outline.has_breaks() {
+            return false;
+        }
+        let reach_mm = (5.25 * self.largest_sigma_px + 1.0) * self.bench.pixel_mm + self.margin_mm;
+        let column = f64::from(frame.window.column) + column as f64;
+        frame.instants.iter().any(|i| {
+            let z = self.bench.column_z_mm(i.field_z_mm, column);
+            self.outline.is_broken(z - reach_mm, z + reach_mm)
+        })
+    }
+
+    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
+    pub(super) fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
+        let bench = &self.bench;
+        let (rows, columns) = (bench.rows(), bench.columns());
+        let distortion = &bench.nominal.optics.distortion;
+        let z = |column: f64| bench.column_z_mm(instant.field_z_mm, column);
+        let (from, to) = (z(low) - self.margin_mm, z(high) + self.margin_mm);
+        let mut corners = Vec::new();
+        for s in self.outline.breaks_mm(from, to) {
+            for (z_mm, x_mm) in instant.turned.corner_seen(s) {
+                let column = bench.centre_column() + (z_mm - instant.field_z_mm) / bench.pixel_mm;
+                let row = bench.row_of_x(x_mm);
+                corners.push(if distortion.is_none() {
+                    column
+                } else {
+                    distortion.distort_px(row, column, rows, columns).1
+                });
             }
-        });
-        self.check_field(&edges[halo..count - halo], window)?;
-        Ok(edges)
+        }
+        corners.sort_by(f64::total_cmp);
+        corners.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let helices = &self.outline.shaft().features.helices;
+        let known = self.is_straight() && !helices.iter().any(|h| h.from_mm <= to && h.to_mm >= from);
+        (corners, known)
     }
 
-    /// Extra blur variance of every column by the axis' distance from the focal plane, px²; empty where there is none.
-    fn defocus(&self, request: &FrameRequest, window: Window) -> Vec<f64> {
-        let na = self.bench.nominal.optics.defocus_na;
-        let shaft = self.outline.shaft();
-        let centred =
-            shaft.bow.is_empty() && shaft.deflection.is_empty() && shaft.eccentricity.amplitude_mm == 0.0;
-        if na == 0.0 || centred || !self.esf.widens {
+    /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
+    fn depth(&self, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
+        if self.esf.is_even() || (self.depth_mm == 0.0 && !self.esf.has_radii()) {
             return Vec::new();
         }
-        let turned = self.outline.turned(request.angle_deg);
+        let view = self.view(instant.field_z_mm);
         (window.column..window.column + window.columns)
-            .map(|c| turned.axis_y_mm(self.bench.column_z_mm(request.z_mm, f64::from(c))))
-            .map(|y| (0.5 * y * na / self.bench.pixel_mm).powi(2))
+            .map(|c| self.bench.column_z_mm(instant.field_z_mm, f64::from(c)))
+            .map(|z| Depth {
+                y_mm: instant.turned.axis_depth_mm(z, &view),
+                radius_mm: self.outline.mean_radius_mm(z),
+            })
             .collect()
-    }
-
-    fn check_field(&self, edges: &[ColumnEdges], window: Window) -> Result<(), RenderError> {
-        let row0 = f64::from(window.row);
-        let last = self.bench.rows() as f64 - 1.0;
-        let outside = edges.iter().position(|e| !(e.top_px + row0 >= 0.0 && e.bottom_px + row0 <= last));
-        let Some(column) = outside else { return Ok(()) };
-        let e = edges[column];
-        Err(RenderError::Field {
-            what: format!(
-                "at column {} the shaft's edges stand at rows {:.1} and {:.1}, outside the field's 0 to {last}: move or straighten the shaft, or lower optics.magnification",
-                column + window.column as usize,
-                e.top_px + row0,
-                e.bottom_px + row0
-            ),
-        })
     }
 
     /// Levels in counts of the format asked for.
@@ -219,13 +308,17 @@ impl Scene {
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
         let window = self.window(request)?;
         let format = self.format(request);
-        let reach = self.blur.reach();
-        let mut edges = self.edges_over(request, window, reach)?;
-        let rises = match self.wiped {
-            true => Vec::new(),
-            false => veil::raise_edges(&self.bench, self.outline.shaft(), request, window, &mut edges)?,
-        };
-        let seen = |all: usize| reach.min(all)..all.saturating_sub(reach).max(reach.min(all));
+        let halo = self.blur.reach();
+        let mut instants = exposure::instants(self, request, window, halo)?;
+        let mut rises = Vec::new();
+        if !self.wiped {
+            for instant in &mut instants {
+                let edges = &mut instant.edges;
+                rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
+            }
+        }
+        let edges = exposure::mean(&instants);
+        let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
         let contamination = veil::contamination(
             &self.bench,
             request,
@@ -234,15 +327,23 @@ impl Scene {
             &rises[seen(rises.len())],
             self.esf.blur_px,
         )?;
-        let columns = kernel_columns(&edges, &self.defocus(request, window), &self.blur, &self.esf);
-        let (max_sin, _) = extremes(&columns, self.esf.scale_px);
-        let quadrature = pixel_quadrature(self.esf.blur_px, max_sin);
+        let depth = self.depth(&instants[0], window);
+        let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
+        let quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
+        let profiles = if instants.len() > 1 || self.outline.has_breaks() {
+            let (scene, esf, instants) = (self, &self.esf, &instants[..]);
+            let frame =
+                Profiles { scene, esf, window, halo, instants, depth: &depth, quadrature: &quadrature };
+            frame.add(&mut columns)
+        } else {
+            Vec::new()
+        };
         let bands = bands(&columns, pixels_per_word(format) as usize, &self.esf);
         let mut params = Params::new(window, format, &self.levels(format), request.noise);
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
         params.overlap = u32::from(bands.overlap);
-        params.esf_segments = self.esf.segments.len() as u32;
+        params.esf_segments = self.esf.per_table;
         params.esf_reach = self.esf.reach;
         params.esf_per_unit = self.esf.per_unit;
         self.light_params(&mut params, contamination.as_ref());
@@ -261,8 +362,8 @@ impl Scene {
             contamination,
             esf: &self.esf,
             quadrature,
-            stacked: false,
-            profiles: Vec::new(),
+            stacked: self.esf.is_stacked(),
+            profiles,
         })
     }
 
@@ -284,4 +385,35 @@ impl Scene {
         }
         mask
     }
+}
+
+/// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual
+/// angle at half the diagonal.
+fn per_distance(bench: &OpticalBench, outline: &Outline) -> Result<f64, RenderError> {
+    let optics = &bench.nominal.optics;
+    let half_mm = 0.5 * (bench.rows() as f64).hypot(bench.columns() as f64) * bench.pixel_mm;
+    let per_distance = match optics.entocentric {
+        Some(e) => 1.0 / e.distance_mm,
+        None => (optics.telecentricity_mrad * 1e-3).tan() / half_mm,
+    };
+    let needed = outline.mean_radii_mm().1 + outline.largest_depth_mm() + CLEARANCE_MM;
+    if per_distance.abs() * needed < 1.0 {
+        return Ok(per_distance);
+    }
+    let right = format!("must leave the shaft in front of the lens: at least {needed:.3} mm");
+    Err(RenderError::setting("optics.entocentric.distance_mm", &(1.0 / per_distance), right))
+}
+
+/// Farthest that the distortion carries a point of the sensor's border along the row, px.
+fn sideways_px(bench: &OpticalBench) -> f64 {
+    let distortion = &bench.nominal.optics.distortion;
+    if distortion.is_none() {
+        return 0.0;
+    }
+    let (rows, columns) = (bench.rows(), bench.columns());
+    let border = (0..=16).flat_map(|i| {
+        let (r, c) = ((rows - 1) as f64 * f64::from(i) / 16.0, (columns - 1) as f64 * f64::from(i) / 16.0);
+        [(r, 0.0), (r, (columns - 1) as f64), (0.0, c), ((rows - 1) as f64, c)]
+    });
+    border.map(|(r, c)| (distortion.distort_px(r, c, rows, columns).1 - c).abs()).fold(0.0, f64::max)
 }

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::contamination::Contamination;
 use super::error::{RenderError, within};
-pub use super::esf_settings::{Esf, FresnelEsf, GaussianEsf, PartiallyCoherentEsf, TableEsf};
 use super::lens::FieldLight;
+use super::motion::Motion;
+pub use super::optics::{Entocentric, Esf, GaussianEsf, Optics};
 use crate::frame::PixelFormat;
 
 /// The pixel matrix and its timing.
@@ -46,38 +47,6 @@ impl Camera {
         within("camera.pixel_um", self.pixel_um, 0.1, 100.0)?;
         within("camera.exposure_us", self.exposure_us, 0.001, 1e7)?;
         within("camera.frame_period_ms", self.frame_period_ms, 0.001, 1e6)
-    }
-}
-
-/// Lens and edge spread.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Optics {
-    /// Lateral magnification of the telecentric lens, image size over object size.
-    pub magnification: f64,
-    /// How light passes into shadow.
-    pub esf: Esf,
-    /// Effective aperture (the smaller of lens and illumination) with which an edge out of focus blurs:
-    /// σ² grows by (y·NA)²/4 on the object. For the Gaussian family; 0 leaves focus out.
-    pub defocus_na: f64,
-}
-
-impl Default for Optics {
-    /// Ø25 fills 80 % of 2048 rows: 15.26 µm a pixel on the object.
-    fn default() -> Self {
-        Self { magnification: 0.226, esf: Esf::default(), defocus_na: 0.02 }
-    }
-}
-
-impl Optics {
-    /// Checks every value against its range.
-    ///
-    /// # Errors
-    /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
-        within("optics.magnification", self.magnification, 1e-3, 100.0)?;
-        within("optics.defocus_na", self.defocus_na, 0.0, 1.0)?;
-        self.esf.check()
     }
 }
 
@@ -218,6 +187,8 @@ pub struct BenchSettings {
     pub light: Light,
     /// Photons to counts.
     pub sensor: Sensor,
+    /// What moves during an exposure.
+    pub motion: Motion,
     /// What soils the view.
     pub contamination: Contamination,
     /// Distance of the true bench from the nominal one.
@@ -232,6 +203,7 @@ impl BenchSettings {
     pub fn check(&self) -> Result<(), RenderError> {
         self.camera.check()?;
         self.optics.check()?;
+        self.motion.check(self.camera.exposure_us)?;
         self.sensor.check()?;
         self.light.check(&self.sensor)?;
         self.contamination.check()?;

@@ -86,6 +86,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     corrected_passes(&mut page, view.job, &rows)?;
     let convergence_svg = convergence(&mut page, controller, &rows, reference.as_ref())?;
     offsets(&mut page, view)?;
+    decisions(&mut page, view)?;
     let mut files = vec![
         ("plots/error_along_z.svg".to_owned(), error_svg.into_bytes()),
         ("plots/convergence.svg".to_owned(), convergence_svg.into_bytes()),
@@ -262,6 +263,37 @@ fn offsets(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
     };
     page.heading("Offsets in force");
     draw(page, &chart, "What was subtracted from the nominal when commanding the tool.")?;
+    Ok(())
+}
+
+/// What control decided after every pass and why; where offsets were held, the reason.
+fn decisions(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
+    let record = view.folder.control()?;
+    let rows: Vec<Vec<String>> = record
+        .passes
+        .iter()
+        .map(|p| {
+            let scan = p.evidence.origin.as_ref().map_or_else(String::new, |o| {
+                let master = o
+                    .master_deviation_mm
+                    .map_or_else(String::new, |d| format!(", master {:+.2} µm", d * 1e3));
+                format!("scan {} of {}, {}{master}", o.scan, o.of.part, o.of.tool)
+            });
+            let why = [p.alarm.as_ref().map(|a| format!("ALARM: {a}")), p.reason.clone()];
+            vec![
+                p.pass.to_string(),
+                p.decision.clone(),
+                why.into_iter().flatten().collect::<Vec<_>>().join("; "),
+                scan,
+                p.notes.join("; "),
+            ]
+        })
+        .collect();
+    page.heading("Control");
+    if record.stock.is_some() {
+        page.text("The stock was scanned before the first pass.");
+    }
+    page.table(&["after pass", "decision", "reason", "judged by", "remarks"], &rows);
     Ok(())
 }
 

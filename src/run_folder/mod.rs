@@ -4,6 +4,7 @@
 //! stands in it has all its data; whatever a killed run left of a later pass is overwritten. `report.html` is written
 //! last of all: a folder that has one is finished and never touched again.
 
+mod control;
 mod form_tables;
 mod parquet_file;
 mod tables;
@@ -13,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+pub use control::{ControlRecord, PassRecord};
 pub use form_tables::{FormRow, PartFormRow};
 pub use parquet_file::{DiameterRow, TruthRow, read_diameters};
 pub use tables::{OffsetRow, PassRow, StationRow, offset_of, profile_of};

@@ -219,15 +219,15 @@ impl Piece {
         self.with_bumps(&bumps).frame(Some(&map))
     }
 
-    /// One to three films or smeared chips, .1-1.5 mm half length, lognormal thickness about 15 µm.
+    /// One or two films or smeared chips, .1-1 mm half length, lognormal thickness about 15 µm.
     fn short_films(&self) -> Vec<Bump> {
         let mut random = Pcg64::seed_from_u64(self.seed ^ 0x66_696c_6d73);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let count = 1 + (normal().abs() as usize).min(2);
+        let count = 1 + (normal().abs() as usize).min(1);
         (0..count)
             .map(|_| Bump {
                 column: COLUMNS as f64 * (0.5 + 0.29 * normal()).clamp(0.0, 1.0),
-                half_length: (400.0 * (0.8 * normal()).exp()).clamp(100.0, 1500.0) / PIXEL_UM,
+                half_length: (400.0 * (0.8 * normal()).exp()).clamp(100.0, 1000.0) / PIXEL_UM,
                 height_px: (15.0 * (0.7 * normal()).exp()).clamp(3.0, 150.0) / PIXEL_UM,
                 upper: normal() > 0.0,
             })

@@ -8,6 +8,7 @@ pub mod deflection;
 pub mod dirty_frames;
 pub mod factor;
 pub mod optimize;
+pub mod parts;
 pub mod reproduce_000;
 pub mod reproduce_003;
 pub mod reproduction;

@@ -227,7 +227,8 @@ impl Cell {
         let master = part.drift_mm + self.normal(0.0002);
         let owner = if part.fault == Fault::WrongPart && now { part.id + 1 } else { part.id };
         let of = PartAndTool { part: owner.to_string(), tool: "T1".into() };
-        let origin = Origin { of, scan: self.scan, age_s: 10.0, master_deviation_mm: Some(master) };
+        let origin =
+            Origin { of, scan: self.scan, age_s: 10.0, since_cut_s: 5.0, master_deviation_mm: Some(master) };
         let fresh = (scans, origin);
         let shown = match (&part.last, part.fault) {
             (Some(last), Fault::Stale) if now => last.clone(),

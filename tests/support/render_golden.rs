@@ -186,6 +186,7 @@ impl GoldenScene {
             optics: case.optics.clone(),
             light: case.light.clone(),
             sensor: case.sensor.clone(),
+            motion: Default::default(),
             contamination: case.contamination.clone(),
             departures: Departures::none(),
         };

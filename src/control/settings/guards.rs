@@ -5,6 +5,17 @@ use crate::control::ControlError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// What an alarm does: no further pass is safe until someone has looked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OnAlarm {
+    /// The run ends there: the next pass is not cut.
+    #[default]
+    Stop,
+    /// The next pass is cut with the offsets held, to see what would have come of it. Not for a real lathe.
+    GoOn,
+}
+
 /// Limits of what is released: `[control.guards]`. At a refusal the last offsets hold.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -37,7 +48,10 @@ pub struct GuardSettings {
     pub response_max: f64,
     /// The response is judged where the commanded change (root mean square over the stations) reaches this, mm.
     pub response_from_mm: f64,
-    /// Lower limit of the part's diameter, mm: no offset is released with which the next pass is predicted below it.
+    /// What an alarm does.
+    pub on_alarm: OnAlarm,
+    /// Lower limit of the part's diameter, mm: no offset is released with which the next pass is predicted below it. A run
+    /// takes the lower limit of the part's tolerance where none is given.
     pub lower_limit_mm: Option<f64>,
     /// Standard uncertainties that the predicted diameter keeps from the lower limit.
     pub coverage: f64,
@@ -66,6 +80,7 @@ impl Default for GuardSettings {
             response_min: 0.6,
             response_max: 1.2,
             response_from_mm: 0.02,
+            on_alarm: OnAlarm::default(),
             lower_limit_mm: None,
             coverage: 2.0,
             min_depth_mm: 0.05,

@@ -6,7 +6,7 @@ mod model;
 mod pid;
 mod run_to_run;
 
-pub use guards::GuardSettings;
+pub use guards::{GuardSettings, OnAlarm};
 pub use lsq::{ApplyTo, Estimator, LsqSettings};
 pub use model::ModelSettings;
 pub use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};

@@ -67,7 +67,7 @@ impl Default for ModelSettings {
             u_stock_mean_mm: 0.05,
             stock_form_mm: 0.05,
             u_machine_mm: 0.001,
-            u_trend_mm: 0.002,
+            u_trend_mm: 0.004,
             u_station_mm: 0.0005,
             u_station_trend_mm: 0.0001,
             u_pass_mm: 0.0003,

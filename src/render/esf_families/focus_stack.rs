@@ -31,8 +31,21 @@ impl FocusStack {
     /// # Errors
     /// Refuses values outside their ranges, and a tolerance that would need more than 257 tables.
     pub fn new(edge: &PartiallyCoherentEdge, largest_mm: f64, tolerance: f64) -> Result<Self, RenderError> {
+        Self::of(largest_mm, tolerance, |defocus_mm| {
+            PartiallyCoherentEdge { defocus_mm, ..edge.clone() }.edge_spread()
+        })
+    }
+
+    /// Tables of any family that depends on the magnitude of the distance from the plane of focus alone.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(
+        largest_mm: f64,
+        tolerance: f64,
+        table: impl Fn(f64) -> Result<EdgeSpread, RenderError> + Sync,
+    ) -> Result<Self, RenderError> {
         within(KEY, largest_mm, 1e-6, 1e3)?;
-        let table = |defocus_mm: f64| PartiallyCoherentEdge { defocus_mm, ..edge.clone() }.edge_spread();
         let mut tables = vec![table(0.0)?, table(largest_mm)?];
         loop {
             let intervals = tables.len() - 1;
@@ -57,6 +70,11 @@ impl FocusStack {
     /// The tables, in focus first.
     pub fn tables(&self) -> &[EdgeSpread] {
         &self.tables
+    }
+
+    /// Distance of two tables in focus, mm.
+    pub fn step_mm(&self) -> f64 {
+        self.step_mm
     }
 
     /// Largest error of the blend, share of full intensity.

@@ -65,11 +65,11 @@ impl LaserShadow {
     /// # Errors
     /// Names the key that is wrong and what would be right.
     pub fn check(&self) -> Result<(), RenderError> {
-        within("optics.esf.laser.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
-        within("optics.esf.laser.bandwidth_nm", self.bandwidth_nm, 0.0, 0.2 * self.wavelength_nm)?;
-        within("optics.esf.laser.distance_mm", self.distance_mm, 1e-3, 1e5)?;
-        within("optics.esf.laser.source_half_angle_mrad", self.source_half_angle_mrad, 0.0, 100.0)?;
-        within("optics.esf.laser.reach", self.reach, 4.0, 120.0)
+        within("optics.esf.fresnel.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
+        within("optics.esf.fresnel.bandwidth_nm", self.bandwidth_nm, 0.0, 0.2 * self.wavelength_nm)?;
+        within("optics.esf.fresnel.distance_mm", self.distance_mm, 1e-3, 1e5)?;
+        within("optics.esf.fresnel.source_half_angle_mrad", self.source_half_angle_mrad, 0.0, 100.0)?;
+        within("optics.esf.fresnel.reach", self.reach, 4.0, 120.0)
     }
 
     /// √(λz/2), µm: the distance for which v = 1.

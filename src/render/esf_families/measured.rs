@@ -7,6 +7,9 @@
 
 use std::io::Read;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::EdgeSpread;
 use crate::render::error::RenderError;
 
@@ -23,6 +26,67 @@ const KNOTS_PER_SAMPLE: f64 = 4.0;
 
 /// Most knots of the table.
 const MOST_KNOTS: f64 = 1e6;
+
+/// What a user sets about a measured edge: a file, read when the config is loaded, or the samples themselves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeasuredEsf {
+    /// CSV file `d_um,intensity` beside the config; its samples take its place in the resolved config.
+    pub file: Option<String>,
+    /// Whether an intensity that falls is refused; false for coherent light, whose rings are real.
+    pub monotone: bool,
+    /// Distances into the light from the geometric edge, µm on the object, rising.
+    pub d_um: Vec<f64>,
+    /// Intensity there, 0 in the shadow and 1 in the light.
+    pub intensity: Vec<f64>,
+}
+
+impl Default for MeasuredEsf {
+    fn default() -> Self {
+        Self { file: None, monotone: true, d_um: Vec::new(), intensity: Vec::new() }
+    }
+}
+
+impl MeasuredEsf {
+    /// Takes the samples of the file.
+    ///
+    /// # Errors
+    /// As [`MeasuredEdge::read`].
+    pub fn fill(&mut self, from: impl Read) -> Result<(), RenderError> {
+        let edge = MeasuredEdge::read(from, self.monotone)?;
+        (self.d_um, self.intensity) = edge.samples.into_iter().unzip();
+        self.file = None;
+        Ok(())
+    }
+
+    /// The samples, checked.
+    ///
+    /// # Errors
+    /// As [`MeasuredEdge::read`]; a file that was not read.
+    pub fn edge(&self) -> Result<MeasuredEdge, RenderError> {
+        if let Some(file) = &self.file {
+            return Err(refuse(
+                file,
+                "was not read: a config is loaded from a file to find the ones it names",
+            ));
+        }
+        if self.d_um.len() != self.intensity.len() {
+            let found = format!("{} distances and {} intensities", self.d_um.len(), self.intensity.len());
+            return Err(refuse(&found, "must be as many of the one as of the other"));
+        }
+        let mut samples = Vec::new();
+        for (i, pair) in self.d_um.iter().copied().zip(self.intensity.iter().copied()).enumerate() {
+            if !(pair.0.is_finite() && pair.1.is_finite()) {
+                return Err(refuse(
+                    &format!("sample {}", i + 1),
+                    "must be two finite numbers, d_um,intensity",
+                ));
+            }
+            push(&mut samples, pair, i as u64 + 1, self.monotone)?;
+        }
+        MeasuredEdge::from_samples(samples)
+    }
+}
 
 /// An edge as samples (d_um, intensity), sorted by distance.
 #[derive(Clone, Debug, PartialEq)]

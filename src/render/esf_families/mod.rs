@@ -28,7 +28,7 @@ pub use focus_stack::FocusStack;
 pub use gaussian::GaussianBlur;
 pub use grazing::GrazingReflection;
 pub use laser::LaserShadow;
-pub use measured::MeasuredEdge;
+pub use measured::{MeasuredEdge, MeasuredEsf};
 pub use partial::PartiallyCoherentEdge;
 pub use shifts::Shifts;
 pub use table::{EdgeSpread, KernelTable};

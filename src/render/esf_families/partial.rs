@@ -32,6 +32,7 @@ const INCOHERENT: f64 = 1e3;
 #[serde(deny_unknown_fields, default)]
 pub struct PartiallyCoherentEdge {
     /// Numerical aperture of the lens on the side of the object.
+    #[serde(rename = "numerical_aperture")]
     pub na: f64,
     /// S = NA of the light over NA of the lens: 0 coherent, above 1000 incoherent.
     pub coherence_ratio: f64,
@@ -65,7 +66,7 @@ impl PartiallyCoherentEdge {
     /// # Errors
     /// Names the key that is wrong and what would be right.
     pub fn check(&self) -> Result<(), RenderError> {
-        within("optics.esf.partially_coherent.na", self.na, 1e-4, 0.5)?;
+        within("optics.esf.partially_coherent.numerical_aperture", self.na, 1e-4, 0.5)?;
         within("optics.esf.partially_coherent.coherence_ratio", self.coherence_ratio, 0.0, 1e6)?;
         within("optics.esf.partially_coherent.wavelength_nm", self.wavelength_nm, 100.0, 20_000.0)?;
         within("optics.esf.partially_coherent.reach", self.reach, 2.0, 200.0)?;

@@ -285,13 +285,7 @@ impl EdgeSpread {
         let reach_um = high.max(-low);
         let segments = (2.0 * reach_um / self.step_um).ceil().max(1.0);
         let step = 2.0 * reach_um / segments;
-        let knot = |i: usize| {
-            let d = -reach_um + i as f64 * step;
-            // The last knot belongs to the light, whatever its rounding.
-            if i as f64 >= segments { (1.0, 0.0) } else { (self.value(d), self.slope(d)) }
-        };
-        let cubics: Vec<[f64; 4]> =
-            (0..segments as usize).map(|i| hermite(knot(i), knot(i + 1), step)).collect();
+        let cubics = self.cubics(reach_um, segments as usize);
         let middle = |(i, c): (usize, &[f64; 4])| {
             let found = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
             (found - self.value(-reach_um + (i as f64 + 0.5) * step)).abs()
@@ -304,6 +298,17 @@ impl EdgeSpread {
             sharpness_px: self.sharpness_um() / pixel_um,
             error: error + self.interpolation_error + f64::from(f32::EPSILON),
         }
+    }
+
+    /// Cubics over `segments` equal segments of -`reach_um`..=`reach_um`.
+    pub fn cubics(&self, reach_um: f64, segments: usize) -> Vec<[f64; 4]> {
+        let step = 2.0 * reach_um / segments as f64;
+        let knot = |i: usize| {
+            let d = -reach_um + i as f64 * step;
+            // The last knot belongs to the light, whatever its rounding.
+            if i >= segments { (1.0, 0.0) } else { (self.value(d), self.slope(d)) }
+        };
+        (0..segments).map(|i| hermite(knot(i), knot(i + 1), step)).collect()
     }
 
     fn place(&self, d_um: f64) -> Place {

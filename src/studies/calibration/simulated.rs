@@ -67,7 +67,7 @@ impl<'a> SimulatedBench<'a> {
         let mut shaft = laid.shaft.clone();
         shaft.profile.iter_mut().for_each(|k| k.radius_mm *= growth);
         shaft.lobes.iter_mut().for_each(|l| l.amplitude_mm *= growth);
-        shaft.pose = Pose { x_mm: laid.height_mm, tilt_mrad: laid.tilt_mrad };
+        shaft.pose = Pose { x_mm: laid.height_mm, tilt_mrad: laid.tilt_mrad, ..Pose::default() };
         if laid.y_mm != 0.0 {
             shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm: laid.y_mm }];
         }

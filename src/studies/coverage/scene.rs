@@ -4,8 +4,9 @@ use crate::frame::{Frame, FrameMeta};
 use crate::gauge::bench::{Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::{Calibration, FrameEdges, Gauge, GaugeSettings, StationAverager};
+use crate::render::esf_families::PartiallyCoherentEdge;
 use crate::render::form::form_shaft;
-use crate::render::settings::{Esf, GaussianEsf, PartiallyCoherentEsf};
+use crate::render::settings::{Esf, GaussianEsf};
 use crate::render::{RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
@@ -99,7 +100,7 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
             conditions.limit_edge_um = 0.15;
         }
         Class::Diffraction => {
-            simulate.optics.esf = Esf::PartiallyCoherent(PartiallyCoherentEsf::default());
+            simulate.optics.esf = Esf::PartiallyCoherent(PartiallyCoherentEdge::default());
         }
         Class::Gradient => {
             simulate.light.field.gradient_down = 0.05 * draws.even();
@@ -163,12 +164,20 @@ fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid,
     let mut seen_mm = d20_mm * (1.0 + drift) + 2.0 * edge_mm;
     match drawn.class {
         Class::Form => {
-            form.texture =
-                Some(TextureForm { rms_um: 0.5, correlation_z_mm: 0.05, correlation_theta_deg: 2.0 });
+            form.texture = Some(TextureForm {
+                rms_um: 0.5,
+                correlation_z_mm: 0.05,
+                correlation_theta_deg: 2.0,
+                ..TextureForm::default()
+            });
         }
         Class::Lobes => {
-            form.texture =
-                Some(TextureForm { rms_um: 0.3, correlation_z_mm: 0.05, correlation_theta_deg: 2.0 });
+            form.texture = Some(TextureForm {
+                rms_um: 0.3,
+                correlation_z_mm: 0.05,
+                correlation_theta_deg: 2.0,
+                ..TextureForm::default()
+            });
             let lobe =
                 |order_upr, a: f64, phase: f64| Lobe { order_upr, amplitude_mm: 1e-3 * a, phase_deg: phase };
             form.lobes = vec![

@@ -1,0 +1,64 @@
+//! What a pass is judged by besides its profile: where the scan comes from, a second scan, what is in the machine.
+
+use serde::{Deserialize, Serialize};
+
+use crate::cell::TurningCell;
+use crate::control::{Origin, PartAndTool};
+use crate::frame::FrameMeta;
+use crate::profile::DiameterProfile;
+
+/// What is known of a scan besides its diameters. A run keeps it, so that a resumed run decides alike.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Where the scan comes from; `None` where the cell cannot tell.
+    pub origin: Option<Origin>,
+    /// Part and tool in the machine when the offsets were decided.
+    pub in_machine: Option<PartAndTool>,
+    /// The second scan, where a step was large enough to need one.
+    pub repeat: Option<DiameterProfile>,
+}
+
+/// Number and time of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stamp {
+    frame_id: u64,
+    t_ns: u64,
+}
+
+impl Stamp {
+    pub(super) fn of(meta: &FrameMeta) -> Self {
+        Self { frame_id: meta.frame_id, t_ns: meta.t_ns }
+    }
+}
+
+/// A machine's state between cut and scan.
+#[derive(Clone, Debug, Default)]
+pub(super) struct AfterCut {
+    of: Option<PartAndTool>,
+    now_ns: Option<u64>,
+}
+
+impl AfterCut {
+    pub(super) fn of(cell: &dyn TurningCell) -> Self {
+        Self { of: cell.in_machine(), now_ns: cell.now_ns() }
+    }
+
+    /// Origin of a scan with these first and last frames.
+    pub(super) fn origin(
+        self,
+        cell: &dyn TurningCell,
+        frames: Option<(Stamp, Stamp)>,
+        master_deviation_mm: Option<f64>,
+    ) -> Option<Origin> {
+        let (first, last) = frames?;
+        let (cut_ns, now_ns) = (self.now_ns?, cell.now_ns()?);
+        let seconds = |from: u64, to: u64| (i128::from(to) - i128::from(from)) as f64 * 1e-9;
+        Some(Origin {
+            of: self.of?,
+            scan: last.frame_id,
+            age_s: seconds(last.t_ns, now_ns),
+            since_cut_s: seconds(cut_ns, first.t_ns),
+            master_deviation_mm,
+        })
+    }
+}

@@ -1,0 +1,140 @@
+//! Contours as on a drawing: corners with chamfers and radii, turned into a profile of straight pieces.
+//!
+//! At a corner between the directions d1 and d2 with the turn φ a chamfer c cuts c off both lines; an arc of radius r touches
+//! them r·tan(φ/2) from the corner and is divided into chords whose sagitta r(1 - cos(δ/2)) stays below 1 nm.
+
+use std::io::Read;
+
+use glam::DVec2;
+
+use crate::render::error::{RenderError, within};
+use crate::shaft::{ContourPoint, ProfileKnot};
+
+/// Largest sagitta of a chord, mm.
+const SAGITTA_MM: f64 = 1e-6;
+
+/// Most knots of an arc.
+const MOST_CHORDS: f64 = 20_000.0;
+
+const KEY: &str = "shaft.contour";
+
+/// Reads `z_mm,diameter_mm[,chamfer_mm,radius_mm]` lines; a header line or none, lines that start with `#` skipped.
+///
+/// # Errors
+/// Names the line and what would be right.
+pub fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
+    let refuse = |found: &str, right: &str| RenderError::setting("shaft.contour_file", found, right);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(from);
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let right = "must be text with the columns z_mm,diameter_mm[,chamfer_mm,radius_mm]";
+        let record = record.map_err(|e| refuse(&e.to_string(), right))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let numbers: Result<Vec<f64>, _> = record.iter().map(str::parse::<f64>).collect();
+        match numbers {
+            Ok(n) if (2..=4).contains(&n.len()) && n.iter().all(|v| v.is_finite()) => {
+                let get = |i: usize| n.get(i).copied().unwrap_or(0.0);
+                let point =
+                    ContourPoint { z_mm: n[0], diameter_mm: n[1], chamfer_mm: get(2), radius_mm: get(3) };
+                points.push(point);
+            }
+            _ if points.is_empty() && record.iter().any(|f| f.starts_with(char::is_alphabetic)) => {}
+            _ => {
+                let found = format!("line {line}: '{}'", record.iter().collect::<Vec<_>>().join(","));
+                return Err(refuse(
+                    &found,
+                    "must be 2 to 4 finite numbers, z_mm,diameter_mm[,chamfer_mm,radius_mm]",
+                ));
+            }
+        }
+    }
+    if points.is_empty() {
+        return Err(refuse("no point", "must hold at least one point of the contour"));
+    }
+    Ok(points)
+}
+
+/// The profile of a contour.
+///
+/// # Errors
+/// Refuses contours that turn back in z, chamfers and radii that do not fit their lines, values out of range.
+pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, RenderError> {
+    for (i, p) in points.iter().enumerate() {
+        within("shaft.contour.z_mm", p.z_mm, -1e6, 1e6)?;
+        within("shaft.contour.diameter_mm", p.diameter_mm, 1e-6, 1e5)?;
+        within("shaft.contour.chamfer_mm", p.chamfer_mm, 0.0, 1e4)?;
+        within("shaft.contour.radius_mm", p.radius_mm, 0.0, 1e4)?;
+        let outer = i == 0 || i + 1 == points.len();
+        if p.chamfer_mm > 0.0 && p.radius_mm > 0.0 || outer && p.chamfer_mm + p.radius_mm > 0.0 {
+            let right = "has one of chamfer_mm and radius_mm, and lines on both sides";
+            return Err(RenderError::setting(KEY, &format!("point {}", i + 1), right));
+        }
+        if i > 0 && p.z_mm < points[i - 1].z_mm {
+            let found = format!("point {}: z {} mm after {} mm", i + 1, p.z_mm, points[i - 1].z_mm);
+            return Err(RenderError::setting(
+                KEY,
+                &found,
+                "makes the profile intersect itself: z must not fall",
+            ));
+        }
+    }
+    let corners: Vec<DVec2> = points.iter().map(|p| DVec2::new(p.z_mm, 0.5 * p.diameter_mm)).collect();
+    let cuts: Vec<f64> = (0..points.len()).map(|i| cut(points, &corners, i)).collect();
+    for i in 1..corners.len() {
+        let length = corners[i].distance(corners[i - 1]);
+        if cuts[i - 1] + cuts[i] > length * (1.0 + 1e-9) {
+            let found = format!("points {i} and {}: {} mm apart", i, length);
+            let right = format!(
+                "makes the profile intersect itself: chamfers and radii there need {:.4} mm",
+                cuts[i - 1] + cuts[i]
+            );
+            return Err(RenderError::setting(KEY, &found, right));
+        }
+    }
+    let mut knots = Vec::new();
+    for i in 0..corners.len() {
+        corner(points, &corners, &cuts, i, &mut knots);
+    }
+    Ok(knots.into_iter().map(|k: DVec2| ProfileKnot { z_mm: k.x, radius_mm: k.y }).collect())
+}
+
+/// Directions of the lines before and behind a corner; none where they have no length or the corner is an end.
+fn directions(corners: &[DVec2], i: usize) -> Option<(DVec2, DVec2)> {
+    let before = (corners[i] - *corners.get(i.checked_sub(1)?)?).try_normalize()?;
+    let behind = (*corners.get(i + 1)? - corners[i]).try_normalize()?;
+    Some((before, behind))
+}
+
+/// Length that a corner's chamfer or arc takes off either line.
+fn cut(points: &[ContourPoint], corners: &[DVec2], i: usize) -> f64 {
+    if points[i].radius_mm == 0.0 {
+        return points[i].chamfer_mm;
+    }
+    directions(corners, i).map_or(0.0, |(a, b)| points[i].radius_mm * (0.5 * a.angle_to(b).abs()).tan())
+}
+
+fn corner(points: &[ContourPoint], corners: &[DVec2], cuts: &[f64], i: usize, knots: &mut Vec<DVec2>) {
+    let (Some((before, behind)), true) = (directions(corners, i), cuts[i] > 0.0) else {
+        knots.push(corners[i]);
+        return;
+    };
+    let (start, end) = (corners[i] - cuts[i] * before, corners[i] + cuts[i] * behind);
+    knots.push(start);
+    let radius = points[i].radius_mm;
+    if radius > 0.0 {
+        let turn = before.angle_to(behind);
+        let centre = start + radius * turn.signum() * before.perp();
+        let chord = 2.0 * (2.0 * SAGITTA_MM / radius).min(1.0).sqrt();
+        let chords = (turn.abs() / chord).ceil().clamp(1.0, MOST_CHORDS);
+        for k in 1..chords as usize {
+            let angle = turn * k as f64 / chords;
+            knots.push(centre + DVec2::from_angle(angle).rotate(start - centre));
+        }
+    }
+    knots.push(end);
+}

@@ -1,0 +1,194 @@
+//! Corners blurred in both directions.
+
+use shadowgauge::frame::PixelFormat;
+use shadowgauge::render::esf_families::LaserShadow;
+use shadowgauge::render::esf_families::fresnel_integrals::fresnel;
+use shadowgauge::render::form::{contour_knots, form_shaft};
+use shadowgauge::render::reference::GaussianReference;
+use shadowgauge::render::settings::Esf;
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::shaft::{ContourPoint, Pose, ProfileKnot, Shaft, ShaftForm, Thread};
+
+use crate::support::{bench, counts, device, exact, shifts, worst};
+
+fn request() -> FrameRequest {
+    FrameRequest { format: Some(PixelFormat::F32), ..Default::default() }
+}
+
+/// A stepped shaft about z = 0 of a small frame: shoulder, chamfer, fillet, groove; pixels of 15 µm.
+fn stepped() -> Shaft {
+    let at = |z_px: f64, radius_px: f64| ContourPoint {
+        z_mm: z_px * 0.015,
+        diameter_mm: 2.0 * radius_px * 0.015,
+        ..Default::default()
+    };
+    let points = [
+        at(-400.0, 60.2),
+        ContourPoint { radius_mm: 0.1, ..at(-50.3, 60.2) },
+        at(-50.3, 85.4),
+        at(-20.6, 85.4),
+        at(-14.2, 79.0),
+        at(10.1, 79.0),
+        ContourPoint { chamfer_mm: 0.06, ..at(10.1, 90.0) },
+        at(40.0, 90.0),
+        at(400.0, 140.0),
+    ];
+    let mut shaft = Shaft::cylinder(1.0);
+    shaft.profile = contour_knots(&points).unwrap();
+    shaft
+}
+
+/// Worst shift of any column and worst pixel of a frame against the f64 integral.
+fn apart(scene: &Scene, renderer: &Renderer, truth: impl Fn(&GaussianReference) -> Vec<f64>) -> (f64, f64) {
+    let frame = counts(&renderer.render(scene, &request(), None).unwrap());
+    let levels = scene.levels(PixelFormat::F32);
+    let sigma_px =
+        if let Esf::Gaussian(g) = &scene.bench().esf { g.sigma_px } else { panic!("not Gaussian") };
+    let truth = truth(&GaussianReference { sigma_px, shadow: levels.shadow, bright: levels.bright });
+    let contrast = levels.bright - levels.shadow;
+    let pixel = frame.iter().zip(&truth).map(|(a, b)| (a - b).abs() / contrast).fold(0.0, f64::max);
+    (worst(&shifts(&frame, &truth, scene.bench().columns(), contrast)), pixel)
+}
+
+#[test]
+fn a_shoulder_is_the_closed_form() {
+    // Light above e1 before x0 and above e2 behind it: A(x)·B(e1 - y) + (1 - A(x))·B(e2 - y).
+    let (sigma, x0, r1, r2) = (1.2, 17.3, 60.2, 71.9);
+    let bench = bench(200, 40, sigma);
+    let mut shaft = Shaft::cylinder(1.0);
+    let z = (x0 - bench.centre_column()) * bench.pixel_mm;
+    shaft.profile = vec![
+        ProfileKnot { z_mm: z, radius_mm: r1 * bench.pixel_mm },
+        ProfileKnot { z_mm: z, radius_mm: r2 * bench.pixel_mm },
+    ];
+    let scene = Scene::new(&bench, shaft).unwrap();
+    let levels = scene.levels(PixelFormat::F32);
+    let step = |u: f64| {
+        let v = u / sigma;
+        u * 0.5 * libm::erfc(-v / std::f64::consts::SQRT_2)
+            + sigma * (-0.5 * v * v).exp() / (2.0 * std::f64::consts::PI).sqrt()
+    };
+    let boxed = |u: f64| step(u + 0.5) - step(u - 0.5);
+    let renderers = [Some(Renderer::new(BackendChoice::Cpu).unwrap()), device()];
+    for renderer in renderers.iter().flatten() {
+        let frame = counts(&renderer.render(&scene, &request(), None).unwrap());
+        let mut worst = 0.0f64;
+        for row in 0..200usize {
+            for column in 0..40usize {
+                let share = boxed(x0 - column as f64);
+                let light = |r: f64| {
+                    let (top, bottom) = (bench.centre_row() - r, bench.centre_row() + r);
+                    boxed(top - row as f64) + boxed(row as f64 - bottom)
+                };
+                let wanted = share * light(r1) + (1.0 - share) * light(r2);
+                let found = (frame[row * 40 + column] - levels.shadow) / (levels.bright - levels.shadow);
+                worst = worst.max((found - wanted).abs());
+            }
+        }
+        println!("shoulder by {}: {worst:.1e} of full intensity", renderer.adapter_name());
+        assert!(worst < 1e-6, "{worst}");
+    }
+}
+
+#[test]
+fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
+    let renderers = [Some(Renderer::new(BackendChoice::Cpu).unwrap()), device()];
+    for renderer in renderers.iter().flatten() {
+        for sigma in [0.7, 1.2] {
+            let bench = bench(240, 140, sigma);
+            let scene = Scene::new(&bench, stepped()).unwrap();
+            let corners: Vec<f64> = scene.outline().shaft().profile.iter().map(|k| k.z_mm).collect();
+            let corners: Vec<f64> =
+                corners.iter().map(|z| bench.centre_column() + z / bench.pixel_mm).collect();
+            let (shift, pixel) =
+                apart(&scene, renderer, |r| r.frame_between(240, 140, &corners, exact(&scene, 0.0, 0.0)));
+            println!(
+                "sigma {sigma} by {}: {shift:.1e} px in a column, {pixel:.1e} of full intensity in a pixel",
+                renderer.adapter_name()
+            );
+            assert!(shift < 1e-4 && pixel < 2e-6, "{shift} {pixel}");
+        }
+    }
+}
+
+#[test]
+fn a_leaning_shoulder_and_a_thread_meet_the_two_dimensional_integral() {
+    let twin = Renderer::new(BackendChoice::Cpu).unwrap();
+    let leaning = bench(240, 110, 1.2);
+    for tilt_mrad in [60.0, -60.0] {
+        let mut shaft = stepped();
+        shaft.pose = Pose { tilt_mrad, ..Pose::default() };
+        let scene = Scene::new(&leaning, shaft).unwrap();
+        let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 110, 0.03, exact(&scene, 0.0, 0.0)));
+        println!("tilted by {tilt_mrad} mrad: {shift:.1e} px, {pixel:.1e}");
+        assert!(pixel < 6e-3, "{pixel}");
+    }
+    let form = ShaftForm {
+        threads: vec![Thread { from_mm: -20.0, to_mm: 20.0, pitch_mm: 0.7, ..Default::default() }],
+        ..Default::default()
+    };
+    let plain = vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.5 }];
+    let bench = bench(240, 60, 1.2);
+    let scene = Scene::new(&bench, form_shaft(plain, &form, 1.0, 0).unwrap()).unwrap();
+    let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 60, 0.012, exact(&scene, 0.0, 0.0)));
+    println!("thread: {shift:.1e} px, {pixel:.1e}");
+    assert!(shift < 2e-4 && pixel < 1e-4, "{shift} {pixel}");
+}
+
+/// Light past an opaque quadrant in collimated light of one colour, v along both sides into the light: the amplitudes of the
+/// half planes multiply in what the quadrant covers.
+fn quadrant(vx: f64, vy: f64) -> f64 {
+    // Share of the amplitude that a half plane which covers v > 0 … takes away: ((½ - C) + i(½ - S))·(1 - i)/2.
+    let covered = |v: f64| {
+        let (c, s) = fresnel(v);
+        let (re, im) = (0.5 - c, 0.5 - s);
+        (0.5 * (re + im), 0.5 * (im - re))
+    };
+    let ((a, b), (c, d)) = (covered(vx), covered(vy));
+    let (re, im) = (1.0 - (a * c - b * d), -(a * d + b * c));
+    re * re + im * im
+}
+
+#[test]
+fn other_families_stay_within_their_stated_error_at_a_corner() {
+    let laser = LaserShadow {
+        bandwidth_nm: 0.0,
+        source_half_angle_mrad: 0.0,
+        distance_mm: 8.0,
+        reach: 20.0,
+        ..Default::default()
+    };
+    let unit_px = laser.unit_um() / 3.0;
+    let mut settings = shadowgauge::render::settings::BenchSettings {
+        departures: shadowgauge::render::settings::Departures::none(),
+        ..Default::default()
+    };
+    (settings.camera.rows, settings.camera.columns) = (900, 200);
+    (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 1.0);
+    settings.light.bright_counts = 2000.0;
+    settings.optics.esf = Esf::Fresnel(laser);
+    let bench = OpticalBench::resolve(&settings, 0).unwrap();
+    // The shaft ends at column 99.5: a corner of the shadow, its far side out of reach.
+    let mut shaft = Shaft::cylinder(1.0);
+    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * bench.pixel_mm };
+    shaft.profile = vec![knot(330.0), knot(8.0)];
+    let scene = Scene::new(&bench, shaft).unwrap();
+    let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
+    let levels = scene.levels(PixelFormat::F32);
+    let (mut near, mut along) = (0.0f64, 0.0f64);
+    for row in 60..230usize {
+        for column in 0..200usize {
+            let v = |d: f64| d / unit_px;
+            let (vx, vy) =
+                (v(column as f64 - bench.centre_column()), v(bench.centre_row() - 330.0 - row as f64));
+            let found = (frame[row * 200 + column] - levels.shadow) / (levels.bright - levels.shadow);
+            let difference = (found - quadrant(vx, vy)).abs();
+            near = near.max(difference);
+            if vx < -6.0 {
+                along = along.max(difference);
+            }
+        }
+    }
+    println!("laser corner: {near:.3} of full intensity at most, {along:.3} six units along the edge");
+    assert!(near < 0.35, "{near}");
+}

@@ -1,0 +1,17 @@
+//! What a shaft, a lens and an exposure do to the edges: against closed forms, brute force and second integrations.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
+
+#[path = "../support/render.rs"]
+#[expect(dead_code, reason = "shared with the other tests of the renderer")]
+mod support;
+
+mod corners;
+mod exposure;
+mod features;
+mod form;
+mod refused;
+mod view;
+
+fn close(found: f64, wanted: f64, tolerance: f64, what: &str) {
+    assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
+}
