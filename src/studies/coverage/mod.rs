@@ -45,7 +45,7 @@ pub enum Class {
     Vibration,
     /// The axis 6 to 10 mm out of the plane.
     LossOfFocus,
-    /// Light twice too bright.
+    /// Light three times too bright: clipped.
     Overexposed,
     /// The part 8 K warmer than stated.
     WarmPart,

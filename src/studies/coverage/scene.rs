@@ -217,7 +217,7 @@ fn expose(drawn: &Drawn, bench: &mut SimulatedBench<'_>, laid: &Laid) -> Result<
         Class::Overexposed => {
             let mut frame = bench.frame(laid)?;
             if let crate::frame::PixelsMut::U16(pixels) = frame.pixels_mut() {
-                pixels.iter_mut().for_each(|p| *p = (2 * *p).min(4095));
+                pixels.iter_mut().for_each(|p| *p = p.saturating_mul(3).min(4095));
             }
             Ok(frame)
         }
