@@ -110,7 +110,7 @@ impl Pass {
         };
         let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
         // what was asked for: rounding what is rounded already would give another program than the one that was cut with
-        let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm).collect() };
+        let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm.unwrap_or(r.offset_mm)).collect() };
         let plan = PassPlan {
             pass: number,
             nominal_mm: first.commanded_mm + first.offset_mm,

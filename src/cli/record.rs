@@ -81,9 +81,10 @@ impl<'a> Recorder<'a> {
         if !passes.is_empty() {
             chain.resume_stock(control.stock.clone());
         }
-        for (row, told) in passes.iter().zip(&control.passes) {
+        for row in &passes {
             offsets.extend(offset_rows(&chain));
-            chain.replay(&profile_of(row.pass, &stations), &told.evidence).map_err(loop_failure)?;
+            let evidence = control.evidence(row.pass);
+            chain.replay(&profile_of(row.pass, &stations), &evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
         Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form })
@@ -261,7 +262,7 @@ fn offset_rows(chain: &ClosedLoop<'_>) -> Vec<OffsetRow> {
             pass: plan.pass,
             z_mm,
             offset_mm,
-            asked_mm,
+            asked_mm: Some(asked_mm),
             commanded_mm,
             status: status.to_owned(),
             reason: reason.clone(),

@@ -32,6 +32,13 @@ pub struct PassRecord {
     pub evidence: Evidence,
 }
 
+impl ControlRecord {
+    /// What a pass was judged by; nothing where the record does not have it.
+    pub fn evidence(&self, pass: u32) -> Evidence {
+        self.passes.iter().find(|p| p.pass == pass).map_or_else(Evidence::default, |p| p.evidence.clone())
+    }
+}
+
 const NAME: &str = "control.json";
 
 impl RunFolder {
@@ -47,11 +54,14 @@ impl RunFolder {
         self.write(NAME, (text + "\n").as_bytes())
     }
 
-    /// Reads `control.json`.
+    /// Reads `control.json`; empty where there is none.
     ///
     /// # Errors
     /// Where it cannot be read or parsed.
     pub fn control(&self) -> Result<ControlRecord, RunFolderError> {
+        if !self.path().join(NAME).exists() {
+            return Ok(ControlRecord::default());
+        }
         let text = self.read_text(NAME)?;
         serde_json::from_str(&text)
             .map_err(|e| RunFolderError::Read { path: self.path().join(NAME), cause: e.to_string() })

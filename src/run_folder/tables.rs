@@ -90,8 +90,9 @@ pub struct OffsetRow {
     pub z_mm: f64,
     /// Offset o, mm of diameter: b = r - o.
     pub offset_mm: f64,
-    /// Offset that the controller asked for, before the machine's program rounded it, mm of diameter.
-    pub asked_mm: f64,
+    /// Offset that the controller asked for, before the machine's program rounded it, mm of diameter; not in older tables.
+    #[serde(default)]
+    pub asked_mm: Option<f64>,
     /// Commanded diameter b, mm.
     pub commanded_mm: f64,
     /// `released`, or `held` where a guard kept the offsets of the pass before.
