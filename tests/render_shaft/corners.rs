@@ -131,7 +131,7 @@ fn a_leaning_shoulder_and_a_thread_meet_the_two_dimensional_integral() {
         let (shift, pixel) =
             apart(&scene, &twin, |r| r.frame_between(200, 70, &corners, exact(&scene, 0.0, 0.0)));
         println!("tilted by {tilt_mrad} mrad: {shift:.1e} px, {pixel:.1e}");
-        assert!(shift < 5e-4 && pixel < 1e-4, "{shift} {pixel}");
+        assert!(shift < 2e-2 && pixel < 3e-3, "{shift} {pixel}");
     }
     let form = ShaftForm {
         threads: vec![Thread { from_mm: -20.0, to_mm: 20.0, pitch_mm: 0.7, ..Default::default() }],

@@ -103,7 +103,8 @@ fn lobes_flats_and_keyways_in_oblique_views_meet_painting() {
                 let m = 1.0 / (1.0 - y * per_distance);
                 (1.0 + m * (z - 1.0), m * x)
             });
-            close(e.top_mm, seen, 1e-4, &format!("{angle}° z {z}"));
+            // Painting ends a rim one step of 3e-5 rad early, where the height changes by 3.5 mm/rad.
+            close(e.top_mm, seen, 2.5e-4, &format!("{angle}° z {z}"));
         }
     }
     let cone = |s: f64| 10.0 + 0.025 * s;
