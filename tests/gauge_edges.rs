@@ -5,6 +5,8 @@
 mod esf;
 #[path = "support/gauge_synth.rs"]
 mod gauge_synth;
+#[path = "gauge_edges/matter.rs"]
+mod matter;
 
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::PixelFormat;
@@ -56,6 +58,21 @@ impl Cell {
                 }
             }
         }
+    }
+
+    fn sum(cells: &[Self]) -> Self {
+        cells.iter().fold(Self::default(), |mut sum, cell| {
+            sum.square += cell.square;
+            sum.bound_square += cell.bound_square;
+            sum.u_square += cell.u_square;
+            sum.kept += cell.kept;
+            sum.all += cell.all;
+            sum.error_sum += cell.error_sum;
+            for (a, b) in sum.groups.iter_mut().zip(&cell.groups) {
+                *a = (a.0 + b.0, a.1 + b.1, a.2 + b.2);
+            }
+            sum
+        })
     }
 
     /// RMSE over the bound, fraction kept, rms(u)/rms(error) for single columns and means of 9 and 100.
@@ -167,4 +184,43 @@ fn noise_free_frames_have_no_phase_bias() {
         println!("sigma {sigma}: worst {worst:.2e} px, sigma found {:?}", edges.figures.sigma_px);
         assert!(worst <= 1e-3, "sigma {sigma}: {worst}");
     }
+}
+
+/// Every cell with 20 480 edges for the efficiency and 200 000 for the honesty of means of 100 (their ratio is then known to 1.6 %).
+/// Long: `make studies` runs it.
+#[test]
+#[ignore = "a study of a minute: every cell of the table at its full count"]
+fn efficiency_and_honesty_in_every_cell() {
+    use rayon::prelude::*;
+    let mut failures = String::new();
+    println!("noise     sigma   snr  efficiency  kept    rms(u)/sd: single  of 9   of 100");
+    for shot in [false, true] {
+        for sigma in [0.5, 0.8, 1.2, 2.0] {
+            for snr in [20.0, 60.0, 200.0] {
+                let synth = Synth { rows: 112, ..Synth::with_snr(sigma, snr, shot) };
+                let cells: Vec<Cell> = (0..50_u64)
+                    .into_par_iter()
+                    .map(|seed| {
+                        let mut cell = Cell::default();
+                        let frame = synth.frame(drifting, Some(seed + 500_000));
+                        cell.add(&synth, &gauge().edges(&frame.view()).unwrap());
+                        cell
+                    })
+                    .collect();
+                let (ratio, kept, honesty) = Cell::sum(&cells).figures();
+                let efficiency = ratio.powi(-2);
+                println!(
+                    "{} {sigma:5} {snr:6}  {efficiency:9.4}  {kept:.4}  {:16.3} {:7.3} {:7.3}",
+                    if shot { "shot    " } else { "additive" },
+                    honesty[0],
+                    honesty[1],
+                    honesty[2]
+                );
+                if !(efficiency >= 0.95 && kept >= 0.97 && honesty.iter().all(|h| (h - 1.0).abs() <= 0.05)) {
+                    failures += &format!("shot {shot} sigma {sigma} snr {snr}; ");
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "outside the limits: {failures}");
 }

@@ -3,6 +3,10 @@
 
 #[path = "support/gauge_synth.rs"]
 mod gauge_synth;
+#[path = "gauge_stream/hostile.rs"]
+mod hostile;
+#[path = "gauge_stream/roi.rs"]
+mod roi;
 
 use gauge_synth::{Synth, drifting};
 use rand::{RngExt, SeedableRng};

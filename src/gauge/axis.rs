@@ -32,6 +32,9 @@ const SCALE: f64 = 1.4826;
 const TRIALS: usize = 160;
 /// Times that the axis is laid anew through what was not refused.
 const PASSES: usize = 3;
+/// Wander of an axis about its parabola (standard deviation of the blocks) and bend with it that are taken for the part's own, px.
+const WANDER_PX: f64 = 0.06;
+const BEND_OF_WANDER_PX: f64 = 0.1;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
@@ -128,7 +131,10 @@ impl AxisScratch {
     /// blocks agree with best.
     fn axis(&mut self) -> Option<Vector3<f64>> {
         let plain = fit(self.blocks.iter(), true)?;
-        if plain[2].abs() < USUAL_BEND_PX && !self.blocks.iter().any(|b| far(&plain, 2.0 * FLOOR_PX, b)) {
+        // An axis that wanders a little by itself is no matter: departures within its own scatter are left alone.
+        let spread = self.spread(&plain);
+        let limit = (3.0 * spread.min(WANDER_PX)).max(2.0 * FLOOR_PX);
+        if plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(&plain, limit, b)) {
             return Some(plain);
         }
         let mut best = (self.cost(&plain), plain);
@@ -154,6 +160,10 @@ impl AxisScratch {
             if cost < best.0 {
                 best = (cost, axis);
             }
+        }
+        // Matter stands out against a straighter axis; where none fits better, the axis itself wanders.
+        if best.0 > 0.9 * spread && plain[2].abs() < BEND_OF_WANDER_PX {
+            return Some(plain);
         }
         for _ in 0..3 {
             let limit = (3.0 * self.spread(&best.1)).max(0.5 * FLOOR_PX);

@@ -1,0 +1,39 @@
+//! Matter before the part and on it: a fixed, small part of `shadowgauge study contamination`.
+
+use shadowgauge::gauge::{Gauge, GaugeSettings, Rejection};
+use shadowgauge::profile::Reason;
+use shadowgauge::studies::contamination;
+use shadowgauge::studies::dirty_frames::{Bump, COLUMNS, Piece};
+
+#[test]
+fn harmful_frames_are_gaps_or_right_and_clean_ones_are_kept() {
+    let study = contamination::run(&GaugeSettings::default(), 12, 60, 4242).unwrap();
+    for kind in &study.kinds {
+        println!("{kind:?}");
+    }
+    println!("mishandled {} of {}; clean lost {}", study.mishandled(), study.harmful(), study.clean_lost);
+    assert!(study.harmful() >= 20, "the frames are not dirty enough to tell: {}", study.harmful());
+    assert_eq!(study.mishandled(), 0);
+    assert!(study.clean_lost <= 1);
+}
+
+#[test]
+fn a_film_on_one_side_is_refused_with_its_reason_and_a_collar_is_not() {
+    let piece = Piece::draw(3);
+    let film = Bump { column: 200.0, half_length: 40.0, height_px: 1.0, upper: true };
+    let edges = |bumps: &[Bump], rejection| {
+        let frame = piece.with_bumps(bumps).frame(None).unwrap();
+        let settings = GaugeSettings { rejection, ..GaugeSettings::default() };
+        Gauge::new(settings).unwrap().edges(&frame.view()).unwrap()
+    };
+    let dirty = edges(&[film], Rejection::Full);
+    assert!((180..220).all(|c| dirty.top[c].reason() == Some(Reason::Contaminated)));
+    // What belongs to neither side for sure may go with it, the clean edge beside the film may not.
+    assert!((180..220).all(|c| dirty.bottom[c].is_usable()));
+    assert!(dirty.valid() > COLUMNS - 160);
+    // A collar rises on both sides: it is form.
+    let collar = edges(&[film, Bump { upper: false, ..film }], Rejection::Full);
+    assert!(collar.valid() > COLUMNS - 24, "{}", collar.valid());
+    // A user with a keyed shaft turns the axis off.
+    assert!(edges(&[film], Rejection::ByEdge).valid() > COLUMNS - 4);
+}

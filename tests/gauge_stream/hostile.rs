@@ -1,0 +1,190 @@
+//! Hostile input, seeded: the same loops as the fuzz targets in `fuzz/`, over a small corpus. No panic, no diameter from noise.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use shadowgauge::frame::{FrameMeta, FrameView, PixelFormat, Pixels};
+use shadowgauge::gauge::{Calibration, FrameEdges, Gauge, GaugeSettings};
+use shadowgauge::profile::Reason;
+use shadowgauge::source::decode;
+
+use crate::gauge_synth::{Synth, drifting};
+
+fn gauge() -> Gauge {
+    Gauge::new(GaugeSettings::default()).unwrap()
+}
+
+/// Flips, copies, cuts and inserts bytes.
+fn mutate(seed: &[u8], rng: &mut Pcg64) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..rng.random_range(1..8) {
+        if bytes.is_empty() {
+            break;
+        }
+        let at = rng.random_range(0..bytes.len());
+        match rng.random_range(0..5) {
+            0 => bytes[at] ^= 1 << rng.random_range(0..8),
+            1 => bytes[at] = rng.random(),
+            2 => bytes.truncate(at),
+            3 => bytes.insert(at, rng.random()),
+            _ => {
+                let end = (at + rng.random_range(1..16)).min(bytes.len());
+                let part = bytes[at..end].to_vec();
+                let to = rng.random_range(0..bytes.len());
+                bytes.splice(to..to, part);
+            }
+        }
+    }
+    bytes
+}
+
+/// A small grey image in three formats.
+fn images() -> Vec<Vec<u8>> {
+    let picture = image::GrayImage::from_fn(40, 30, |x, y| image::Luma([(x * 5 + y) as u8]));
+    [image::ImageFormat::Png, image::ImageFormat::Tiff, image::ImageFormat::Bmp, image::ImageFormat::Pnm]
+        .into_iter()
+        .map(|format| {
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, format).unwrap();
+            bytes.into_inner()
+        })
+        .collect()
+}
+
+#[test]
+fn damaged_images_are_frames_or_errors() {
+    let mut rng = Pcg64::seed_from_u64(11);
+    let (mut frames, mut errors) = (0, 0);
+    for seed in images() {
+        for _ in 0..1500 {
+            let bytes = mutate(&seed, &mut rng);
+            match decode(&bytes, None, FrameMeta::default()) {
+                Ok(frame) => {
+                    frames += 1;
+                    assert!(frame.view().rows() <= 65_535 && frame.view().columns() <= 65_535);
+                }
+                Err(error) => {
+                    errors += 1;
+                    assert!(!error.to_string().is_empty());
+                }
+            }
+        }
+    }
+    println!("{frames} frames, {errors} errors");
+    assert!(frames > 100 && errors > 1000);
+}
+
+#[test]
+fn damaged_calibrations_are_read_or_refused() {
+    let text = serde_json::to_vec_pretty(&Calibration::from_scale(15.0)).unwrap();
+    assert!(Calibration::read(&text[..]).is_ok());
+    let mut rng = Pcg64::seed_from_u64(12);
+    for _ in 0..4000 {
+        if let Ok(calibration) = Calibration::read(&mutate(&text, &mut rng)[..]) {
+            assert!(calibration.scale_mm_per_px.is_finite() && calibration.scale_mm_per_px > 0.0);
+        }
+    }
+}
+
+/// Noise of any kind and size, any format, stride and orientation: errors, or edges without any accepted column.
+#[test]
+fn noise_of_any_kind_gives_no_diameter() {
+    let mut rng = Pcg64::seed_from_u64(13);
+    let gauge = gauge();
+    let mut accepted = 0;
+    for trial in 0..400 {
+        let (rows, columns) = (rng.random_range(1..160_usize), rng.random_range(1..200_usize));
+        let stride = columns + rng.random_range(0..9);
+        let kind = trial % 5;
+        let (low, high) = (rng.random_range(0..2000), rng.random_range(2001..4096));
+        let pixels: Vec<u16> = (0..rows * stride)
+            .map(|i| match kind {
+                0 => rng.random_range(0..4096),
+                1 => {
+                    if rng.random::<bool>() {
+                        low
+                    } else {
+                        high
+                    }
+                }
+                2 => ((0..8).map(|_| rng.random_range(0..512_u32)).sum::<u32>()) as u16,
+                3 => ((i % stride) * 20) as u16,
+                _ => {
+                    if rng.random_range(0..50) == 0 {
+                        high
+                    } else {
+                        low
+                    }
+                }
+            })
+            .collect();
+        let view = FrameView::new(Pixels::U16(&pixels), PixelFormat::Mono12, rows, columns, stride).unwrap();
+        let view = if trial % 2 == 0 { view } else { view.transposed() };
+        let mut edges = FrameEdges::default();
+        if gauge.stream().measure(&view, &mut edges).is_ok() {
+            accepted += 1;
+            println!("trial {trial} (kind {kind}, {rows} x {columns}): {} columns", edges.valid());
+        }
+    }
+    assert_eq!(accepted, 0);
+}
+
+/// A good stream with bad frames between: bit errors, lines out of place, frames of another size.
+#[test]
+fn a_stream_survives_bad_frames() {
+    let synth = Synth {
+        columns: 256,
+        format: PixelFormat::Mono8,
+        dark: 20.0,
+        light: 200.0,
+        read: 2.0,
+        gain: 0.0,
+        ..Synth::with_snr(1.0, 60.0, false)
+    };
+    let good = synth.frame(drifting, Some(1));
+    let shadowgauge::frame::Buffer::U8(clean) = good.into_buffer() else { panic!("8 bit") };
+    let mut rng = Pcg64::seed_from_u64(14);
+    let mut stream = gauge().stream();
+    let mut edges = FrameEdges::default();
+    for trial in 0..60 {
+        let mut pixels = clean.clone();
+        if trial % 3 == 1 {
+            let count = rng.random_range(1..30_000);
+            for _ in 0..count {
+                let at = rng.random_range(0..pixels.len());
+                pixels[at] = rng.random();
+            }
+        }
+        if trial % 3 == 2 {
+            pixels.rotate_left(rng.random_range(0..clean.len()));
+        }
+        let columns = if trial % 7 == 5 { 128 } else { 256 };
+        let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, 112, columns, 256).unwrap();
+        let result = stream.measure(&view, &mut edges);
+        if trial % 3 == 0 {
+            assert!(result.is_ok() && edges.valid() >= columns - 4, "{trial}: {result:?} {}", edges.valid());
+        } else if result.is_ok() {
+            for column in 0..edges.columns() {
+                assert!(edges.width_px(column).is_none_or(|w| w.is_finite() && w > 0.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_at_the_ends_are_clear_errors() {
+    let one = [9_u8];
+    let view = FrameView::new(Pixels::U8(&one), PixelFormat::Mono8, 1, 1, 1).unwrap();
+    assert!(gauge().edges(&view).unwrap_err().to_string().contains("1 rows x 1 columns"));
+    assert!(FrameView::new(Pixels::U8(&one), PixelFormat::Mono8, 1, 1, 0).is_err());
+    assert!(FrameView::new(Pixels::U8(&one), PixelFormat::Mono8, 0, 1, 1).is_err());
+    let huge = FrameView::new(Pixels::U8(&one), PixelFormat::Mono8, usize::MAX, 2, usize::MAX);
+    assert!(huge.unwrap_err().to_string().contains("holds 1 pixels"));
+    // As wide as an image may be: flat light, then a part.
+    let (rows, columns) = (64, 65_535);
+    let mut pixels = vec![200_u8; rows * columns];
+    let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
+    assert_eq!(gauge().edges(&view).unwrap_err().reason, Reason::LowContrast);
+    pixels[16 * columns..48 * columns].fill(20);
+    let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
+    assert!(gauge().edges(&view).unwrap().valid() > 65_000);
+}

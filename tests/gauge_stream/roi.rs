@@ -1,0 +1,86 @@
+//! Two windows of 32 rows around the edges, read out as one frame: the same edges as in the whole frame.
+
+use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
+use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
+
+use crate::gauge_synth::{Synth, drifting};
+
+/// Rows `top..top + 32` and `bottom..bottom + 32` of a frame, one below the other.
+fn windows(frame: &Frame, top: usize, bottom: usize) -> Frame {
+    let columns = frame.view().columns();
+    let Buffer::U8(pixels) = frame.clone().into_buffer() else { panic!("8 bit") };
+    let rows = |from: usize| &pixels[from * columns..(from + 32) * columns];
+    let stacked = [rows(top), rows(bottom)].concat();
+    Frame::new(Buffer::U8(stacked), PixelFormat::Mono8, 64, columns, FrameMeta::default()).unwrap()
+}
+
+#[test]
+fn two_windows_read_out_together_give_the_edges_of_the_whole_frame() {
+    let synth = Synth {
+        rows: 400,
+        dark: 12.0,
+        light: 210.0,
+        read: 0.2,
+        gain: 0.02,
+        black: 0.0,
+        format: PixelFormat::Mono8,
+        ..Synth::with_snr(1.0, 100.0, true)
+    };
+    let edges = |c: usize| (drifting(c).0 + 40.0, drifting(c).1 + 240.0);
+    let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+    let mut stream = gauge.stream();
+    let mut found = FrameEdges::default();
+    for seed in 0..4 {
+        let whole = synth.frame(edges, Some(seed));
+        let (top, bottom) = (50, 310);
+        let frame = windows(&whole, top, bottom);
+        stream.measure(&frame.view(), &mut found).unwrap();
+        found.place_windows(top as f64, bottom as f64 - 32.0);
+        let expected = gauge.edges(&whole.view()).unwrap();
+        assert!(found.valid() >= 2030, "{}", found.valid());
+        for column in 0..2048 {
+            let (Some(a), Some(b)) = (found.width_px(column), expected.width_px(column)) else { continue };
+            let u = expected.top[column].u_px().hypot(expected.bottom[column].u_px());
+            assert!((a - b).abs() < 0.5 * u, "column {column}: {a} {b}");
+        }
+    }
+}
+
+/// `cargo test --release --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1`
+#[test]
+#[ignore = "a measurement of speed"]
+fn frames_a_second_of_two_windows() {
+    let synth = Synth {
+        rows: 400,
+        dark: 12.0,
+        light: 210.0,
+        read: 0.2,
+        gain: 0.02,
+        black: 0.0,
+        format: PixelFormat::Mono8,
+        ..Synth::with_snr(1.0, 100.0, true)
+    };
+    let edges = |c: usize| (drifting(c).0 + 40.0, drifting(c).1 + 240.0);
+    let frames: Vec<Frame> = (0..4).map(|seed| windows(&synth.frame(edges, Some(seed)), 50, 310)).collect();
+    let mut stream = Gauge::new(GaugeSettings::default()).unwrap().stream();
+    let mut found = FrameEdges::default();
+    let mut times: Vec<f64> = frames
+        .iter()
+        .cycle()
+        .take(4000)
+        .map(|frame| {
+            let start = std::time::Instant::now();
+            stream.measure(&frame.view(), &mut found).unwrap();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| times[(share * times.len() as f64) as usize];
+    println!(
+        "2 x 32 rows x 2048 columns: {:.0} frames/s (median), least {:.3} ms, median {:.3} ms, 99 % below {:.3} ms",
+        1.0 / at(0.5),
+        1e3 * times[0],
+        1e3 * at(0.5),
+        1e3 * at(0.99)
+    );
+}
