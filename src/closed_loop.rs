@@ -248,7 +248,7 @@ impl<'a> ClosedLoop<'a> {
             let start = PartStart { event, stock: self.stock.as_ref() };
             let stations = self.job.part.station_z_mm().len();
             let first = self.controller.begin_part(&start, stations);
-            match self.to_machine(first) {
+            match self.put_in_force(first) {
                 Ok(()) => self.held = None,
                 Err(reason) => {
                     self.offset = DiameterOffset::zero(stations);
@@ -414,7 +414,7 @@ impl<'a> ClosedLoop<'a> {
         self.notes = self.controller.notes().to_vec();
         self.alarm = self.controller.alarm().map(str::to_owned);
         let decision = match decision {
-            Decision::Offset(offset) => match self.to_machine(offset) {
+            Decision::Offset(offset) => match self.put_in_force(offset) {
                 Ok(()) => Decision::Offset(self.offset.clone()),
                 Err(reason) => Decision::Held(reason),
             },
@@ -441,7 +441,7 @@ impl<'a> ClosedLoop<'a> {
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The
     /// controller is told of these in the next plan. Offsets that no program can carry are not put in force.
-    fn to_machine(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
+    fn put_in_force(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
         let Some(machine) = &self.job.nc else {
             self.offset = asked.clone();
             self.asked = asked;

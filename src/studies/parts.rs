@@ -15,7 +15,7 @@ use crate::plan::Decision;
 use crate::render::Renderer;
 
 /// Expected range of two normal values over their standard deviation: 2/√π.
-const D2: f64 = 1.128_379_167_095_512_6;
+const D2: f64 = std::f64::consts::FRAC_2_SQRT_PI;
 
 /// The batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
