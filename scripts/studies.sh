@@ -50,3 +50,6 @@ study controllers "$bin" study controllers --out "$out/controllers"
 
 # -- speed, beside the floor of a kernel that only writes a constant
 study render_bench "$bin" render "$preset" --bench 50 --out "$out/render_bench"
+
+# -- optics: every edge-spread family, corners, features of the shaft, views, motion
+study optics cargo test --release --locked --test optics_esf --test render_optics --test render_shaft -- --nocapture --test-threads 1
