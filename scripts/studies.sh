@@ -70,3 +70,6 @@ study render_memory "$bin" render configs/head_wire.toml --bench 100000 --window
 
 # -- the renderer beside other ways, and EMVA 1288's reference implementation on rendered flat fields
 study render_peers sh benches/peers/render.sh
+
+# -- optics: every edge-spread family, corners, features of the shaft, views, motion
+study optics cargo test --release --locked --test optics_esf --test render_optics --test render_shaft -- --nocapture --test-threads 1
