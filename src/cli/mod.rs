@@ -105,7 +105,7 @@ enum Command {
     /// Calibrate a bench: dark and flat fields, master pins, a check pin.
     Calibrate(calibrate::CalibrateArgs),
     /// Measure edges and diameters of frames in files.
-    Measure(measure::MeasureArgs),
+    Measure(Box<measure::MeasureArgs>),
     /// Print the JSON Schema of a config file.
     Schema,
     /// Choose cutting data: the shortest time under limits of size error and roughness.

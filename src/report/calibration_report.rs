@@ -69,9 +69,12 @@ fn verdict(page: &mut Page, bench: &BenchCalibration) {
     ));
 }
 
+/// Label, abscissa and caption of a residual chart.
+type Axis = (&'static str, fn(&Residual) -> f64, &'static str);
+
 fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) -> Result<(), ReportError> {
     page.heading("Residuals");
-    let axes: [(&str, fn(&Residual) -> f64, &str); 3] = [
+    let axes: [Axis; 3] = [
         (
             "middle of the shadow from the field's centre / px",
             |r| r.middle_px,
