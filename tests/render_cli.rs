@@ -178,7 +178,10 @@ fn contamination_writes_its_mask_and_presets_fill_in_a_sensor() {
     let (code, stderr) = run(&[], &path, &out);
     assert_eq!(code, 0, "{stderr}");
     let mask = image::open(out.join("masks/000000.png")).unwrap().into_luma8();
-    assert!(mask.pixels().any(|p| p.0[0] == 32) && mask.pixels().all(|p| p.0[0] & !32 == 0), "dirt is bit 32");
+    assert!(
+        mask.pixels().any(|p| p.0[0] == 32) && mask.pixels().all(|p| p.0[0] & !32 == 0),
+        "dirt is bit 32"
+    );
     // 5000 photons, QE .9125, 2.505 electrons a count over a black level of 240, within the drawn gain's few percent.
     let frame = image::open(out.join("frames/000000.png")).unwrap().into_luma16();
     let mut first_row: Vec<u16> = (0..frame.width()).map(|x| frame.get_pixel(x, 0).0[0]).collect();
