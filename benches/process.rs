@@ -42,7 +42,7 @@ fn cutting_data(c: &mut Criterion) {
         b.iter(|| genetic::minimise(black_box(&problem), &settings, 1));
     });
     group.bench_function("exact, proven to 1e-4", |b| {
-        b.iter(|| exact::minimise(black_box(&problem), exact::DEFAULT_GAP))
+        b.iter(|| exact::minimise(black_box(&problem), exact::DEFAULT_GAP));
     });
     group.finish();
 }

@@ -52,12 +52,12 @@ fn frames(c: &mut Criterion) -> Result<(), RenderError> {
     ];
     for (name, scene, request) in &cases {
         c.bench_function(&format!("job, {name}"), |b| {
-            b.iter(|| black_box(scene.job(request).map(|j| j.params.rows)))
+            b.iter(|| black_box(scene.job(request).map(|j| j.params.rows)));
         });
         let job = scene.job(request)?;
         let mut spare: Option<Buffer> = None;
         c.bench_function(&format!("frame, {name}"), |b| {
-            b.iter(|| spare = twin.draw(&job, spare.take()).ok())
+            b.iter(|| spare = twin.draw(&job, spare.take()).ok());
         });
     }
     if let Ok(job) = level.job(&windows) {

@@ -220,7 +220,7 @@ mod tests {
     fn an_individuals_chart_by_hand() {
         let chart = individuals(&[1.0, 2.0, 5.0, 3.0], Some((-5.0, 8.0)));
         assert!((chart.centre_mm - 2.75).abs() < 1e-12);
-        assert!((chart.limit_mm - 3.0 * 2.0 / 1.128_379).abs() < 1e-5);
+        assert!((chart.limit_mm - 5.317_362).abs() < 1e-5);
         assert!((chart.ppk.unwrap_or(0.0) - 5.25 / (3.0 * 1.707_825)).abs() < 1e-5);
         assert_eq!(chart.outside, Vec::<u32>::new());
         let mut steady: Vec<f64> = (0..40).map(|i| f64::from(i % 2)).collect();
