@@ -35,6 +35,9 @@ const PASSES: usize = 3;
 /// Wander of an axis about its parabola (standard deviation of the blocks) and bend with it that are taken for the part's own, px.
 const WANDER_PX: f64 = 0.06;
 const BEND_OF_WANDER_PX: f64 = 0.1;
+/// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
+const BETTER: f64 = 0.35;
+const BEND_OF_PART_PX: f64 = 0.3;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
@@ -161,8 +164,9 @@ impl AxisScratch {
                 best = (cost, axis);
             }
         }
-        // Matter stands out against a straighter axis; where none fits better, the axis itself wanders.
-        if best.0 > 0.9 * spread && plain[2].abs() < BEND_OF_WANDER_PX {
+        // Matter stands out against a straighter axis that half of the field agrees with far better; where there is none, the axis
+        // itself wanders.
+        if best.0 > BETTER * spread && plain[2].abs() < BEND_OF_PART_PX {
             return Some(plain);
         }
         for _ in 0..3 {
@@ -318,7 +322,8 @@ mod tests {
         }
         let share = refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
         assert!((0.22..0.32).contains(&share), "{share}");
-        assert!(bottom.iter().filter(|e| e.is_usable()).count() >= 500);
+        let kept = bottom.iter().filter(|e| e.is_usable()).count();
+        assert!(kept >= 490, "{kept}");
         assert!((300..420).all(|c| top[c].reason() == Some(Reason::Contaminated)));
         assert!((0..280).chain(440..512).all(|c| top[c].is_usable()));
     }

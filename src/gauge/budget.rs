@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rand_pcg::Pcg64;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::bench::{Conditions, CovariancePart};
 use super::calibration::Calibration;
@@ -112,7 +112,11 @@ impl Budget {
 
     /// Coverage factor for a probability, Student's t at the effective degrees of freedom (GUM G.3).
     pub fn coverage_factor(&self, probability: f64) -> f64 {
-        let freedom = self.effective_freedom().min(1e6);
+        let freedom = self.effective_freedom();
+        if freedom > 1e5 {
+            // Student's t is the normal there to 1e-5.
+            return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);
+        }
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
     }
 

@@ -32,6 +32,8 @@ const CLIPPED_FRACTION: f64 = 1e-3;
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
 const MOST_MISFIT: f64 = 1.1;
+/// χ² ratio above which the noise cannot be what keeps the model from fitting.
+const LEAST_MISFIT: f64 = 2.0;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// Frames after which the part is searched anew, in case another has come in.
@@ -374,6 +376,15 @@ impl EdgeStream {
         if gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
             let detail = "the edges of neighbouring columns do not join to contours".to_owned();
             return Err(refused(Reason::Outlier, detail));
+        }
+        let residual = out.figures.misfit.sqrt() / out.figures.snr;
+        if out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
+            let detail = format!(
+                "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} %; light that falls off across the edge, a veil or another edge-spread function (gauge.esf)",
+                100.0 * residual,
+                100.0 / out.figures.snr
+            );
+            return Err(refused(Reason::Residual, detail));
         }
         Ok(())
     }

@@ -21,6 +21,9 @@ pub struct GaugeSettings {
     /// Largest departure of an edge from its neighbours' local line, px, beyond six standard uncertainties.
     /// It must exceed the roughness of the surfaces measured. Above 0.
     pub outlier_px: f64,
+    /// Largest rms residual that the edge model may leave in the best fitting fifth of a frame's columns, as a share of the
+    /// contrast, where noise does not explain it; beyond it the frame is refused. Above 0, at most 1.
+    pub max_residual_rel: f64,
     /// Whether columns that matter touches are refused.
     pub rejection: Rejection,
     /// The edge-spread function that is fitted.
@@ -44,6 +47,7 @@ impl Default for GaugeSettings {
             max_slope: 1.0,
             residual_false_alarm: 1e-5,
             outlier_px: 1.5,
+            max_residual_rel: 0.08,
             rejection: Rejection::default(),
             esf: EsfModel::default(),
             levels: Levels::default(),
@@ -208,6 +212,7 @@ impl GaugeSettings {
         within("max_slope", self.max_slope, 1e-3, 3.0, "0.001 to 3")?;
         within("residual_false_alarm", self.residual_false_alarm, 1e-12, 0.01, "1e-12 to 0.01")?;
         within("outlier_px", self.outlier_px, 1e-3, 1e4, "a departure in pixels above 0.001")?;
+        within("max_residual_rel", self.max_residual_rel, 1e-9, 1.0, "a share above 0, at most 1")?;
         within("station.min_fill", self.station.min_fill, 1e-6, 1.0, "a fraction above 0, at most 1")?;
         within("station.min_angles", self.station.min_angles as f64, 1.0, 1e9, "1 or more")?;
         if let Levels::Pooled { max_knots } = self.levels {

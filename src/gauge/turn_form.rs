@@ -2,7 +2,7 @@
 //!
 //! For every station the diameters and middles of its columns are averaged angle by angle; the angles either divide a whole turn
 //! evenly, or half a turn. Half a turn shows every tangent once: with the spindle's axis taken as still, bottom edges stand for the
-//! tops of the other half, h(φ + π) = m̄ − bottom(φ). Either way odd lobes and odd spindle motion cannot be told apart.
+//! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis. Either way odd lobes and odd spindle motion cannot be told apart.
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
 
@@ -174,13 +174,34 @@ fn turn_of(readings: &[[f64; 3]]) -> Result<(Turn, bool), FormError> {
         Err(FormError::UnevenAngles { .. } | FormError::TooFew { .. } | FormError::Argument { .. })
             if readings.len() >= 4 && readings.iter().all(|r| r[0] < 180.0) =>
         {
-            let middle = readings.iter().map(|r| 0.5 * (r[1] + r[2])).sum::<f64>() / readings.len() as f64;
+            let middle = middle_of_half_turn(readings).ok_or(FormError::TooFew {
+                feature: "half a turn",
+                found: readings.len(),
+                needed: 4,
+            })?;
             let other = readings.iter().map(|r| [r[0] + 180.0, 2.0 * middle - r[2], 2.0 * middle - r[1]]);
             let whole: Vec<[f64; 3]> = readings.iter().copied().chain(other).collect();
             Ok((Turn::from_readings(&whole)?, true))
         }
         turn => Ok((turn?, false)),
     }
+}
+
+/// Height of the spindle's axis from the middles over half a turn. The middle is the axis plus odd harmonics of the turn (eccentricity,
+/// odd lobes), whose mean over half a turn is not zero: both are adjusted together, as many orders as a third of the angles allows.
+fn middle_of_half_turn(readings: &[[f64; 3]]) -> Option<f64> {
+    let orders = (readings.len().saturating_sub(3) / 6).clamp(1, 3);
+    let rows = readings.len();
+    let basis = nalgebra::DMatrix::from_fn(rows, 1 + 2 * orders, |row, column| {
+        let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * readings[row][0].to_radians();
+        match column {
+            0 => 1.0,
+            c if c % 2 == 1 => turned.cos(),
+            _ => turned.sin(),
+        }
+    });
+    let middles = nalgebra::DVector::from_fn(rows, |row, _| 0.5 * (readings[row][1] + readings[row][2]));
+    basis.svd(true, true).solve(&middles, 1e-12).ok().map(|p| p[0])
 }
 
 fn section_form(

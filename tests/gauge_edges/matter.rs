@@ -37,3 +37,29 @@ fn a_film_on_one_side_is_refused_with_its_reason_and_a_collar_is_not() {
     // A user with a keyed shaft turns the axis off.
     assert!(edges(&[film], Rejection::ByEdge).valid() > COLUMNS - 4);
 }
+
+#[test]
+fn a_frame_that_no_edge_spread_explains_is_refused() {
+    // Light that falls off by 2 % a pixel beside the upper edge, to half: the fit errs by .3 px at u = .06 px.
+    let synth = crate::gauge_synth::Synth::with_snr(1.0, 100.0, true);
+    let shaded = |fall: f64| {
+        let shade = |row: usize, column: usize, mean: f64| {
+            let d = crate::gauge_synth::drifting(column).0 - row as f64;
+            if d.abs() < 12.0 {
+                mean * (1.0 - fall * (d + 12.0))
+            } else if d > 0.0 {
+                mean * (1.0 - 24.0 * fall)
+            } else {
+                mean
+            }
+        };
+        synth.frame_with(crate::gauge_synth::drifting, shade, Some(5))
+    };
+    let gauge = Gauge::new(GaugeSettings::default()).unwrap();
+    assert!(gauge.edges(&shaded(0.0).view()).is_ok());
+    let refused = gauge.edges(&shaded(0.02).view()).unwrap_err();
+    assert_eq!(refused.reason, Reason::Residual, "{refused}");
+    let settings = GaugeSettings { max_residual_rel: 1.0, ..GaugeSettings::default() };
+    let edges = Gauge::new(settings).unwrap().edges(&shaded(0.02).view()).unwrap();
+    assert!(edges.figures.misfit > 20.0, "{}", edges.figures.misfit);
+}

@@ -185,6 +185,11 @@ fn sizes_at_the_ends_are_clear_errors() {
     let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
     assert_eq!(gauge().edges(&view).unwrap_err().reason, Reason::LowContrast);
     pixels[16 * columns..48 * columns].fill(20);
+    // Edges blurred by .8 px: a step without any blur is no image of an edge.
+    for (step, grey) in [(0, 193_u8), (1, 150), (2, 70), (3, 27)] {
+        pixels[(14 + step) * columns..(15 + step) * columns].fill(grey);
+        pixels[(49 - step) * columns..(50 - step) * columns].fill(grey);
+    }
     let view = FrameView::new(Pixels::U8(&pixels), PixelFormat::Mono8, rows, columns, columns).unwrap();
     assert!(gauge().edges(&view).unwrap().valid() > 65_000);
 }

@@ -257,7 +257,8 @@ fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
     let made = calibrate(folder.path(), &plan);
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     let scale = json(&made)["scale_mm_per_px"].as_f64().unwrap();
-    assert!((scale / pixel_mm - 1.0).abs() < 2e-5, "{scale} {pixel_mm}");
+    // Two frames of each pin: levels common to a frame leave some thousandths of a pixel over 170.
+    assert!((scale / pixel_mm - 1.0).abs() < 5e-5, "{scale} {pixel_mm}");
     std::fs::remove_file(folder.path().join("calibration.json")).unwrap();
     let wrong = calibrate(folder.path(), &plan.replace("diameter_mm = 5.2", "diameter_mm = 5.205"));
     assert_eq!(wrong.status.code(), Some(1), "{}", text(&wrong.stderr));
