@@ -118,7 +118,10 @@ impl<'a> Recorder<'a> {
             for refused in &result.refused {
                 tracing::warn!("pass {pass}: {refused}");
             }
-            log_decision(&result);
+            // The run beside it that nobody corrects is there to go out of tolerance.
+            if progress {
+                log_decision(&result);
+            }
             seconds.push((result.render.as_secs_f64(), result.gauge.as_secs_f64()));
             self.write(&result)?;
             self.write_timings(&seconds)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::config;
-use crate::control::ControllerName;
+use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
@@ -143,6 +143,7 @@ fn run_both(
 fn run_reference(job: &Job, out: &Path, renderer: &Renderer) -> Result<RunFolder, Failure> {
     let mut uncontrolled = job.clone();
     uncontrolled.control.controller = ControllerName::None;
+    uncontrolled.control.guards.on_alarm = OnAlarm::GoOn;
     let path = out.join(REFERENCE_FOLDER);
     let folder = match claim(&uncontrolled, &path) {
         Err(_) if RunFolder::is_run(&path) => return RunFolder::open(&path).map_err(folder_failure),
