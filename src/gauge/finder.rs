@@ -34,6 +34,8 @@ const LEAST_FOLLOWED: f64 = 0.98;
 const MOST_MISFIT: f64 = 1.1;
 /// χ² ratio above which the noise cannot be what keeps the model from fitting.
 const LEAST_MISFIT: f64 = 2.0;
+/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
+const SHARP_PX: f64 = 0.4;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// Frames after which the part is searched anew, in case another has come in.
@@ -378,7 +380,8 @@ impl EdgeStream {
             return Err(refused(Reason::Outlier, detail));
         }
         let residual = out.figures.misfit.sqrt() / out.figures.snr;
-        if out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
+        let blurred = out.figures.sigma_px.iter().all(|sigma| *sigma > SHARP_PX);
+        if blurred && out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
             let detail = format!(
                 "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} %; light that falls off across the edge, a veil or another edge-spread function (gauge.esf)",
                 100.0 * residual,
