@@ -380,7 +380,7 @@ impl EdgeStream {
             return Err(refused(Reason::Outlier, detail));
         }
         let residual = out.figures.misfit.sqrt() / out.figures.snr;
-        let blurred = out.figures.sigma_px.iter().all(|sigma| *sigma > SHARP_PX);
+        let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > SHARP_PX);
         if blurred && out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
             let detail = format!(
                 "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} %; light that falls off across the edge, a veil or another edge-spread function (gauge.esf)",
