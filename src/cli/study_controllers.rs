@@ -80,11 +80,11 @@ fn print(study: &ControllerStudy) {
     for c in &study.controllers {
         for p in &c.passes {
             println!(
-                "{:<6} pass {}  {:8.2} ± {:5.2}  ({:7.2}, {:7.2}; {:.3})",
+                "{:<6} pass {}  {:8.2} ± {:>5}  ({:7.2}, {:7.2}; {:.3})",
                 c.controller,
                 p.pass,
                 p.mean_mm * 1e3,
-                p.interval_mm.map_or(f64::NAN, |i| i * 1e3),
+                p.interval_mm.map_or_else(|| "-".to_owned(), |i| format!("{:.2}", i * 1e3)),
                 p.median_mm * 1e3,
                 p.worst_mm * 1e3,
                 p.worst_share_of_none

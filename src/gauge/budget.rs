@@ -10,12 +10,10 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use super::bench::{Conditions, CovariancePart};
 use super::calibration::Calibration;
 use super::caliper::largest_caliper;
+use super::column_means::ColumnMeans;
 use super::diameter::Pose;
 use super::edges::FrameEdges;
 use super::monte_carlo::Distribution;
-
-/// Fewest columns of a mean.
-const LEAST_COLUMNS: usize = 8;
 
 /// Whether a source's errors differ from reading to reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -200,15 +198,8 @@ impl WidthReading {
     /// Mean width over columns of a frame; `None` where fewer than 8 of them have both edges.
     pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
         let chord = Pose::of(edges).chord_factor();
-        let used: Vec<usize> = columns.filter(|c| edges.width_px(*c).is_some()).collect();
-        if used.len() < LEAST_COLUMNS {
-            return None;
-        }
-        let n = used.len() as f64;
-        let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
-        let square = |v: f32| f64::from(v).powi(2);
-        let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
-        let shared = mean(&|c| square(edges.top[c].u_shared_px) + square(edges.bottom[c].u_shared_px));
+        let over = ColumnMeans::over(edges, columns)?;
+        let used = &over.used;
         // Neighbouring columns share texture: the scatter of a few blocks' means, beyond noise, about a line (taper is form
         // that is meant to be seen).
         let blocks = (used.len() / 16).clamp(2, 12);
@@ -220,14 +211,14 @@ impl WidthReading {
             .collect();
         let form_freedom = (blocks as f64 - 2.0).max(1.0);
         let form = scatter_about_line(&means) / blocks as f64;
-        let noise = own / n;
+        let noise = over.own_variance_px2;
         Some(Self {
-            column_px: mean(&|c| c as f64),
-            rows_px: (mean(&|c| edges.top[c].row_px), mean(&|c| edges.bottom[c].row_px)),
+            column_px: over.column_px,
+            rows_px: over.rows_px,
             chord,
             u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: shared.sqrt(),
+            u_levels_px: over.u_shared_px,
             u_form_px: (form - noise).max(0.0).sqrt(),
             form_freedom,
         })

@@ -8,6 +8,7 @@ mod calibration;
 mod caliper;
 mod clipped;
 mod coarse;
+mod column_means;
 mod curvature;
 mod diameter;
 mod edges;

@@ -5,6 +5,11 @@ use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
 
 use crate::gauge_synth::Synth;
 
+/// Edges that stay as far from the borders of a window of 32 rows as a fit reaches.
+fn near_the_windows_middles(column: usize) -> (f64, f64) {
+    (64.3 + 0.0021 * column as f64, 327.7 - 0.0019 * column as f64)
+}
+
 /// Rows `top..top + 32` and `bottom..bottom + 32` of a frame, one below the other.
 fn windows(frame: &Frame, top: usize, bottom: usize) -> Frame {
     let columns = frame.view().columns();
@@ -16,23 +21,12 @@ fn windows(frame: &Frame, top: usize, bottom: usize) -> Frame {
 
 #[test]
 fn two_windows_read_out_together_give_the_edges_of_the_whole_frame() {
-    let synth = Synth {
-        rows: 400,
-        dark: 12.0,
-        light: 210.0,
-        read: 0.2,
-        gain: 0.02,
-        black: 0.0,
-        format: PixelFormat::Mono8,
-        ..Synth::with_snr(1.0, 100.0, true)
-    };
-    // Edges that stay as far from the borders of a window of 32 rows as a fit reaches.
-    let edges = |c: usize| (64.3 + 0.0021 * c as f64, 327.7 - 0.0019 * c as f64);
+    let synth = Synth { rows: 400, ..crate::reference() };
     let gauge = Gauge::new(GaugeSettings::default()).unwrap();
     let mut stream = gauge.stream();
     let mut found = FrameEdges::default();
     for seed in 0..4 {
-        let whole = synth.frame(edges, Some(seed));
+        let whole = synth.frame(near_the_windows_middles, Some(seed));
         let (top, bottom) = (50, 310);
         let frame = windows(&whole, top, bottom);
         stream.measure(&frame.view(), &mut found).unwrap();
@@ -53,19 +47,9 @@ fn two_windows_read_out_together_give_the_edges_of_the_whole_frame() {
 #[test]
 #[ignore = "a measurement of speed"]
 fn frames_a_second_of_two_windows() {
-    let synth = Synth {
-        rows: 400,
-        dark: 12.0,
-        light: 210.0,
-        read: 0.2,
-        gain: 0.02,
-        black: 0.0,
-        format: PixelFormat::Mono8,
-        ..Synth::with_snr(1.0, 100.0, true)
-    };
-    // Edges that stay as far from the borders of a window of 32 rows as a fit reaches.
-    let edges = |c: usize| (64.3 + 0.0021 * c as f64, 327.7 - 0.0019 * c as f64);
-    let frames: Vec<Frame> = (0..4).map(|seed| windows(&synth.frame(edges, Some(seed)), 50, 310)).collect();
+    let synth = Synth { rows: 400, ..crate::reference() };
+    let frames: Vec<Frame> =
+        (0..4).map(|seed| windows(&synth.frame(near_the_windows_middles, Some(seed)), 50, 310)).collect();
     let mut stream = Gauge::new(GaugeSettings::default()).unwrap().stream();
     let mut found = FrameEdges::default();
     let mut times: Vec<f64> = frames

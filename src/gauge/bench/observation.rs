@@ -1,13 +1,12 @@
 //! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
 
+use super::super::column_means::ColumnMeans;
 use super::super::diameter::Pose;
 use super::super::edges::FrameEdges;
 use super::LensModel;
 
 /// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
 const BLOCKS: usize = 6;
-/// Fewest usable columns in a block.
-const LEAST_COLUMNS: usize = 8;
 
 /// Mean edges of a block of columns of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,25 +44,17 @@ pub fn observe(
     (0..BLOCKS)
         .filter_map(|block| {
             let range = block * columns / BLOCKS..(block + 1) * columns / BLOCKS;
-            let used: Vec<usize> = range.filter(|c| edges.width_px(*c).is_some()).collect();
-            if used.len() < LEAST_COLUMNS {
-                return None;
-            }
-            let n = used.len() as f64;
-            let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
-            let square = |v: f32| f64::from(v).powi(2);
-            let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
-            let shared = mean(&|c| square(edges.top[c].u_shared_px) + square(edges.bottom[c].u_shared_px));
+            let means = ColumnMeans::over(edges, range)?;
             Some(Observation {
                 master,
                 frame,
-                column_px: mean(&|c| c as f64) - lens.centre_column_px,
-                top_px: mean(&|c| edges.top[c].row_px) - lens.centre_row_px,
-                bottom_px: mean(&|c| edges.bottom[c].row_px) - lens.centre_row_px,
+                column_px: means.column_px - lens.centre_column_px,
+                top_px: means.rows_px.0 - lens.centre_row_px,
+                bottom_px: means.rows_px.1 - lens.centre_row_px,
                 chord,
                 axis_y_mm,
-                u_width_px: (own / n).sqrt(),
-                u_shared_px: shared.sqrt(),
+                u_width_px: means.own_variance_px2.sqrt(),
+                u_shared_px: means.u_shared_px,
             })
         })
         .collect()

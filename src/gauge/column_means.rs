@@ -1,0 +1,40 @@
+//! Means over some columns of one frame: what a calibration observes and what a budget starts from.
+
+use super::edges::{Edge, FrameEdges};
+
+/// Fewest columns with both edges that make a mean.
+pub(crate) const LEAST_COLUMNS: usize = 8;
+
+/// Means over the columns of a stretch that have both edges.
+pub(crate) struct ColumnMeans {
+    /// The columns used.
+    pub(crate) used: Vec<usize>,
+    /// Their mean, px.
+    pub(crate) column_px: f64,
+    /// Mean rows of the upper and the lower edge, px.
+    pub(crate) rows_px: (f64, f64),
+    /// Variance of the mean width from what each column has for itself, px².
+    pub(crate) own_variance_px2: f64,
+    /// Standard uncertainty of the width that the columns share (levels), px.
+    pub(crate) u_shared_px: f64,
+}
+
+impl ColumnMeans {
+    /// Means over `columns`; `None` where fewer than [`LEAST_COLUMNS`] have both edges.
+    pub(crate) fn over(edges: &FrameEdges, columns: std::ops::Range<usize>) -> Option<Self> {
+        let used: Vec<usize> = columns.filter(|c| edges.width_px(*c).is_some()).collect();
+        if used.len() < LEAST_COLUMNS {
+            return None;
+        }
+        let n = used.len() as f64;
+        let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
+        let both = |u: fn(&Edge) -> f32| {
+            let square = |e: &Edge| f64::from(u(e)).powi(2);
+            mean(&|c| square(&edges.top[c]) + square(&edges.bottom[c]))
+        };
+        let (own, shared) = (both(|e| e.u_own_px), both(|e| e.u_shared_px));
+        let column_px = mean(&|c| c as f64);
+        let rows_px = (mean(&|c| edges.top[c].row_px), mean(&|c| edges.bottom[c].row_px));
+        Some(Self { column_px, rows_px, own_variance_px2: own / n, u_shared_px: shared.sqrt(), used })
+    }
+}
