@@ -40,7 +40,8 @@ study efficiency cargo test --release --locked --test gauge_edges every_cell -- 
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
 if [ -n "${SHADOWGAUGE_WASHERS:-}" ]; then
-  study washers cargo test --release --locked --test measure_washers --test ring_measure -- --nocapture --test-threads 1
+  study washers_caliper cargo test --release --locked --test measure_washers -- --nocapture --test-threads 1
+  study washers "$bin" study washers "$SHADOWGAUGE_WASHERS" --out "$out/washers"
 else
   echo "SKIPPED: washers (SHADOWGAUGE_WASHERS is not set)" >&2
 fi

@@ -3,6 +3,7 @@
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
 
 mod evidence;
+mod pass_before;
 
 use std::time::{Duration, Instant};
 
@@ -147,6 +148,8 @@ pub struct ClosedLoop<'a> {
     /// What changed since the last part; taken when the part begins.
     event: Option<PartEvent>,
     stock: Option<DiameterProfile>,
+    /// The last pass of this part: what was commanded and what was measured.
+    before: Option<(PassPlan, DiameterProfile)>,
 }
 
 /// A scan, measured.
@@ -196,6 +199,7 @@ impl<'a> ClosedLoop<'a> {
             next_pass: 1,
             event: Some(PartEvent::Continued),
             stock: None,
+            before: None,
         })
     }
 
@@ -207,7 +211,7 @@ impl<'a> ClosedLoop<'a> {
     pub fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), LoopError> {
         self.cell.next_part(part, event)?;
         self.next_pass = 1;
-        (self.held, self.alarm, self.stock) = (None, None, None);
+        (self.held, self.alarm, self.stock, self.before) = (None, None, None, None);
         self.event = Some(event);
         Ok(())
     }
@@ -300,6 +304,8 @@ impl<'a> ClosedLoop<'a> {
         self.cell.cut(&plan)?;
         let after_cut = AfterCut::of(self.cell.as_ref());
         let mut scan = self.scan(plan.pass, progress)?;
+        let implausible =
+            pass_before::compare(self.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
         let master = self.check_master()?;
         let mut evidence = Evidence {
             origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
@@ -324,7 +330,7 @@ impl<'a> ClosedLoop<'a> {
             readings: scan.readings,
             decision,
             evidence,
-            notes: self.notes.clone(),
+            notes: implausible.into_iter().chain(self.notes.iter().cloned()).collect(),
             alarm: self.alarm.clone(),
             form: scan.form,
             sample: scan.sample,
@@ -403,6 +409,7 @@ impl<'a> ClosedLoop<'a> {
         evidence: &Evidence,
     ) -> Option<Decision> {
         let context = self.context(evidence);
+        self.before = Some((plan.clone(), measured.clone()));
         self.next_pass += 1;
         (self.notes, self.alarm) = (Vec::new(), None);
         // after the last pass nothing is decided, but the next part is learnt for

@@ -27,6 +27,10 @@ pub enum Reason {
     Contaminated,
     /// The frame could not be read.
     Unreadable,
+    /// The frame is blurred otherwise than the masters were: out of focus, or the part moved.
+    Blurred,
+    /// The diameter contradicts what earlier turns or the pass before showed.
+    Implausible,
     /// Too few good columns in the station.
     TooFewColumns,
     /// No frame shows this station.
@@ -47,6 +51,8 @@ impl Reason {
             Self::Border => "border",
             Self::Contaminated => "contaminated",
             Self::Unreadable => "unreadable",
+            Self::Blurred => "blurred",
+            Self::Implausible => "implausible",
             Self::TooFewColumns => "too_few_columns",
             Self::NotScanned => "not_scanned",
         }

@@ -4,11 +4,12 @@
 use shadowgauge::cell::{CellError, SimulatedCell, TurningCell};
 use shadowgauge::closed_loop::{ClosedLoop, PassResult};
 use shadowgauge::control::{ControllerName, PartAndTool, PartEvent};
-use shadowgauge::frame::{Frame, FrameSource, SourceError};
+use shadowgauge::frame::{Buffer, Frame, FrameSource, SourceError};
 use shadowgauge::job::{Job, StockScan};
 use shadowgauge::nc::{Dialect, Path};
 use shadowgauge::plan::{Decision, PassPlan, ScanPlan};
 use shadowgauge::process::GuidewayPoint;
+use shadowgauge::profile::{Reading, Reason};
 use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::studies::parts::{self, Batch};
 
@@ -73,6 +74,8 @@ enum Fault {
     UsedBefore,
     /// The master that is read again is another pin: the gauge is off.
     MasterOff,
+    /// In the middle field both edges of a station stand two pixels farther out: a collar that was not commanded.
+    Collar,
 }
 
 struct Meddled<'a> {
@@ -139,6 +142,7 @@ impl FrameSource for MeddledFrames<'_> {
             Fault::BeforeCut => frame.meta.t_ns -= 1_000_000_000,
             // young enough for "before the cut" not to be what trips
             Fault::UsedBefore => frame.meta.frame_id %= 1 << 32,
+            Fault::Collar if (frame.meta.z_mm - 30.0).abs() < 1.0 => frame = with_collar(frame),
             _ => {}
         }
         Ok(Some(frame))
@@ -151,6 +155,20 @@ impl FrameSource for MeddledFrames<'_> {
     fn recycle(&mut self, frame: Frame) {
         self.source.recycle(frame);
     }
+}
+
+/// Columns 150 to 350 with their upper half two rows up and their lower half two rows down.
+fn with_collar(frame: Frame) -> Frame {
+    let (rows, columns) = (frame.view().rows(), frame.view().columns());
+    let (format, meta) = (frame.view().format(), frame.meta.clone());
+    let Buffer::U16(mut pixels) = frame.into_buffer() else { panic!("12 bit") };
+    let seen = pixels.clone();
+    for row in 2..rows - 2 {
+        let from = if row < rows / 2 { row + 2 } else { row - 2 };
+        let of = |row: usize| row * columns + 150..row * columns + 350;
+        pixels[of(row)].copy_from_slice(&seen[of(from)]);
+    }
+    Frame::new(Buffer::U16(pixels), format, rows, columns, meta).unwrap()
 }
 
 fn turn(job: &Job, fault: Fault) -> Vec<PassResult> {
@@ -193,6 +211,29 @@ fn a_sound_run_is_released_and_says_what_it_was_judged_by() {
     });
     let alarm = turn(&tight, Fault::None)[2].alarm.clone().unwrap_or_default();
     assert!(alarm.starts_with("finished part: "), "{alarm}");
+}
+
+/// A collar of 0.12 mm that nobody commanded: a gap with its reason, wherever the pass before was sound; where the limit is
+/// wider than the collar it is believed.
+#[test]
+fn a_station_that_did_not_change_as_commanded_is_a_gap() {
+    let implausible = |passes: &[PassResult], pass: usize| -> Vec<f64> {
+        let gaps = passes[pass].profile.stations.iter();
+        gaps.filter(|s| s.reading == Reading::Gap(Reason::Implausible)).map(|s| s.z_mm).collect()
+    };
+    let passes = turn(&job(|_| {}), Fault::Collar);
+    let found = implausible(&passes, 1);
+    assert!(!found.is_empty() && found.iter().all(|z| (z - 30.0).abs() < 6.0), "{found:?}");
+    assert!(implausible(&passes, 0).is_empty());
+    let note = passes[1].notes.iter().find(|n| n.starts_with("implausible after the last pass: "));
+    let note = note.unwrap_or_else(|| panic!("{:?}", passes[1].notes));
+    println!("{note}");
+    assert!(note.contains("z = ") && note.contains("limit 50.00 µm"));
+    let wide = turn(&job(|j| j.gauge.plausibility.pass_limit_mm = 0.5), Fault::Collar);
+    assert!(implausible(&wide, 1).is_empty());
+    let wrong = job(|j| j.gauge.plausibility.pass_limit_mm = 0.0);
+    let error = wrong.check().unwrap_err().to_string();
+    assert!(error.contains("plausibility.pass_limit_mm"), "{error}");
 }
 
 #[test]

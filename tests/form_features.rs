@@ -237,6 +237,8 @@ fn least_squares_line_is_the_principal_axis_and_beats_every_other_direction() {
     let fit = least_squares_line(&points).unwrap();
     // Σ(s²/1e4) over −100..=100 is 67.67; its mean .336667 is taken off.
     assert!(fit.line.deviation(origin).abs() < NM && fit.line.direction.perp_dot(along).abs() < 1e-9);
+    let proof = &fit.certificate;
+    assert!(proof.proven_within == f64::INFINITY && proof.gap < NM, "{proof:?}");
     let sum = |line: &Line| points.iter().map(|p| line.deviation(*p).powi(2)).sum::<f64>();
     for k in -1000..=1000 {
         let turned = Line { direction: DVec2::from_angle(0.4 + 1e-6 * f64::from(k)), ..fit.line };

@@ -1,6 +1,8 @@
 //! Streams, orientations, threads and disturbed light: the same edges however they are read, and the bound in every frame.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "gauge_stream/formats.rs"]
+mod formats;
 #[path = "support/gauge_synth.rs"]
 mod gauge_synth;
 #[path = "gauge_stream/hostile.rs"]

@@ -2,14 +2,18 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::process::Command;
 
 use glam::DVec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
-use shadowgauge::gauge::form::least_squares_circle;
+use shadowgauge::gauge::bench::{
+    Adjusted, BenchCalibration, Conditions, CovariancePart, LensModel, Validity,
+};
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};
+use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
 
 /// Share of a Gaussian-blurred disc's shadow at distance ρ from its centre, by lines across the disc.
 fn blurred_disc(rho: f64, radius: f64, sigma: f64) -> f64 {
@@ -300,184 +304,158 @@ fn frames_without_a_ring_are_refused_with_a_reason() {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
-// Real washers
+// Calibration
 
-fn washers() -> Option<PathBuf> {
-    let set = std::env::var_os("SHADOWGAUGE_WASHERS").map(PathBuf::from);
-    let folder = set.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/real/washers"));
-    folder.join("cmm.csv").exists().then_some(folder)
-}
-
-/// Diameters (outer, inner) of one part.
-type Pair = [f64; 2];
-
-struct Washer {
-    part: u32,
-    machine_mm: Pair,
-    machine_concentricity_mm: f64,
-    /// As a ball would feel it, since the machine does.
-    ours_px: Pair,
-    optical_px: Pair,
-    level_px: Pair,
-    measurement: RingMeasurement,
-}
-
-/// The peer: level crossing at 130 along 3600 bilinear rays, least-squares circle, twice over.
-fn level_crossing(image: &image::GrayImage, mut circle: (DVec2, f64), outside: bool) -> f64 {
-    let grey = |x: f64, y: f64| {
-        let (c, r) = (x.floor(), y.floor());
-        let (u, v) = (x - c, y - r);
-        let p = |dc: u32, dr: u32| f64::from(image.get_pixel(c as u32 + dc, r as u32 + dr)[0]);
-        (1.0 - v) * ((1.0 - u) * p(0, 0) + u * p(1, 0)) + v * ((1.0 - u) * p(0, 1) + u * p(1, 1))
+/// A lens that distorts as `LensModel` says: the drawn ring is warped by its inverse.
+#[test]
+fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
+    let lens = LensModel {
+        radial: 2e-3,
+        keystone_across: 8e-4,
+        keystone_along: -5e-4,
+        ..LensModel::perfect(SIZE.0, SIZE.1)
     };
-    for _ in 0..2 {
-        let side = if outside { 1.0 } else { -1.0 };
-        let points: Vec<DVec2> = (0..3600)
-            .filter_map(|k| {
-                let direction = DVec2::from_angle(TAU * f64::from(k) / 3600.0);
-                let at = |s: f64| circle.0 + direction * (circle.1 + side * s);
-                let level = |i: i32| grey(at(0.25 * f64::from(i)).x, at(0.25 * f64::from(i)).y) - 130.0;
-                let i = (-32..32).find(|i| level(*i) <= 0.0 && level(i + 1) > 0.0)?;
-                let share = level(i) / (level(i) - level(i + 1));
-                Some(at(0.25 * (f64::from(i) + share)))
-            })
-            .collect();
-        let fit = least_squares_circle(&points).unwrap().fit.circle;
-        circle = (fit.centre, fit.radius);
-    }
-    2.0 * circle.1
-}
-
-fn measure_all(folder: &Path) -> Vec<Washer> {
-    let mut reader = csv::Reader::from_path(folder.join("cmm.csv")).unwrap();
-    let header = reader.headers().unwrap().clone();
-    let column = |name: &str| header.iter().position(|h| h == name).unwrap();
-    let (part, outer, inner) = (column("part"), column("outer_diameter_mm"), column("inner_diameter_mm"));
-    let concentricity = column("concentricity_mm");
-    // The machine touches the parts with a tip of unknown size: the least of the common ones at which all four figures below
-    // hold, a ball of 4 mm, 115 px in radius. Balls of 1, 2, 3 and 4 mm leave on the outer diameter 5.00, 4.97, 4.96 and
-    // 4.95 µm (robust 2.52, 2.66, 2.58, 2.42), on the inner 10.05, 9.91, 9.82 and 9.78 µm (robust 10.96, 10.06, 9.67, 9.51).
-    let settings = RingSettings { stylus_radius_px: Some(115.0), ..RingSettings::default() };
-    reader
-        .records()
-        .map(|record| {
-            let record = record.unwrap();
-            let number = |k: usize| record[k].parse::<f64>().unwrap();
-            let id: u32 = record[part].parse().unwrap();
-            let image = image::open(folder.join(format!("{id:04}.png"))).unwrap().to_luma8();
-            let (columns, rows) = (image.width() as usize, image.height() as usize);
-            let buffer = Buffer::U8(image.as_raw().clone());
-            let frame = Frame::new(buffer, PixelFormat::Mono8, rows, columns, FrameMeta::default()).unwrap();
-            let measurement = measure_ring(&frame.view(), &settings).unwrap();
-            let bore = measurement.inner.clone().unwrap();
-            let circle = |centre: [f64; 2], d: f64| (DVec2::from(centre), 0.5 * d);
-            let found = &measurement.outer;
-            let level_px = [
-                level_crossing(&image, circle(found.centre_px, found.diameter_px), true),
-                level_crossing(&image, circle(bore.centre_px, bore.diameter_px), false),
-            ];
-            Washer {
-                part: id,
-                machine_mm: [number(outer), number(inner)],
-                machine_concentricity_mm: number(concentricity),
-                optical_px: [found.diameter_px, bore.diameter_px],
-                ours_px: [found.stylus_diameter_px.unwrap(), bore.stylus_diameter_px.unwrap()],
-                level_px,
-                measurement,
+    let (outer, inner) = (Table::new(RING.outer, RING.sigma), Table::new(RING.inner, RING.sigma));
+    // Every pixel shows the place that the lens takes it for, averaged over its area.
+    let parts = 6;
+    let sub = |i: i32| (f64::from(i) + 0.5) / f64::from(parts) - 0.5;
+    let mut counts = Vec::new();
+    for row in 0..SIZE.0 {
+        for column in 0..SIZE.1 {
+            let mut shadow = 0.0;
+            for (i, j) in (0..parts).flat_map(|i| (0..parts).map(move |j| (i, j))) {
+                let p = DVec2::from(lens.ideal_point([column as f64 + sub(i), row as f64 + sub(j)]))
+                    - RING.centre;
+                shadow += outer.at(p.length()) - inner.at((p - RING.bore_shift).length());
             }
-        })
-        .collect()
-}
-
-/// Least squares of D = s·(d ± 2o) over outer and inner of all parts but one: (s, s·2o).
-fn scale_and_offset<'a>(parts: impl Iterator<Item = (&'a Pair, &'a Pair)>) -> (f64, f64) {
-    let (mut dd, mut d1, mut n, mut dm, mut m1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (pixels, machine) in parts {
-        for (k, side) in [(0, 1.0), (1, -1.0)] {
-            dd += pixels[k] * pixels[k];
-            d1 += pixels[k] * side;
-            n += 1.0;
-            dm += pixels[k] * machine[k];
-            m1 += side * machine[k];
+            counts.push(200.0 - 186.0 * shadow / f64::from(parts * parts));
         }
     }
-    let determinant = dd * n - d1 * d1;
-    ((dm * n - m1 * d1) / determinant, (dd * m1 - d1 * dm) / determinant)
-}
-
-/// Residual machine − ours of each part, µm, scale and offset from the others.
-fn leave_one_out(parts: &[Washer], pixels: impl Fn(&Washer) -> &Pair) -> Vec<Pair> {
-    (0..parts.len())
-        .map(|left| {
-            let others = parts.iter().enumerate().filter(|(k, _)| *k != left);
-            let (scale, offset) = scale_and_offset(others.map(|(_, w)| (pixels(w), &w.machine_mm)));
-            let (w, p) = (&parts[left], pixels(&parts[left]));
-            [1e3 * (w.machine_mm[0] - scale * p[0] - offset), 1e3 * (w.machine_mm[1] - scale * p[1] + offset)]
-        })
-        .collect()
-}
-
-/// Standard deviation and robust standard deviation (1.4826 × median departure from the median).
-fn spreads(values: &[f64]) -> [f64; 2] {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let median = |mut v: Vec<f64>| {
-        v.sort_by(f64::total_cmp);
-        0.5 * (v[(v.len() - 1) / 2] + v[v.len() / 2])
+    let frame = expose(&counts, 0.0, SIZE, PixelFormat::F32, 1);
+    let mut found = measure_ring(&frame.view(), &RingSettings::default()).unwrap();
+    let seen = found.clone();
+    let certificate = MasterCertificate { diameter_mm: 1.0, expanded_u_mm: 1e-4, coverage_factor: 2.0 };
+    let figure = |width_px: f64| MasterFigure {
+        certificate: MasterCertificate { diameter_mm: 0.02 * width_px + 0.01, ..certificate },
+        width_px,
+        u_width_px: 0.0,
     };
-    let middle = median(values.to_vec());
-    [sd, 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect())]
+    let plain = Calibration::fit_figures(&[figure(160.0), figure(280.0)]).unwrap();
+    let mut matrix = [[0.0; 6]; 6];
+    matrix[0][0] = 1e-12;
+    let part = CovariancePart { source: "certificates".into(), matrix };
+    let mut distortion = [[0.0; 6]; 6];
+    distortion[2][2] = 1e-8;
+    let adjusted = Adjusted {
+        parameters: [0.02, 0.01, lens.radial, lens.keystone_across, lens.keystone_along, 0.0],
+        lens,
+        parts: vec![part, CovariancePart { source: "distortion".into(), matrix: distortion }],
+        birge_ratio: 1.0,
+        residuals: Vec::new(),
+    };
+    let validity = Validity { date: "2026-01-01".parse().unwrap(), valid_days: 365 };
+    let bench = BenchCalibration::new(&adjusted, SIZE, validity, RING.sigma);
+    let full = Calibration::of_bench(&adjusted, plain.masters.clone(), bench);
+    let warm = Conditions { temperature_c: 30.0, ..Conditions::default() };
+    found.calibrate(&full, &warm, 50.0).unwrap();
+    let (out, bore) = (found.outer.mm.unwrap(), found.inner.as_ref().unwrap().mm.unwrap());
+    let at_20 = warm.to_reference();
+    let wanted = [(0.04 * RING.outer + 0.01) * at_20, (0.04 * RING.inner - 0.01) * at_20];
+    let left = [0.04 * RING.outer + 0.01, 0.04 * RING.inner - 0.01];
+    let mut bare = seen;
+    bare.calibrate(&plain, &Conditions::default(), 50.0).unwrap();
+    let off = [
+        bare.outer.mm.unwrap().diameter_mm - left[0],
+        bare.inner.as_ref().unwrap().mm.unwrap().diameter_mm - left[1],
+    ];
+    let errors = [out.diameter_mm - wanted[0], bore.diameter_mm - wanted[1]].map(|e| 1e3 * e);
+    println!("errors {errors:?} um; with scale and offset alone {:?} um", off.map(|e| 1e3 * e));
+    assert!(errors.iter().all(|e| e.abs() < 0.03) && off[0].abs() > 3e-4);
+    // Roundness of a round part: what the lens adds is gone.
+    let before = 20.0 * bare.outer.roundness_px;
+    println!("roundness {:.3} um, as seen {before:.3} um", 1e3 * out.roundness_mm);
+    assert!(1e3 * out.roundness_mm < 0.2 * before);
+    let apart = 0.04 * RING.bore_shift.length() * at_20;
+    assert!((found.concentricity.unwrap().mm.unwrap() - apart).abs() < 3e-5);
+    // Scale 5e-5 relative; distortion 1e-4 of r^2/rho^2 at the outline.
+    let d = 2.0 * RING.outer;
+    let rho = 0.5 * (SIZE.0 as f64).hypot(SIZE.1 as f64);
+    let by_distortion = 0.02 * d * (RING.outer / rho).powi(2) * 1e-4;
+    let u = (d * 1e-6).hypot(by_distortion);
+    assert!((out.u_common_mm / u - 1.0).abs() < 0.1, "{} {u}", out.u_common_mm);
+    assert!(
+        (bare.outer.mm.unwrap().u_common_mm / plain.u_common_mm(bare.outer.diameter_px) - 1.0).abs() < 1e-6
+    );
 }
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Real washers
 
 #[test]
 fn washers_agree_with_the_coordinate_measuring_machine_no_worse_than_a_level_crossing() {
-    let Some(folder) = washers() else {
-        println!("SKIPPED: no washers; set SHADOWGAUGE_WASHERS to the folder with cmm.csv and the pictures");
+    let set = std::env::var_os("SHADOWGAUGE_WASHERS").map(PathBuf::from);
+    let Some(folder) = set.filter(|f| f.join("cmm.csv").is_file()) else {
+        eprintln!("SKIPPED: SHADOWGAUGE_WASHERS names no folder with cmm.csv; the washers are not tested");
         return;
     };
-    let parts = measure_all(&folder);
-    let (ours, level) = (leave_one_out(&parts, |w| &w.ours_px), leave_one_out(&parts, |w| &w.level_px));
-    let optical = leave_one_out(&parts, |w| &w.optical_px);
-    let (scale, offset) = scale_and_offset(parts.iter().map(|w| (&w.ours_px, &w.machine_mm)));
-    println!("scale {:.4} um/px, offset {:+.4} px an edge", 1e3 * scale, offset / scale / 2.0);
-    println!(
-        "part  outer: ours level | inner: ours level (um)  roundness um  concentricity ours machine  refused"
-    );
-    for (k, w) in parts.iter().enumerate() {
-        let (o, i) = (&w.measurement.outer, w.measurement.inner.as_ref().unwrap());
-        println!(
-            "{:4}  {:+6.1} {:+6.1} | {:+6.1} {:+6.1}   {:5.1} {:5.1}  {:5.1} {:5.1}  {} {}  blur {:.3} {:.3} light {:.0} {:.0} u {:.2} um",
-            w.part,
-            ours[k][0],
-            level[k][0],
-            ours[k][1],
-            level[k][1],
-            1e3 * scale * o.roundness_px,
-            1e3 * scale * i.roundness_px,
-            1e3 * scale * w.measurement.concentricity.unwrap().px,
-            1e3 * w.machine_concentricity_mm,
-            o.refused,
-            i.refused,
-            o.sigma_px,
-            i.sigma_px,
-            o.levels[1],
-            i.levels[1],
-            1e3 * scale * o.u_diameter_px
-        );
+    let out = tempfile::tempdir().unwrap();
+    let run = |extra: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+            .args(["study", "washers"])
+            .arg(&folder)
+            .args(extra)
+            .output()
+            .unwrap()
+    };
+    let done = run(&["--json", "--out", out.path().join("w").to_str().unwrap()]);
+    let json: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let study = &json["washers"];
+    let spread = |method: &serde_json::Value| {
+        let at = |key: &str, side: usize| method[key][side].as_f64().unwrap();
+        [at("sd_um", 0), at("robust_sd_um", 0), at("sd_um", 1), at("robust_sd_um", 1)]
+    };
+    let (ours, level) = (spread(&study["ours"]), spread(&study["level_crossing"]));
+    println!("outer sd, robust, inner sd, robust / um: ours {ours:.2?}, level crossing {level:.2?}");
+    println!("optical edge, burrs refused {:.2?}", spread(&study["optical"]));
+    for ball in study["balls"].as_array().unwrap() {
+        println!("{} {:.2?}", ball["name"], spread(ball));
     }
-    for (side, name) in ["outer", "inner"].iter().enumerate() {
-        let column = |v: &[Pair]| v.iter().map(|p| p[side]).collect::<Vec<f64>>();
-        let (a, b) = (spreads(&column(&ours)), spreads(&column(&level)));
-        println!(
-            "{name}: ours sd {:.2} robust {:.2}; level crossing sd {:.2} robust {:.2} um",
-            a[0], a[1], b[0], b[1]
-        );
-        let c = spreads(&column(&optical));
-        println!("{name}: ours without the stylus, burrs refused: sd {:.2} robust {:.2} um", c[0], c[1]);
-        for (w, r) in parts.iter().zip(column(&ours)).filter(|(_, r)| r.abs() > 3.0 * a[1]) {
-            println!("  outlier: part {} ({:04}.png), {name} {r:+.1} um", w.part, w.part);
-        }
-        assert!(a[0] <= b[0] && a[1] <= b[1], "{name}: ours {a:?}, level crossing {b:?}");
+    assert!(ours.iter().zip(&level).all(|(a, b)| a <= b));
+    assert_eq!((done.status.code(), json["misses"].as_array().map(Vec::len)), (Some(0), Some(0)));
+    let outliers = study["outliers"].as_array().unwrap();
+    assert!(!outliers.is_empty());
+    for outlier in outliers {
+        let name = outlier["name"].as_str().unwrap();
+        let side = ["outer", "inner"][outlier["side"].as_u64().unwrap() as usize];
+        println!("outlier {name} {side} {}", outlier["residual_um"]);
+        let svg = out.path().join("w").join(format!("{}_{side}.svg", name.trim_end_matches(".png")));
+        assert!(std::fs::read_to_string(svg).unwrap().contains("data:image/png"));
     }
+}
+
+#[test]
+fn the_washers_study_names_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = || {
+        let done = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
+            .args(["study", "washers"])
+            .arg(folder.path())
+            .output()
+            .unwrap();
+        (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned())
+    };
+    let (code, text) = run();
+    assert!(code == Some(3) && text.contains("cmm.csv"), "{text}");
+    std::fs::write(folder.path().join("cmm.csv"), "part,outer_diameter_mm\n1,20\n").unwrap();
+    let (code, text) = run();
+    assert!(code == Some(3) && text.contains("inner_diameter_mm"), "{text}");
+    std::fs::write(folder.path().join("cmm.csv"), "part,outer_diameter_mm,inner_diameter_mm\n1,20,x\n")
+        .unwrap();
+    let (code, text) = run();
+    assert!(code == Some(3) && text.contains("a number above 0"), "{text}");
+    std::fs::write(folder.path().join("cmm.csv"), "part,outer_diameter_mm,inner_diameter_mm\n1,20,10\n")
+        .unwrap();
+    image::GrayImage::new(64, 64).save(folder.path().join("0001.png")).unwrap();
+    let (code, text) = run();
+    assert!(code == Some(2) && text.contains("1 parts"), "{text}");
 }

@@ -7,13 +7,14 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::esf_argument::esf_model;
 use super::measure_judge::{Follower, JudgeArgs, turn_table};
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::frame::{Frame, FrameMeta, FrameView};
 use crate::gauge::bench::{Conditions, Date};
 use crate::gauge::budget::WidthReading;
-use crate::gauge::ring::{RingScale, RingSettings};
+use crate::gauge::ring::RingSettings;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper,
@@ -65,6 +66,10 @@ pub struct MeasureArgs {
     /// The part is lit before a dark ground.
     #[arg(long)]
     bright_on_dark: bool,
+    /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a file `d_um,intensity` (.csv) or the
+    /// optics of a config (.toml).
+    #[arg(long, value_name = "NAME|FILE", default_value = "gaussian")]
+    esf: String,
     /// Threads (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -108,8 +113,9 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
+    let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
     let gauge =
-        Gauge::new(GaugeSettings { polarity, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+        Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
     let mut paths = Vec::new();
     for input in &args.input {
         paths.extend(list_images(input).map_err(Failure::fail)?);
@@ -131,30 +137,23 @@ fn rings(
     conditions: &Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
-    if args.edges.is_some() || args.bench.is_some() || args.vertical {
-        return Err(Failure::refuse("--edges, --bench and --vertical belong to --shape shaft"));
+    if args.edges.is_some() || args.bench.is_some() || args.vertical || args.esf != "gaussian" {
+        return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
     if let Some(name) = args.judge.needs_scale() {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
-    let scale = calibration.map(|c| {
-        let at_20 = conditions.to_reference();
-        let [scale_variance, _, offset_variance] = c.covariance;
-        // The calibration's offset is that of both edges together, in mm.
-        let per_edge = |offset_mm: f64| 0.5 * offset_mm / c.scale_mm_per_px;
-        RingScale {
-            um_per_px: 1e3 * at_20 * c.scale_mm_per_px,
-            u_um_per_px: 1e3 * scale_variance.sqrt(),
-            edge_offset_px: per_edge(c.offset_mm),
-            u_edge_offset_px: per_edge(offset_variance.sqrt()),
-        }
-    });
-    let settings = RingSettings { bright_on_dark: args.bright_on_dark, scale, ..RingSettings::default() };
+    let settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
     let mut source = FileFrames::new(paths);
     let (mut frames, mut first_error) = (Vec::new(), None);
     while let Some(read) = source.next_stored() {
-        match read {
-            Ok(stored) => frames.push((stored.stem, stored.frame)),
+        let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
+            let frame =
+                prepared(stored.frame, calibration).map_err(|e| format!("frame {}: {e}", stored.stem))?;
+            Ok((stored.stem, frame))
+        });
+        match frame {
+            Ok(frame) => frames.push(frame),
             Err(error) => {
                 tracing::warn!("{error}");
                 first_error.get_or_insert(error);
@@ -163,7 +162,7 @@ fn rings(
     }
     match first_error {
         Some(error) if frames.is_empty() => Err(Failure::fail(error)),
-        _ => measure_ring::run(frames, &settings, args.json),
+        _ => measure_ring::run(frames, &settings, calibration.map(|c| (c, conditions)), args.json),
     }
 }
 

@@ -8,11 +8,15 @@ use crate::gauge::bench::Conditions;
 use crate::gauge::budget::{Budget, WidthReading};
 use crate::gauge::form::Cutoff;
 use crate::gauge::judgement::{Judge, Judgement, Limits};
+use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
 use crate::gauge::tolerance::parse_tolerance;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
-use crate::profile::{Diameter, Reading};
+use crate::profile::{Diameter, Reading, Reason};
+
+/// Stretches along z that are compared from turn to turn where no stations are given, mm.
+const TURN_STRETCH_MM: f64 = 1.0;
 
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
@@ -41,6 +45,13 @@ pub struct JudgeArgs {
     /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
     #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
     angle_step: Option<f64>,
+    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more than noise explains) is a gap
+    /// with the flag `implausible`.
+    #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
+    turn_limit_um: f64,
+    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of focus, moving), with a warning.
+    #[arg(long)]
+    accept_blur: bool,
     /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
     #[arg(long, value_name = "UPR", default_value_t = 50.0, value_parser = length)]
     cutoff_upr: f64,
@@ -100,6 +111,8 @@ pub struct Follower<'a> {
     statistics: RunningStatistics,
     worst: Judgement,
     turn: Vec<(FrameMeta, ColumnDiameters)>,
+    history: TurnHistory,
+    jumps: Vec<Jump>,
     frames: usize,
 }
 
@@ -125,6 +138,11 @@ impl<'a> Follower<'a> {
             .transpose()
             .map_err(Failure::refuse)?;
         Cutoff::upr(args.cutoff_upr).map_err(Failure::refuse)?;
+        let plausibility = PlausibilitySettings {
+            turn_limit_mm: 1e-3 * args.turn_limit_um,
+            ..PlausibilitySettings::default()
+        };
+        plausibility.validate().map_err(Failure::refuse)?;
         Ok(Self {
             args,
             calibration,
@@ -134,6 +152,8 @@ impl<'a> Follower<'a> {
             statistics: RunningStatistics::default(),
             worst: Judgement::GO,
             turn: Vec::new(),
+            history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
+            jumps: Vec::new(),
             frames: 0,
         })
     }
@@ -143,13 +163,17 @@ impl<'a> Follower<'a> {
         let index = self.frames;
         self.frames += 1;
         let Some(edges) = edges else { return };
-        if let Some(Err(error)) =
-            self.calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions))
-        {
-            tracing::warn!("frame {}: {error}", meta.frame_id);
-            out.insert("warnings".to_owned(), json!([error.to_string()]));
+        let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
+        let mut meta = meta.clone();
+        if let Some(step) = self.args.angle_step {
+            meta.angle_deg = step * index as f64;
         }
-        let diameters = self.calibration.diameters_under(edges, &self.conditions);
+        if self.blurred(&meta, edges, out) {
+            return;
+        }
+        if self.args.turn {
+            self.compare_with_turns(&meta, &mut diameters, out);
+        }
         let mean = diameters.mean(0..diameters.readings.len());
         if let Some(d) = mean.value() {
             put(out, "mean_diameter_mm", d.d_mm);
@@ -166,14 +190,58 @@ impl<'a> Follower<'a> {
             put(out, "average_mm", d.d_mm);
             put(out, "u_average_mm", d.u_mm());
         }
-        self.judge_frame(meta, &diameters, averaged, out);
+        self.judge_frame(&meta, &diameters, averaged, out);
         if self.args.turn {
-            let mut meta = meta.clone();
-            if let Some(step) = self.args.angle_step {
-                meta.angle_deg = step * index as f64;
-            }
             self.turn.push((meta, diameters));
         }
+    }
+
+    /// Whether a frame is refused, since its blur is not the masters': then it has no diameter, and every column is a gap.
+    fn blurred(&mut self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) -> bool {
+        let bench = self.calibration.bench.as_ref();
+        let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) else {
+            return false;
+        };
+        tracing::warn!("frame {}: {error}", meta.frame_id);
+        out.insert("warnings".to_owned(), json!([error.to_string()]));
+        if self.args.accept_blur {
+            return false;
+        }
+        for key in ["max_diameter_mm", "u_max_mm"] {
+            out.insert(key.to_owned(), Value::Null);
+        }
+        out.insert("valid".to_owned(), json!(0));
+        out.insert("flags".to_owned(), json!({ Reason::Blurred.as_str(): edges.columns() }));
+        if self.judge.is_some() {
+            // What was not measured is not proven good.
+            out.insert("judgement".to_owned(), Value::Null);
+            self.worst = worse(self.worst, Judgement::HI);
+        }
+        true
+    }
+
+    /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
+    fn compare_with_turns(
+        &mut self,
+        meta: &FrameMeta,
+        diameters: &mut ColumnDiameters,
+        out: &mut Map<String, Value>,
+    ) {
+        let valid = |d: &ColumnDiameters| d.readings.iter().filter(|r| r.value().is_some()).count();
+        let before = valid(diameters);
+        let jumps = self.history.check(meta, diameters);
+        if jumps.is_empty() {
+            return;
+        }
+        jumps.iter().for_each(|j| tracing::warn!("frame {}: {j}", meta.frame_id));
+        let refused = before - valid(diameters);
+        if let Some(flags) = out.get_mut("flags").and_then(Value::as_object_mut) {
+            flags.insert(Reason::Implausible.as_str().to_owned(), json!(refused));
+        }
+        if let Some(count) = out.get("valid").and_then(Value::as_u64) {
+            out.insert("valid".to_owned(), json!(count.saturating_sub(refused as u64)));
+        }
+        self.jumps.extend(jumps);
     }
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
@@ -240,7 +308,9 @@ impl<'a> Follower<'a> {
             out.insert("statistics".to_owned(), self.statistics_json());
         }
         if self.args.turn {
-            out.insert("turn".to_owned(), turn_json(&self.part_form()?));
+            let mut turn = turn_json(&self.part_form()?);
+            turn["implausible"] = json!(self.jumps);
+            out.insert("turn".to_owned(), turn);
         }
         Ok(())
     }

@@ -3,24 +3,33 @@
 use serde_json::json;
 
 use crate::frame::Frame;
+use crate::gauge::Calibration;
+use crate::gauge::bench::Conditions;
 use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
 
 use super::{CommandResult, Failure, Outcome};
 
 /// Measures a ring in each named frame and prints one JSON document (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or a
-/// line each; a frame that shows no ring carries its `error` and does not stop the others.
+/// line each, in mm too with a calibration; a frame that shows no ring carries its `error` and does not stop the others.
 ///
 /// # Errors
 /// Settings out of range (exit 2); no frame that could be measured (exit 3).
 pub fn run(
     frames: impl IntoIterator<Item = (String, Frame)>,
     settings: &RingSettings,
+    calibration: Option<(&Calibration, &Conditions)>,
     as_json: bool,
 ) -> CommandResult {
     settings.validate().map_err(Failure::refuse)?;
     let (mut rows, mut measured, mut last_error) = (Vec::new(), 0, None);
     for (name, frame) in frames {
-        let mut row = match measure_ring(&frame.view(), settings) {
+        let ring = measure_ring(&frame.view(), settings).and_then(|mut ring| {
+            if let Some((calibration, conditions)) = calibration {
+                ring.calibrate(calibration, conditions, settings.roundness_cutoff_upr)?;
+            }
+            Ok(ring)
+        });
+        let mut row = match ring {
             Ok(ring) => {
                 measured += 1;
                 if !as_json {

@@ -6,6 +6,7 @@
 mod calibrate;
 mod demo;
 mod doctor;
+mod esf_argument;
 mod frame_files;
 mod gallery_cases;
 mod label_font;
@@ -33,6 +34,7 @@ mod study_files;
 mod study_parts;
 mod study_stability;
 mod study_uncertainty;
+mod study_washers;
 
 use std::io::IsTerminal as _;
 use std::process::ExitCode;

@@ -11,6 +11,7 @@ use super::study_factor::{self, StudyFactorArgs};
 use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
 use super::study_uncertainty::{self, StudyUncertaintyArgs};
+use super::study_washers::{self, StudyWashersArgs};
 
 /// The studies.
 #[derive(Debug, Subcommand)]
@@ -31,6 +32,8 @@ pub enum Study {
     Coverage(StudyCoverageArgs),
     /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
     Uncertainty(StudyUncertaintyArgs),
+    /// Rings of known size, leave-one-out, beside a level crossing.
+    Washers(StudyWashersArgs),
 }
 
 /// Runs a study.
@@ -46,6 +49,7 @@ pub fn run(study: &Study) -> CommandResult {
         Study::Stability(args) => study_stability::run(args),
         Study::Coverage(args) => study_coverage::run(args),
         Study::Uncertainty(args) => study_uncertainty::run(args),
+        Study::Washers(args) => study_washers::run(args),
         Study::Factor(args) => study_factor::run(args),
     }
 }

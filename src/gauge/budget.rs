@@ -322,7 +322,8 @@ fn scatter_about_line(values: &[f64]) -> f64 {
     rest / (n - 2.0)
 }
 
-fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
+/// The row of one source of the calibration, by the diameter's derivatives.
+pub(super) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
     let limits = ["temperature", "expansion", "distortion", "telecentricity"];
     let rectangular = limits.iter().any(|word| part.source.starts_with(word));
     Contribution {
@@ -363,7 +364,13 @@ fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px
     budget.push(row("scale and edge offset", "calibration".to_owned(), together));
 }
 
-fn add_conditions(budget: &mut Budget, calibration: &Calibration, conditions: &Conditions, at_t: f64) {
+/// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
+pub(super) fn add_conditions(
+    budget: &mut Budget,
+    calibration: &Calibration,
+    conditions: &Conditions,
+    at_t: f64,
+) {
     let (t, u_t) = calibration
         .bench
         .as_ref()

@@ -24,6 +24,7 @@ pub mod monte_carlo;
 mod noise;
 pub mod photon_transfer;
 mod pixels;
+pub mod plausibility;
 pub mod ring;
 mod score;
 pub mod size;

@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::plausibility::PlausibilitySettings;
+
 /// Settings of the gauge. Blur, levels and noise are estimated from each frame unless given here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -36,6 +38,8 @@ pub struct GaugeSettings {
     pub noise: Noise,
     /// What a station needs to be given a diameter.
     pub station: StationSettings,
+    /// What a station may depart from earlier turns and passes.
+    pub plausibility: PlausibilitySettings,
 }
 
 impl Default for GaugeSettings {
@@ -54,6 +58,7 @@ impl Default for GaugeSettings {
             blur: Blur::default(),
             noise: Noise::default(),
             station: StationSettings::default(),
+            plausibility: PlausibilitySettings::default(),
         }
     }
 }
@@ -222,6 +227,7 @@ impl GaugeSettings {
             within("blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
         }
         self.esf.validate()?;
+        self.plausibility.validate()?;
         self.noise.validate()
     }
 }
@@ -305,7 +311,7 @@ impl Noise {
     }
 }
 
-fn within(
+pub(super) fn within(
     key: &'static str,
     value: f64,
     low: f64,

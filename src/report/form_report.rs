@@ -86,6 +86,9 @@ pub fn form_section(
     Ok(())
 }
 
+/// Where the rings of a polar plot are labelled, degrees.
+const LABEL_RAY_DEG: f64 = 67.5;
+
 /// A polar plot of a closed profile: deviations from the mean magnified, rings a round number of µm apart.
 fn polar_plot(profile_mm: &[f64]) -> String {
     let (size, base, band) = (420.0, 110.0, 70.0);
@@ -99,15 +102,13 @@ fn polar_plot(profile_mm: &[f64]) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {size} {size}\" width=\"{size}\" height=\"{size}\" font-family=\"sans-serif\" font-size=\"12\">"
     );
-    for k in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+    let rings = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    for k in rings {
         let dash = if k == 0.0 { "" } else { " stroke-dasharray=\"3 3\"" };
         let radius = base + band * k;
         let _ = write!(
             svg,
-            "<circle cx=\"{middle}\" cy=\"{middle}\" r=\"{radius}\" fill=\"none\" stroke=\"#bbb\"{dash}/><text x=\"{:.1}\" y=\"{:.1}\" fill=\"#777\">{:+} µm</text>",
-            middle + 3.0,
-            middle - radius - 2.0,
-            k * ring
+            "<circle cx=\"{middle}\" cy=\"{middle}\" r=\"{radius}\" fill=\"none\" stroke=\"#bbb\"{dash}/>"
         );
     }
     for degree in (0..360).step_by(45) {
@@ -128,9 +129,18 @@ fn polar_plot(profile_mm: &[f64]) -> String {
         let r = base + band * d / ring;
         let _ = write!(points, "{:.2},{:.2} ", middle + r * c, middle - r * s);
     }
-    let _ = write!(
-        svg,
-        "<polygon points=\"{points}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\"/></svg>"
-    );
-    svg
+    let _ = write!(svg, "<polygon points=\"{points}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\"/>");
+    // Above the curve, with a white edge, on a ray between two of the angles.
+    let (s, c) = LABEL_RAY_DEG.to_radians().sin_cos();
+    for k in rings {
+        let text = if k == 0.0 { "0".to_owned() } else { format!("{:+}", k * ring) };
+        let radius = base + band * k;
+        let _ = write!(
+            svg,
+            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#444\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\">{text} µm</text>",
+            middle + radius * c,
+            middle - radius * s + 4.0
+        );
+    }
+    svg + "</svg>"
 }

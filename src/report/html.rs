@@ -12,8 +12,11 @@ pub struct Page {
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:900px;margin:2em auto;padding:0 1em;color:#222}\
 h1{font-size:1.5em;margin-bottom:.2em}h2{font-size:1.15em;margin:1.8em 0 .4em;border-bottom:1px solid #ddd}\
 table{border-collapse:collapse;margin:.6em 0}th,td{padding:.25em .8em;text-align:right;border-bottom:1px solid #e4e4e4}\
-th{font-weight:600;background:#f6f6f6}td:first-child,th:first-child{text-align:left}figure{margin:1em 0}\
+th{font-weight:600;background:#f6f6f6}td:first-child,th:first-child,td.s{text-align:left}td.s{font-size:.92em}figure{margin:1em 0}\
 figcaption,.note{color:#555;font-size:.92em}svg,img{max-width:100%;height:auto}.good{color:#00724f}.bad{color:#b33c00}code{background:#f3f3f3}";
+
+/// Cells of more letters hold a sentence, which is set from the left.
+const SENTENCE: usize = 32;
 
 impl Page {
     /// An empty page.
@@ -45,7 +48,8 @@ impl Page {
         for row in rows {
             self.body.push_str("<tr>");
             for cell in row {
-                let _ = write!(self.body, "<td>{}</td>", escape(cell));
+                let class = if cell.chars().count() > SENTENCE { " class=\"s\"" } else { "" };
+                let _ = write!(self.body, "<td{class}>{}</td>", escape(cell));
             }
             self.body.push_str("</tr>\n");
         }

@@ -6,9 +6,11 @@ pub mod html;
 pub mod plot;
 mod run_report;
 mod sample;
+mod washers_report;
 
 pub use calibration_report::calibration_report;
 pub use run_report::{ReportError, RunPage, RunView, run_report};
+pub use washers_report::washers_page;
 
 use crate::gauge::budget::Budget;
 

@@ -18,6 +18,15 @@ pub const PALETTE: [RGBColor; 7] = [
 
 const WIDTH: u32 = 860;
 const HEIGHT: u32 = 380;
+/// Height of a line of the legend, px.
+const LEGEND_LINE: u32 = 20;
+/// Left end of the legend, where the y axis stands, px.
+const LEGEND_LEFT: i32 = 78;
+/// Room of a mark and the gap behind a name, px.
+const LEGEND_MARK: i32 = 26;
+const LEGEND_GAP: i32 = 18;
+/// Width of a letter, about, px.
+const LETTER: f64 = 7.0;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +61,44 @@ impl Series {
     pub fn new(name: impl Into<String>, mark: Mark, colour: usize, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), points, mark, colour }
     }
+
+    /// Its colour, and the style of its line.
+    fn style(&self) -> (RGBColor, ShapeStyle) {
+        let colour = PALETTE[self.colour % PALETTE.len()];
+        let style = match self.mark {
+            Mark::Faint => colour.mix(0.35).stroke_width(1),
+            Mark::Dashed => colour.stroke_width(1),
+            _ => colour.stroke_width(2),
+        };
+        (colour, style)
+    }
+}
+
+/// A name in the legend.
+struct LegendEntry<'a> {
+    series: &'a Series,
+    x: i32,
+    line: u32,
+}
+
+impl LegendEntry<'_> {
+    fn draw(&self, area: &Area<'_>) -> Result<(), String> {
+        let (colour, style) = self.series.style();
+        let y = (LEGEND_LINE * self.line) as i32 + 8;
+        let ends = |from: i32, to: i32| PathElement::new([(self.x + from, y), (self.x + to, y)], style);
+        let lines = match self.series.mark {
+            Mark::Dots => Vec::new(),
+            Mark::Dashed => vec![ends(0, 5), ends(8, 13), ends(16, 20)],
+            _ => vec![ends(0, 20)],
+        };
+        lines.iter().try_for_each(|line| area.draw(line)).map_err(|e| e.to_string())?;
+        if matches!(self.series.mark, Mark::Dots | Mark::LineDots) {
+            area.draw(&Circle::new((self.x + 10, y), 3, colour.filled())).map_err(|e| e.to_string())?;
+        }
+        let font = ("sans-serif", 13).into_font().color(&BLACK.mix(0.85));
+        let name = Text::new(self.series.name.clone(), (self.x + LEGEND_MARK, y - 6), font);
+        area.draw(&name).map_err(|e| e.to_string())
+    }
 }
 
 /// A chart over linear x and linear or logarithmic y.
@@ -82,12 +129,32 @@ impl Chart {
     /// Where the drawing fails, as text.
     pub fn to_svg(&self) -> Result<String, String> {
         let mut svg = String::new();
+        let legend = self.legend();
+        let lines = legend.last().map_or(0, |entry| entry.line + 1);
         {
-            let root = SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT)).into_drawing_area();
-            let drawn = if self.log_y { self.draw_log(&root) } else { self.draw_linear(&root) };
-            drawn.and_then(|()| root.present().map_err(|e| e.to_string()))?;
+            let height = HEIGHT + LEGEND_LINE * lines;
+            let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
+            let (plot, below) = root.split_vertically(HEIGHT);
+            if self.log_y { self.draw_log(&plot) } else { self.draw_linear(&plot) }?;
+            legend.iter().try_for_each(|entry| entry.draw(&below))?;
+            root.present().map_err(|e| e.to_string())?;
         }
         Ok(svg)
+    }
+
+    /// Names below the axes, where no curve runs, from left to right in as many lines as they need.
+    fn legend(&self) -> Vec<LegendEntry<'_>> {
+        let (mut x, mut line) = (LEGEND_LEFT, 0);
+        let mut entries = Vec::new();
+        for series in self.series.iter().filter(|s| !s.name.is_empty()) {
+            let width = LEGEND_MARK + (LETTER * series.name.chars().count() as f64) as i32;
+            if x > LEGEND_LEFT && x + width > WIDTH as i32 - 12 {
+                (x, line) = (LEGEND_LEFT, line + 1);
+            }
+            entries.push(LegendEntry { series, x, line });
+            x += width + LEGEND_GAP;
+        }
+        entries
     }
 
     fn draw_linear(&self, root: &Area<'_>) -> Result<(), String> {
@@ -145,16 +212,6 @@ impl Chart {
         for series in &self.series {
             self.draw_one(chart, series)?;
         }
-        if self.series.iter().any(|s| !s.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.2))
-                .label_font(("sans-serif", 13))
-                .position(SeriesLabelPosition::UpperRight)
-                .draw()
-                .map_err(|e| e.to_string())?;
-        }
         Ok(())
     }
 
@@ -162,14 +219,8 @@ impl Chart {
     where
         Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
     {
-        let colour = PALETTE[series.colour % PALETTE.len()];
-        let style = match series.mark {
-            Mark::Faint => colour.mix(0.35).stroke_width(1),
-            Mark::Dashed => colour.stroke_width(1),
-            _ => colour.stroke_width(2),
-        };
+        let (colour, style) = series.style();
         let usable = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
-        let mut legend = (!series.name.is_empty()).then_some(series.name.as_str());
         if series.mark != Mark::Dots {
             for run in series.points.split(|p| !usable(p)).filter(|run| !run.is_empty()) {
                 let points = run.iter().copied();
@@ -178,22 +229,14 @@ impl Chart {
                 } else {
                     chart.draw_series(LineSeries::new(points, style))
                 };
-                let annotation = drawn.map_err(|e| e.to_string())?;
-                if let Some(name) = legend.take() {
-                    annotation
-                        .label(name)
-                        .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-                }
+                drawn.map_err(|e| e.to_string())?;
             }
         }
         if matches!(series.mark, Mark::Dots | Mark::LineDots) {
             let radius = if series.points.len() > 150 { 1 } else { 3 };
             let dots =
                 series.points.iter().filter(|p| usable(p)).map(|&p| Circle::new(p, radius, colour.filled()));
-            let annotation = chart.draw_series(dots).map_err(|e| e.to_string())?;
-            if let Some(name) = legend.take() {
-                annotation.label(name).legend(move |(x, y)| Circle::new((x + 9, y), 3, colour.filled()));
-            }
+            chart.draw_series(dots).map_err(|e| e.to_string())?;
         }
         Ok(())
     }
@@ -209,7 +252,8 @@ impl Chart {
         let ys = points().map(|p| p.1).filter(|&y| !log || y > 0.0);
         let (y0, y1) = extent(ys.chain(self.band.into_iter().flat_map(|(a, b)| [a, b])));
         if log {
-            return (x0..x1, y0 / 1.6..y1 * 1.6);
+            // Whole decades, or there might be none to label.
+            return (x0..x1, 10f64.powf((y0 / 1.2).log10().floor())..10f64.powf((1.2 * y1).log10().ceil()));
         }
         let pad = 0.06 * (y1 - y0);
         (x0..x1, y0 - pad..y1 + pad)
@@ -232,7 +276,11 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// A number with as many digits as a reader needs.
 fn tidy(value: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+    if size < 1e-12 {
+        // What rounding leaves of a zero.
+        return "0".to_owned();
+    }
+    if !(1e-3..1e5).contains(&size) {
         return format!("{value:.0e}");
     }
     let text = format!("{value:.4}");
@@ -260,7 +308,31 @@ mod tests {
     }
 
     #[test]
+    fn names_stand_below_the_axes_in_as_many_lines_as_they_need() {
+        let series = |k: usize| {
+            let name = format!("a name of series number {k}");
+            Series::new(name, Mark::Line, k, vec![(0.0, 0.0), (1.0, 1.0)])
+        };
+        let chart = Chart { series: (0..6).map(series).collect(), ..Chart::default() };
+        let legend = chart.legend();
+        assert_eq!(legend.last().unwrap().line, 1);
+        let right = |e: &LegendEntry<'_>| e.x + LEGEND_MARK + (LETTER * e.series.name.len() as f64) as i32;
+        assert!(legend.iter().all(|e| right(e) < WIDTH as i32));
+        for pair in legend.windows(2).filter(|w| w[0].line == w[1].line) {
+            assert!(right(&pair[0]) < pair[1].x);
+        }
+        let svg = chart.to_svg().unwrap();
+        assert!(svg.contains(&format!("height=\"{}\"", HEIGHT + 2 * LEGEND_LINE)));
+        let bare =
+            Chart { series: vec![Series::new("", Mark::Line, 0, vec![(0.0, 0.0), (1.0, 1.0)])], ..chart };
+        assert!(bare.to_svg().unwrap().contains(&format!("height=\"{HEIGHT}\"")));
+    }
+
+    #[test]
     fn tidy_numbers() {
-        assert_eq!(["0", "0.5", "-2", "1e-5"], [0.0, 0.5, -2.0, 1e-5].map(tidy).map(|s| s.leak() as &str));
+        assert_eq!(
+            ["0", "0.5", "-2", "1e-5", "0"],
+            [0.0, 0.5, -2.0, 1e-5, -6e-17].map(tidy).map(|s| s.leak() as &str)
+        );
     }
 }

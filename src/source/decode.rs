@@ -5,7 +5,7 @@
 
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
 use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
 
@@ -91,7 +91,13 @@ fn decode_other(bytes: &[u8], format: ImageFormat) -> Result<(Buffer, u32, u32),
     let mut limits = Limits::default();
     limits.max_alloc = Some(16 * MOST_PIXELS);
     limited.limits(limits);
-    match limited.decode().map_err(damaged)? {
+    let decoder = limited.into_decoder().map_err(damaged)?;
+    // Before its pixels are unpacked: a colour image takes three to eight times the room of a grey one.
+    let colour = decoder.color_type();
+    if !matches!(colour, ColorType::L8 | ColorType::L16) {
+        return Err(DecodeError::NotGrey(format!("{colour:?}")));
+    }
+    match DynamicImage::from_decoder(decoder).map_err(damaged)? {
         DynamicImage::ImageLuma8(image) => Ok((Buffer::U8(image.into_raw()), columns, rows)),
         DynamicImage::ImageLuma16(image) => Ok((Buffer::U16(image.into_raw()), columns, rows)),
         other => Err(DecodeError::NotGrey(format!("{:?}", other.color()))),

@@ -14,3 +14,4 @@ pub mod reproduce_003;
 pub mod reproduction;
 pub mod stability;
 pub mod uncertainty;
+pub mod washers;

@@ -10,7 +10,7 @@ use shadowgauge::shaft::{Lobe, Shaft};
 use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedBench};
 
 /// A small bench; every test changes what it needs.
-const PLAN: &str = r#"
+pub const PLAN: &str = r#"
 optics_id = "small bench"
 date = "2026-11-22"
 valid_days = 365
@@ -43,19 +43,19 @@ rows = 512
 columns = 320
 "#;
 
-fn shadowgauge(arguments: &[&str]) -> Output {
+pub fn shadowgauge(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn path(folder: &Path, name: &str) -> String {
+pub fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_string_lossy().into_owned()
 }
 
-fn calibrate(folder: &Path, plan: &str) -> Output {
+pub fn calibrate(folder: &Path, plan: &str) -> Output {
     let config = path(folder, "plan.toml");
     std::fs::write(&config, plan).unwrap();
     shadowgauge(&[
@@ -69,7 +69,7 @@ fn calibrate(folder: &Path, plan: &str) -> Output {
     ])
 }
 
-fn save(frame: &Frame, to: &Path) {
+pub fn save(frame: &Frame, to: &Path) {
     std::fs::create_dir_all(to.parent().unwrap()).unwrap();
     let view = frame.view();
     let Pixels::U16(pixels) = view.pixels() else { panic!("12-bit frames") };
@@ -82,13 +82,13 @@ fn save(frame: &Frame, to: &Path) {
 }
 
 /// The true bench behind [`PLAN`], and its renderer.
-fn true_bench(plan: &str) -> OpticalBench {
+pub fn true_bench(plan: &str) -> OpticalBench {
     let plan: CalibrationPlan = toml::from_str(plan).unwrap();
     let simulate = plan.simulate.unwrap();
     OpticalBench::resolve(&simulate.bench(), simulate.seed).unwrap()
 }
 
-fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
+pub fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
     Laid {
         shaft: Shaft { lobes, ..Shaft::cylinder(diameter_mm) },
         temperature_c: 20.0,
@@ -110,7 +110,7 @@ fn part(folder: &Path, frames: usize) -> String {
     path(folder, "part")
 }
 
-fn json(output: &Output) -> Value {
+pub fn json(output: &Output) -> Value {
     assert!(output.status.code().is_some_and(|c| c < 2), "{}", text(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }

@@ -5,3 +5,4 @@ mod bench;
 mod cli;
 mod coverage;
 mod jcgm_101;
+mod trust;

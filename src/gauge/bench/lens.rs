@@ -106,6 +106,16 @@ impl LensModel {
         v * (1.0 + self.radial * r2) + (self.keystone_across * v + self.keystone_along * u) * v / rho
     }
 
+    /// A point (column, row) of the image as a perfect lens would have shown it, px: f across the shaft and the same along it,
+    /// f(v, u) with q and g in each other's place, which is what a camera that is not square to the object does to first order. A
+    /// decentred lens differs along the shaft by up to |q| + |g|.
+    pub fn ideal_point(&self, point_px: [f64; 2]) -> [f64; 2] {
+        let (u, v) = (point_px[0] - self.centre_column_px, point_px[1] - self.centre_row_px);
+        let turned =
+            Self { keystone_across: self.keystone_along, keystone_along: self.keystone_across, ..*self };
+        [self.centre_column_px + turned.ideal(v, u), self.centre_row_px + self.ideal(u, v)]
+    }
+
     /// A row of the image as a perfect lens would have shown it, px.
     pub fn ideal_row(&self, column_px: f64, row_px: f64) -> f64 {
         self.centre_row_px + self.ideal(column_px - self.centre_column_px, row_px - self.centre_row_px)

@@ -36,8 +36,9 @@ pub(super) struct Caliper {
     pub(super) reduced_chi2: f64,
     /// Whether it can be trusted.
     pub(super) good: bool,
-    /// Whether there is a shift at all: what is refused as a burr still has one.
-    pub(super) fitted: bool,
+    /// Where the grey values of a caliper that is refused cross the middle of the levels, px towards the light: the outline
+    /// of a burr, which no model of one edge fits. `None` where they do not, and for a good caliper.
+    pub(super) crossing: Option<f64>,
 }
 
 /// A fitted edge.
@@ -237,6 +238,29 @@ impl State {
     }
 }
 
+/// Width of the steps in which a refused caliper is read, px.
+const CROSSING_STEP: f64 = 0.5;
+
+impl State {
+    /// First crossing of the middle between the levels, from the shadow outwards, of the mean grey values over the distance.
+    fn crossing(&self, pixels: &[EdgePixel]) -> Option<f64> {
+        let reach = pixels.iter().map(|p| p.distance.abs()).fold(0.0, f64::max);
+        let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / CROSSING_STEP) as usize + 1];
+        for pixel in pixels {
+            let p = &self.pooled;
+            let middle =
+                p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.cos + (p[2] + 0.5 * p[5]) * pixel.sin;
+            let bin = &mut bins[((pixel.distance + reach) / CROSSING_STEP) as usize];
+            *bin = (bin.0 + pixel.distance, bin.1 + pixel.value - middle, bin.2 + 1.0);
+        }
+        let profile: Vec<(f64, f64)> =
+            bins.iter().filter(|b| b.2 > 0.0).map(|b| (b.0 / b.2, b.1 / b.2)).collect();
+        let pair = profile.windows(2).find(|w| w[0].1 <= 0.0 && w[1].1 > 0.0)?;
+        let [(from, below), (to, above)] = [pair[0], pair[1]];
+        Some(from + (to - from) * below / (below - above))
+    }
+}
+
 /// Each shift less the median of its neighbourhood of a fortieth of the circle.
 fn departures(shifts: &[f64]) -> Vec<f64> {
     let n = shifts.len();
@@ -286,15 +310,15 @@ fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
     let calipers = sums
         .iter()
         .zip(state.shifts.iter().zip(&state.good))
-        .zip(&state.steps)
-        .map(|((s, (shift, good)), step)| {
+        .zip(&band.sectors)
+        .map(|((s, (shift, good)), pixels)| {
             let pooled = s.cross / s.own.max(f64::MIN_POSITIVE);
             Caliper {
                 shift: *shift,
                 u_shift: (s.own.recip() + pooled.dot(&(covariance * pooled))).sqrt(),
                 reduced_chi2: s.chi2 / (s.pixels - 1.0).max(1.0),
                 good: *good,
-                fitted: *good || s.own > 0.0 && step.abs() < 1e-2,
+                crossing: if *good { None } else { state.crossing(pixels) },
             }
         })
         .collect();

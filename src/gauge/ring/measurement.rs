@@ -4,13 +4,14 @@ use glam::DVec2;
 use std::f64::consts::TAU;
 
 use super::super::form::{
-    Circle, Cutoff, FormError, Reference, gaussian_closed, least_squares_circle, maximum_inscribed_circle,
-    minimum_circumscribed_circle, roundness,
+    Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, collect};
 use super::fit::{EdgeFit, fit_edge};
-use super::{RingError, RingScale, RingSettings};
+use super::millimetres::EdgeMillimetres;
+use super::outline::{Outline, least_ratio_to_stylus};
+use super::{RingError, RingSettings};
 use crate::frame::{FrameView, PixelFormat};
 
 /// One edge of a ring, in pixels unless named otherwise.
@@ -30,8 +31,10 @@ pub struct EdgeCircle {
     pub circumscribed_px: f64,
     /// Diameter of the maximum inscribed circle of the good calipers, px.
     pub inscribed_px: f64,
-    /// Least-squares diameter that a stylus of the given radius would feel, burrs included, px.
-    pub stylus_diameter_px: Option<f64>,
+    /// Least-squares diameter that a ball of [`Self::stylus_radius_px`] would feel, burrs included, px.
+    pub stylus_diameter_px: f64,
+    /// Radius of that ball, px.
+    pub stylus_radius_px: f64,
     /// Blur of the edge, px.
     pub sigma_px: f64,
     /// Shadow and light, counts; the light's level is extrapolated where it is clipped.
@@ -42,21 +45,11 @@ pub struct EdgeCircle {
     pub calipers: usize,
     /// Calipers that dirt, burrs or a poor fit made useless; they are not in the circle.
     pub refused: usize,
+    /// The edge caliper by caliper, in even steps of the angle.
+    #[serde(skip)]
+    pub outline: Outline,
     /// The same in millimetres, where a scale was given.
     pub mm: Option<EdgeMillimetres>,
-}
-
-/// An edge in millimetres, edge offset applied.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct EdgeMillimetres {
-    /// Diameter, mm.
-    pub diameter_mm: f64,
-    /// Its standard uncertainty: random part, scale and edge offset together, mm.
-    pub u_diameter_mm: f64,
-    /// The part of it that all parts measured at this scale share, mm.
-    pub u_common_mm: f64,
-    /// Roundness, mm.
-    pub roundness_mm: f64,
 }
 
 /// Coaxiality of bore and outline.
@@ -175,14 +168,20 @@ impl Side<'_> {
     ) -> Result<EdgeCircle, RingError> {
         // The blurred edge of a disc stands nearer to its centre, whether the disc is the shadow or the bore's light.
         let curvature = (fit.sigma * fit.sigma + 1.0 / 12.0) / (2.0 * circle.radius);
-        let form = |r: Result<_, FormError>| r.map_err(|e| self.error(e.to_string()));
-        let around = form(minimum_circumscribed_circle(points))?.circle.diameter();
-        let within = form(maximum_inscribed_circle(points))?.circle.diameter();
+        let form = |e: FormError| self.error(e.to_string());
+        let around = minimum_circumscribed_circle(points).map_err(form)?.circle.diameter();
+        let within = maximum_inscribed_circle(points).map_err(form)?.circle.diameter();
         let good: Vec<&super::fit::Caliper> = fit.calipers.iter().filter(|c| c.good).collect();
         let mean_square = good.iter().map(|c| c.u_shift * c.u_shift).sum::<f64>() / good.len() as f64;
         let diameter_px = 2.0 * (circle.radius + curvature);
         let u_diameter_px = 2.0 * fit.u_mean.hypot(self.u_form_sampling(points, &circle, fit.calipers.len()));
-        let roundness_px = self.roundness(followed, fit)?;
+        let outline = Outline::new(self.light_outside, followed, fit, curvature);
+        let roundness_px = outline.roundness_px(self.settings.roundness_cutoff_upr).map_err(form)?;
+        let stylus_radius_px = self
+            .settings
+            .stylus_radius_px
+            .unwrap_or_else(|| circle.diameter() / least_ratio_to_stylus(self.settings.roundness_cutoff_upr));
+        let stylus_diameter_px = outline.felt_diameter_px(stylus_radius_px).map_err(form)?;
         Ok(EdgeCircle {
             centre_px: circle.centre.to_array(),
             diameter_px,
@@ -191,13 +190,22 @@ impl Side<'_> {
             roundness_px,
             circumscribed_px: around + 2.0 * curvature,
             inscribed_px: within + 2.0 * curvature,
-            stylus_diameter_px: self.stylus_diameter(followed, fit)?.map(|d| d + 2.0 * curvature),
+            stylus_diameter_px,
+            stylus_radius_px,
             sigma_px: fit.sigma,
             levels: [fit.levels.0, fit.levels.1],
             reduced_chi2: coarse::median(good.iter().map(|c| c.reduced_chi2).collect()),
             calipers: fit.calipers.len(),
             refused: fit.calipers.len() - good.len(),
-            mm: self.settings.scale.map(|s| self.millimetres(&s, diameter_px, u_diameter_px, roundness_px)),
+            outline,
+            mm: self.settings.scale.map(|s| {
+                s.millimetres(
+                    self.light_outside,
+                    [diameter_px, stylus_diameter_px],
+                    u_diameter_px,
+                    roundness_px,
+                )
+            }),
         })
     }
 
@@ -210,99 +218,6 @@ impl Side<'_> {
         let alike = (all / (2.0 * self.settings.roundness_cutoff_upr)).max(1.0);
         (variance * alike / good * (1.0 - good / all)).max(0.0).sqrt()
     }
-
-    fn millimetres(
-        &self,
-        scale: &RingScale,
-        diameter_px: f64,
-        u_px: f64,
-        roundness_px: f64,
-    ) -> EdgeMillimetres {
-        let mm = 1e-3 * scale.um_per_px;
-        let side = if self.light_outside { 2.0 } else { -2.0 };
-        let corrected = diameter_px + side * scale.edge_offset_px;
-        let u_common_mm = (corrected * 1e-3 * scale.u_um_per_px).hypot(2.0 * mm * scale.u_edge_offset_px);
-        EdgeMillimetres {
-            diameter_mm: mm * corrected,
-            u_diameter_mm: u_common_mm.hypot(mm * u_px),
-            u_common_mm,
-            roundness_mm: mm * roundness_px,
-        }
-    }
-
-    /// RONt of the filtered profile of the good calipers.
-    fn roundness(&self, followed: &Circle, fit: &EdgeFit) -> Result<f64, RingError> {
-        let form = |e: FormError| self.error(e.to_string());
-        let shifts = bridged(&fit.calipers.iter().map(|c| c.good.then_some(c.shift)).collect::<Vec<_>>());
-        let outward = if self.light_outside { 1.0 } else { -1.0 };
-        let profile: Vec<f64> = shifts.iter().map(|s| followed.radius + outward * s).collect();
-        let cutoff = Cutoff::upr(self.settings.roundness_cutoff_upr).map_err(form)?;
-        Ok(roundness(&closed(&gaussian_closed(&profile, cutoff)), Reference::LeastSquares)
-            .map_err(form)?
-            .ron_t)
-    }
-
-    /// Diameter of the profile as a ball feels it.
-    fn stylus_diameter(&self, followed: &Circle, fit: &EdgeFit) -> Result<Option<f64>, RingError> {
-        let Some(tip) = self.settings.stylus_radius_px else { return Ok(None) };
-        let outward = if self.light_outside { 1.0 } else { -1.0 };
-        // A ball against a convex outline parts from it as 1/tip + 1/R, in a bore as 1/tip − 1/R.
-        let curvature = 1.0 / tip + outward / followed.radius;
-        if curvature <= 0.0 {
-            return Err(self.error(format!("a stylus of radius {tip} px does not fit the bore")));
-        }
-        let shifts = bridged(&fit.calipers.iter().map(|c| c.fitted.then_some(c.shift)).collect::<Vec<_>>());
-        let arc = TAU * followed.radius / shifts.len() as f64;
-        let felt: Vec<f64> = mechanical_closing(&shifts, arc, curvature)
-            .iter()
-            .map(|s| followed.radius + outward * s)
-            .collect();
-        let ls = least_squares_circle(&closed(&felt)).map_err(|e| self.error(e.to_string()))?;
-        Ok(Some(ls.fit.circle.diameter()))
-    }
-}
-
-/// Points of a closed profile of radii.
-fn closed(radii: &[f64]) -> Vec<DVec2> {
-    let n = radii.len() as f64;
-    radii.iter().enumerate().map(|(k, r)| DVec2::from_angle(TAU * (k as f64 + 0.5) / n) * *r).collect()
-}
-
-/// Straight lines over the gaps of a closed profile.
-fn bridged(shifts: &[Option<f64>]) -> Vec<f64> {
-    let n = shifts.len();
-    let nearest = |k: usize, step: usize| {
-        (0..n).map(|j| (j, (k + j * step) % n)).find_map(|(j, at)| shifts[at].map(|s| (j as f64, s)))
-    };
-    (0..n)
-        .map(|k| {
-            let (ahead, after) = nearest(k, 1).unwrap_or_default();
-            let (behind, before) = nearest(k, n - 1).unwrap_or_default();
-            if ahead + behind > 0.0 { (before * ahead + after * behind) / (ahead + behind) } else { after }
-        })
-        .collect()
-}
-
-/// Morphological closing of a closed profile by a ball (ISO 16610-41), heights positive out of the material: the ball's
-/// centre rides on the highest contact, then its lower side is what is felt. A parabola of the given curvature stands for
-/// the ball, right to (contact distance/radius)² of the height.
-fn mechanical_closing(heights: &[f64], arc: f64, curvature: f64) -> Vec<f64> {
-    let n = heights.len();
-    let (low, high) =
-        heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-    let reach = (((2.0 * (high - low) / curvature).sqrt() / arc).ceil() as usize).min(n / 2 - 1);
-    let ball: Vec<f64> = (0..=reach).map(|j| 0.5 * curvature * (j as f64 * arc).powi(2)).collect();
-    let pass = |from: &[f64], sign: f64| -> Vec<f64> {
-        (0..n)
-            .map(|k| {
-                (0..=reach).fold(f64::NEG_INFINITY, |best, j| {
-                    let (a, b) = (sign * from[(k + j) % n], sign * from[(k + n - j) % n]);
-                    best.max(a.max(b) - ball[j])
-                }) * sign
-            })
-            .collect()
-    };
-    pass(&pass(heights, 1.0), -1.0)
 }
 
 impl RingMeasurement {
@@ -318,13 +233,12 @@ impl RingMeasurement {
             put(format!("roundness_{name}_px"), edge.roundness_px);
             put(format!("{name}_centre_column_px"), edge.centre_px[0]);
             put(format!("{name}_centre_row_px"), edge.centre_px[1]);
-            if let Some(felt) = edge.stylus_diameter_px {
-                put(format!("{name}_stylus_diameter_px"), felt);
-            }
+            put(format!("{name}_stylus_diameter_px"), edge.stylus_diameter_px);
             put(format!("{name}_calipers_refused"), edge.refused as f64);
             if let Some(mm) = edge.mm {
                 put(format!("{name}_diameter_mm"), mm.diameter_mm);
                 put(format!("u_{name}_diameter_mm"), mm.u_diameter_mm);
+                put(format!("{name}_stylus_diameter_mm"), mm.stylus_diameter_mm);
                 put(format!("roundness_{name}_mm"), mm.roundness_mm);
             }
         }
@@ -336,29 +250,5 @@ impl RingMeasurement {
             }
         }
         map.into()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn closing_rides_on_peaks_and_leaves_what_a_ball_can_follow() {
-        let (n, arc, radius) = (1000, 1.0, 50.0);
-        let smooth: Vec<f64> = (0..n).map(|k| (TAU * k as f64 / n as f64 * 3.0).cos()).collect();
-        for (a, b) in smooth.iter().zip(mechanical_closing(&smooth, arc, 1.0 / radius)) {
-            assert!((a - b).abs() < 1e-3, "{a} {b}");
-        }
-        let mut spike = vec![0.0; n];
-        spike[500] = 0.5;
-        let felt = mechanical_closing(&spike, arc, 1.0 / radius);
-        assert_eq!((felt[500], felt[600]), (0.5, 0.0));
-        // Beside a spike of height p the ball hangs on it: felt is at most p − s²/2r, and nowhere below the profile.
-        assert!(felt[503] > 0.0 && felt.iter().zip(&spike).all(|(f, s)| f >= s));
-        let mut groove = vec![0.0; n];
-        groove[500] = -0.5;
-        let felt = mechanical_closing(&groove, arc, 1.0 / radius);
-        assert!(felt[500] > -0.011 - 1e-12, "a ball of 50 sinks 1/(2·50) into a gap of ±1: {}", felt[500]);
     }
 }

@@ -14,9 +14,13 @@ mod edge_pixels;
 mod error;
 mod fit;
 mod measurement;
+mod millimetres;
 mod model;
+mod outline;
 mod settings;
 
 pub use error::RingError;
-pub use measurement::{Concentricity, EdgeCircle, EdgeMillimetres, RingMeasurement, measure_ring};
+pub use measurement::{Concentricity, EdgeCircle, RingMeasurement, measure_ring};
+pub use millimetres::EdgeMillimetres;
+pub use outline::{Outline, Seen};
 pub use settings::{RingScale, RingSettings};

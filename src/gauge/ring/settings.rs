@@ -24,7 +24,8 @@ pub struct RingSettings {
     /// Gaussian filter of the roundness, undulations per revolution. Above 0.
     pub roundness_cutoff_upr: f64,
     /// Radius of a stylus tip, px: the diameter is also given as a ball of that radius would feel it, burrs included, to be
-    /// compared with a tactile machine. Above 0, at most 1000.
+    /// compared with a tactile machine. Above 0, at most 1000; without it the largest that ISO 12181-2 allows at the
+    /// roundness' cutoff (diameter/15 at 50 upr).
     pub stylus_radius_px: Option<f64>,
     /// Scale and edge offset; pixels only without it.
     pub scale: Option<RingScale>,

@@ -1,0 +1,317 @@
+//! Rings of known size: the gauge and a plain method on the same split, one scale and one edge offset for outline and bore.
+//!
+//! Scale s and offset o of D = s·d ± o (+ outline, − bore) come by least squares from both diameters of all parts but one and
+//! are tried on the one left out. What a tactile machine reports is the outline as its ball feels it (ISO 16610-41 closing, burrs
+//! included), so the gauge is compared by its stylus diameter. The ball's size is not told; the one that counts is the largest
+//! that ISO 12181-2 allows at 50 upr, and common balls are listed beside it. Peer: level crossing along rays, least-squares circle.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::frame::{Frame, FrameView};
+use crate::gauge::form::{FormError, least_squares_circle};
+use crate::gauge::ring::{EdgeCircle, RingError, RingMeasurement, RingSettings, measure_ring};
+
+/// Outer and inner.
+pub type Pair = [f64; 2];
+/// Names of a pair.
+pub const SIDES: [&str; 2] = ["outer", "inner"];
+/// Grey value at which the plain method sees the edge.
+pub const LEVEL: f64 = 130.0;
+/// Diameters of common styli, mm.
+pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
+const RAYS: usize = 3600;
+/// Residuals beyond so many robust standard deviations from the median are listed.
+const OUTLIER: f64 = 3.0;
+
+/// A part: its picture and what a coordinate-measuring machine says.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// File name.
+    pub name: String,
+    /// The picture.
+    pub frame: Frame,
+    /// Diameters, mm.
+    pub machine_mm: Pair,
+}
+
+/// Why there is no study.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WashersError {
+    /// Too few parts to leave one out.
+    #[error("{0} parts; at least 4 are needed to leave one out")]
+    TooFew(usize),
+    /// A part that is not measured.
+    #[error("{name}: {cause}")]
+    Ring {
+        /// The file.
+        name: String,
+        /// Why.
+        cause: RingError,
+    },
+    /// A disc.
+    #[error("{0}: a disc without a bore")]
+    NoBore(String),
+    /// A part that the plain method, or a ball, cannot measure.
+    #[error("{name}: {cause}")]
+    Form {
+        /// The file.
+        name: String,
+        /// Why.
+        cause: FormError,
+    },
+}
+
+/// One method on all parts.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodFigures {
+    /// What is measured how.
+    pub name: String,
+    /// Diameters, px.
+    pub diameter_px: Vec<Pair>,
+    /// Machine minus method of each part, scale and offset from the others, µm.
+    pub residual_um: Vec<Pair>,
+    /// Scale from all parts, µm/px.
+    pub um_per_px: f64,
+    /// Offset of one edge from all parts, px.
+    pub edge_offset_px: f64,
+    /// Standard deviation of the residuals, µm.
+    pub sd_um: Pair,
+    /// 1.4826 times their median departure from their median, µm.
+    pub robust_sd_um: Pair,
+}
+
+/// A part that departs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outlier {
+    /// Index of the part.
+    pub part: usize,
+    /// Its file.
+    pub name: String,
+    /// 0 outer, 1 inner.
+    pub side: usize,
+    /// Residual of the gauge and of the plain method, µm.
+    pub residual_um: [f64; 2],
+}
+
+/// The study.
+#[derive(Clone, Debug, Serialize)]
+pub struct WashersStudy {
+    /// Files.
+    pub names: Vec<String>,
+    /// The gauge, as the ball of ISO 12181-2 feels the outline.
+    pub ours: MethodFigures,
+    /// The gauge's optical edge, calipers with burrs refused.
+    pub optical: MethodFigures,
+    /// Level crossing and least-squares circle.
+    pub level_crossing: MethodFigures,
+    /// The gauge with balls of [`BALLS_MM`].
+    pub balls: Vec<MethodFigures>,
+    /// Parts whose machine and picture disagree.
+    pub outliers: Vec<Outlier>,
+    /// What was measured, for pictures.
+    #[serde(skip)]
+    pub rings: Vec<RingMeasurement>,
+}
+
+impl WashersStudy {
+    /// Figures in which the gauge is worse than the plain method.
+    pub fn misses(&self) -> Vec<String> {
+        let (a, b) = (&self.ours, &self.level_crossing);
+        let mut misses = Vec::new();
+        for (side, name) in SIDES.iter().enumerate() {
+            for (what, ours, plain) in
+                [("sd", a.sd_um, b.sd_um), ("robust sd", a.robust_sd_um, b.robust_sd_um)]
+            {
+                if !(ours[side] <= plain[side]) {
+                    misses.push(format!("{name} {what} {:.2} um against {:.2} um", ours[side], plain[side]));
+                }
+            }
+        }
+        misses
+    }
+}
+
+/// Runs the study.
+///
+/// # Errors
+/// Too few parts, or one that is not measured.
+pub fn washers(parts: &[Part]) -> Result<WashersStudy, WashersError> {
+    if parts.len() < 4 {
+        return Err(WashersError::TooFew(parts.len()));
+    }
+    let measured: Vec<(RingMeasurement, Pair)> =
+        parts.par_iter().map(measure).collect::<Result<_, WashersError>>()?;
+    let (rings, crossing): (Vec<RingMeasurement>, Vec<Pair>) = measured.into_iter().unzip();
+    let machine: Vec<Pair> = parts.iter().map(|p| p.machine_mm).collect();
+    let level_crossing =
+        figures(format!("level crossing at {LEVEL}, least-squares circle"), crossing, &machine);
+    let of = |name: String, pick: &dyn Fn(&EdgeCircle) -> Result<f64, FormError>| {
+        let pairs: Result<Vec<Pair>, WashersError> =
+            rings.iter().zip(parts).map(|(ring, part)| pair(ring, &part.name, pick)).collect();
+        Ok::<MethodFigures, WashersError>(figures(name, pairs?, &machine))
+    };
+    let ours = of("ours, felt by a ball of radius d/15".to_owned(), &|e| Ok(e.stylus_diameter_px))?;
+    let optical = of("ours, optical edge, burrs refused".to_owned(), &|e| Ok(e.diameter_px))?;
+    let radius_px = |ball_mm: f64| 500.0 * ball_mm / level_crossing.um_per_px;
+    let balls: Result<Vec<MethodFigures>, WashersError> = BALLS_MM
+        .iter()
+        .map(|ball| of(format!("ours, ball of {ball} mm"), &|e| e.outline.felt_diameter_px(radius_px(*ball))))
+        .collect();
+    let balls = balls?;
+    let outliers = outliers(parts, &ours, &level_crossing);
+    let names = parts.iter().map(|p| p.name.clone()).collect();
+    Ok(WashersStudy { names, ours, optical, level_crossing, balls, outliers, rings })
+}
+
+fn pair(
+    ring: &RingMeasurement,
+    name: &str,
+    pick: &dyn Fn(&EdgeCircle) -> Result<f64, FormError>,
+) -> Result<Pair, WashersError> {
+    let inner = ring.inner.as_ref().ok_or_else(|| WashersError::NoBore(name.to_owned()))?;
+    let form = |cause| WashersError::Form { name: name.to_owned(), cause };
+    Ok([pick(&ring.outer).map_err(form)?, pick(inner).map_err(form)?])
+}
+
+fn measure(part: &Part) -> Result<(RingMeasurement, Pair), WashersError> {
+    let name = || part.name.clone();
+    let view = part.frame.view();
+    let ring = measure_ring(&view, &RingSettings::default())
+        .map_err(|cause| WashersError::Ring { name: name(), cause })?;
+    let inner = ring.inner.as_ref().ok_or_else(|| WashersError::NoBore(name()))?;
+    let plain = |edge: &EdgeCircle, outward| {
+        level_crossing(&view, (DVec2::from(edge.centre_px), 0.5 * edge.diameter_px), outward)
+            .map_err(|cause| WashersError::Form { name: name(), cause })
+    };
+    let crossing = [plain(&ring.outer, 1.0)?, plain(inner, -1.0)?];
+    Ok((ring, crossing))
+}
+
+/// Diameter of the least-squares circle through the first crossings of [`LEVEL`] from the shadow outwards, along bilinear
+/// rays in steps of a quarter of a pixel; twice, for the centre.
+fn level_crossing(view: &FrameView<'_>, mut circle: (DVec2, f64), outward: f64) -> Result<f64, FormError> {
+    let grey = |p: DVec2| {
+        let (corner, part) = (p.floor(), p - p.floor());
+        let at = |dc: f64, dr: f64| {
+            let (c, r) = (corner.x + dc, corner.y + dr);
+            if c < 0.0 || r < 0.0 {
+                f64::NAN
+            } else {
+                view.get(r as usize, c as usize).map_or(f64::NAN, f64::from)
+            }
+        };
+        (1.0 - part.y) * ((1.0 - part.x) * at(0.0, 0.0) + part.x * at(1.0, 0.0))
+            + part.y * ((1.0 - part.x) * at(0.0, 1.0) + part.x * at(1.0, 1.0))
+    };
+    for _ in 0..2 {
+        let points: Vec<DVec2> = (0..RAYS)
+            .filter_map(|k| {
+                let direction = DVec2::from_angle(TAU * k as f64 / RAYS as f64);
+                let at = |i: f64| circle.0 + direction * (circle.1 + outward * 0.25 * i);
+                let above = |i: i32| grey(at(f64::from(i))) - LEVEL;
+                let i = (-32..32).find(|i| above(*i) <= 0.0 && above(i + 1) > 0.0)?;
+                Some(at(f64::from(i) + above(i) / (above(i) - above(i + 1))))
+            })
+            .collect();
+        let fit = least_squares_circle(&points)?.fit.circle;
+        circle = (fit.centre, fit.radius);
+    }
+    Ok(2.0 * circle.1)
+}
+
+fn figures(name: String, diameter_px: Vec<Pair>, machine_mm: &[Pair]) -> MethodFigures {
+    let all: Vec<(Pair, Pair)> = diameter_px.iter().copied().zip(machine_mm.iter().copied()).collect();
+    let residual_um: Vec<Pair> = (0..all.len())
+        .map(|left| {
+            let others = all.iter().enumerate().filter(|(k, _)| *k != left).map(|(_, p)| p);
+            let (scale, offset) = scale_and_offset(others);
+            let (px, mm) = all[left];
+            [1e3 * (mm[0] - scale * px[0] - offset), 1e3 * (mm[1] - scale * px[1] + offset)]
+        })
+        .collect();
+    let (scale, offset) = scale_and_offset(all.iter());
+    let spread = [0, 1].map(|side| spreads(residual_um.iter().map(|r| r[side]).collect()));
+    MethodFigures {
+        name,
+        diameter_px,
+        residual_um,
+        um_per_px: 1e3 * scale,
+        edge_offset_px: 0.5 * offset / scale,
+        sd_um: spread.map(|s| s[0]),
+        robust_sd_um: spread.map(|s| s[1]),
+    }
+}
+
+/// Least squares of D = s·d ± o over both sides: (s, o), mm/px and mm.
+fn scale_and_offset<'a>(pairs: impl Iterator<Item = &'a (Pair, Pair)>) -> (f64, f64) {
+    let (mut dd, mut d1, mut n, mut dm, mut m1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (px, mm) in pairs {
+        for (k, side) in [(0, 1.0), (1, -1.0)] {
+            dd += px[k] * px[k];
+            d1 += px[k] * side;
+            n += 1.0;
+            dm += px[k] * mm[k];
+            m1 += side * mm[k];
+        }
+    }
+    let determinant = dd * n - d1 * d1;
+    ((dm * n - m1 * d1) / determinant, (dd * m1 - d1 * dm) / determinant)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+}
+
+/// Standard deviation and robust standard deviation.
+fn spreads(values: Vec<f64>) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let middle = median(values.clone());
+    [sd, 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect())]
+}
+
+fn outliers(parts: &[Part], ours: &MethodFigures, plain: &MethodFigures) -> Vec<Outlier> {
+    let mut found = Vec::new();
+    for side in 0..2 {
+        let middle = median(ours.residual_um.iter().map(|r| r[side]).collect());
+        for (k, part) in parts.iter().enumerate() {
+            let residual_um = [ours.residual_um[k][side], plain.residual_um[k][side]];
+            if (residual_um[0] - middle).abs() > OUTLIER * ours.robust_sd_um[side] {
+                found.push(Outlier { part: k, name: part.name.clone(), side, residual_um });
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leaving_one_out_finds_scale_and_offset_and_the_part_that_departs() {
+        let (scale, offset) = (0.0174, 0.015);
+        let px: Vec<Pair> =
+            (0..9).map(|k| [1360.0 + f64::from(k * k % 7), 1095.0 - f64::from(k % 4)]).collect();
+        let mut mm: Vec<Pair> = px.iter().map(|p| [scale * p[0] + offset, scale * p[1] - offset]).collect();
+        let exact = figures("x".into(), px.clone(), &mm);
+        assert!(
+            (exact.um_per_px - 17.4).abs() < 1e-9
+                && (exact.edge_offset_px - 0.5 * offset / scale).abs() < 1e-7
+        );
+        assert!(exact.sd_um.iter().chain(&exact.robust_sd_um).all(|s| *s < 1e-7));
+        mm[4][1] += 0.02;
+        let one = figures("x".into(), px, &mm);
+        // Its own residual is untouched by it: it took no part in its scale.
+        assert!((one.residual_um[4][1] - 20.0).abs() < 1e-6 && one.residual_um[4][0].abs() < 1e-6);
+        assert!(one.sd_um[1] > 5.0 && one.robust_sd_um[1] < 3.0);
+        assert_eq!(spreads(vec![1.0, 2.0, 3.0, 4.0])[1], 1.4826);
+    }
+}
