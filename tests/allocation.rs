@@ -130,7 +130,7 @@ fn decoded(rng: &mut Pcg64) {
                 let mut seen = bytes[..cut].to_vec();
                 for damage in 0..4 {
                     let (result, most) = peak(|| decode(&seen, None, FrameMeta::default()));
-                    let frame = result.as_ref().map(bytes_of).unwrap_or(whole);
+                    let frame = result.as_ref().map_or(whole, bytes_of);
                     let limit = 2 * frame + DECODER;
                     let told = result.as_ref().map_or_else(ToString::to_string, |_| "a frame".to_owned());
                     println!("{format:?}, {cut} bytes, damage {damage}: {most} bytes of {limit}: {told}");

@@ -235,7 +235,7 @@ fn figures(name: String, diameter_px: Vec<Pair>, machine_mm: &[Pair]) -> MethodF
         })
         .collect();
     let (scale, offset) = scale_and_offset(all.iter());
-    let spread = [0, 1].map(|side| spreads(residual_um.iter().map(|r| r[side]).collect()));
+    let spread = [0, 1].map(|side| spreads(&residual_um.iter().map(|r| r[side]).collect::<Vec<f64>>()));
     MethodFigures {
         name,
         diameter_px,
@@ -269,11 +269,11 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Standard deviation and robust standard deviation.
-fn spreads(values: Vec<f64>) -> [f64; 2] {
+fn spreads(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let middle = median(values.clone());
+    let middle = median(values.to_vec());
     [sd, 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect())]
 }
 
@@ -312,6 +312,6 @@ mod tests {
         // Its own residual is untouched by it: it took no part in its scale.
         assert!((one.residual_um[4][1] - 20.0).abs() < 1e-6 && one.residual_um[4][0].abs() < 1e-6);
         assert!(one.sd_um[1] > 5.0 && one.robust_sd_um[1] < 3.0);
-        assert_eq!(spreads(vec![1.0, 2.0, 3.0, 4.0])[1], 1.4826);
+        assert_eq!(spreads(&[1.0, 2.0, 3.0, 4.0])[1], 1.4826);
     }
 }
