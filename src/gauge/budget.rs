@@ -8,6 +8,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::bench::{Along, Conditions, CovariancePart};
+use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
 use super::caliper::largest_caliper;
 use super::column_means::ColumnMeans;
@@ -188,8 +189,12 @@ pub struct WidthReading {
     pub u_noise_px: f64,
     /// Share of quantisation in that noise' variance: (1/12)/σ_n².
     pub quantisation_share: f64,
-    /// Standard uncertainty of the width by levels and blur, px.
+    /// Standard uncertainty of the width by the levels of light and shadow and by what the residual may hide, px.
     pub u_levels_px: f64,
+    /// Standard uncertainty of the width by the blur's, px.
+    pub u_blur_px: f64,
+    /// Standard uncertainty of the blur, px.
+    pub u_sigma_px: f64,
     /// Standard uncertainty by form, texture and sampling: scatter of what was averaged, px.
     pub u_form_px: f64,
     /// Degrees of freedom of that scatter.
@@ -214,6 +219,7 @@ impl WidthReading {
         let form_freedom = (blocks as f64 - 2.0).max(1.0);
         let form = scatter_about_line(&means) / blocks as f64;
         let noise = over.own_variance_px2;
+        let (u_blur_px, u_sigma_px) = u_blur_px(edges, used);
         Some(Self {
             column_px: over.column_px,
             column_variance_px2: over.column_variance_px2,
@@ -222,6 +228,8 @@ impl WidthReading {
             u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: over.u_shared_px,
+            u_blur_px,
+            u_sigma_px,
             u_form_px: (form - noise).max(0.0).sqrt(),
             form_freedom,
         })
@@ -245,6 +253,7 @@ impl WidthReading {
         // Variance of a median over that of a mean.
         let noise = std::f64::consts::FRAC_PI_2 * own / n;
         let own_u = largest.u_own_px.powi(2);
+        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         Some(Self {
             column_px: largest.column_px,
             column_variance_px2: 0.0,
@@ -253,6 +262,8 @@ impl WidthReading {
             u_noise_px: noise.min(own_u).sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: (largest.u_px.powi(2) - own_u).max(0.0).sqrt(),
+            u_blur_px,
+            u_sigma_px,
             u_form_px: (own_u - noise).max(0.0).sqrt(),
             form_freedom: (n - 1.0).max(1.0),
         })
@@ -286,20 +297,23 @@ impl WidthReading {
 
     fn add_random(&self, budget: &mut Budget, mm_per_px: f64) {
         let share = self.quantisation_share.clamp(0.0, 1.0);
-        let mut random = |source: &str, u_px: f64, freedom: Option<f64>| {
+        let width = |u_px: f64| format!("{u_px:.5} px of width");
+        let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
             budget.push(Contribution {
                 source: source.to_owned(),
-                input: format!("{u_px:.5} px of width"),
+                input,
                 shape: Shape::Normal,
                 share: Share::Random,
                 freedom,
                 u_mm: mm_per_px * u_px,
             });
         };
-        random("noise of the edges", self.u_noise_px * (1.0 - share).sqrt(), None);
-        random("quantisation", self.u_noise_px * share.sqrt(), None);
-        random("levels and blur", self.u_levels_px, None);
-        random("form, texture and sampling", self.u_form_px, Some(self.form_freedom));
+        let (noise, quantisation) = (self.u_noise_px * (1.0 - share).sqrt(), self.u_noise_px * share.sqrt());
+        random("noise of the edges", width(noise), noise, None);
+        random("quantisation", width(quantisation), quantisation, None);
+        random("levels of light and shadow, misfit", width(self.u_levels_px), self.u_levels_px, None);
+        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
+        random("form, texture and sampling", width(self.u_form_px), self.u_form_px, Some(self.form_freedom));
     }
 }
 
@@ -457,6 +471,8 @@ mod tests {
             u_noise_px: 0.01,
             quantisation_share: 0.25,
             u_levels_px: 0.0,
+            u_blur_px: 0.0,
+            u_sigma_px: 0.0,
             u_form_px: 0.0,
             form_freedom: 1.0,
         };

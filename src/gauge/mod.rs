@@ -3,6 +3,7 @@
 mod axis;
 pub mod bench;
 mod blur;
+mod blur_share;
 pub mod budget;
 mod calibration;
 mod caliper;

@@ -5,6 +5,7 @@
 
 use std::io::Cursor;
 
+use image::codecs::bmp::BmpDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
 use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
@@ -63,6 +64,7 @@ pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Fr
     let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
     let (buffer, columns, rows) = match format {
         ImageFormat::Tiff => decode_tiff(bytes)?,
+        ImageFormat::Bmp => decode_bmp(bytes)?,
         _ => decode_other(bytes, format)?,
     };
     let format = pixel_format(&buffer, bit_depth)?;
@@ -102,6 +104,27 @@ fn decode_other(bytes: &[u8], format: ImageFormat) -> Result<(Buffer, u32, u32),
         DynamicImage::ImageLuma16(image) => Ok((Buffer::U16(image.into_raw()), columns, rows)),
         other => Err(DecodeError::NotGrey(format!("{:?}", other.color()))),
     }
+}
+
+/// A BMP has no grey of its own, but a palette whose entries may all be grey.
+fn decode_bmp(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
+    let mut decoder = BmpDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
+    let (columns, rows) = decoder.dimensions();
+    check_size(columns, rows)?;
+    let grey = |palette: &[[u8; 3]]| palette.iter().all(|c| c[0] == c[1] && c[1] == c[2]);
+    let Some(levels) = decoder.get_palette().filter(|p| grey(p)).map(|p| p.iter().map(|c| c[0]).collect())
+    else {
+        return Err(DecodeError::NotGrey(format!("{:?}", decoder.color_type())));
+    };
+    let levels: Vec<u8> = levels;
+    decoder.set_indexed_color(true);
+    let mut pixels = vec![0; columns as usize * rows as usize];
+    if decoder.total_bytes() != pixels.len() as u64 {
+        return Err(DecodeError::NotGrey(format!("{:?}", decoder.color_type())));
+    }
+    decoder.read_image(&mut pixels).map_err(damaged)?;
+    pixels.iter_mut().for_each(|p| *p = levels.get(usize::from(*p)).copied().unwrap_or(0));
+    Ok((Buffer::U8(pixels), columns, rows))
 }
 
 fn decode_tiff(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
@@ -190,6 +213,27 @@ mod tests {
         let whole = png(64, 64, image::ExtendedColorType::L8, &[9; 4096]);
         assert!(matches!(refusal(&whole[..whole.len() / 2]), DecodeError::Damaged(_)));
         assert!(matches!(refusal(&whole[..20]), DecodeError::Damaged(_)));
+    }
+
+    #[test]
+    fn a_grey_palette_is_grey_and_a_coloured_one_is_not() {
+        let grey: Vec<u8> = (0..70).map(|i| 3 * i).collect();
+        let encoded = |palette: Option<&[[u8; 3]]>| {
+            let mut out = Vec::new();
+            image::codecs::bmp::BmpEncoder::new(&mut out)
+                .encode_with_palette(&grey, 10, 7, image::ExtendedColorType::L8, palette)
+                .unwrap();
+            out
+        };
+        let frame = decode(&encoded(None), None, FrameMeta::default()).unwrap();
+        assert_eq!((frame.view().rows(), frame.view().columns()), (7, 10));
+        assert_eq!((frame.view().get(0, 1), frame.view().get(6, 9)), (Some(3.0), Some(207.0)));
+        // A palette the wrong way round is still grey.
+        let turned: Vec<[u8; 3]> = (0..=255).map(|i| [255 - i; 3]).collect();
+        let frame = decode(&encoded(Some(&turned)), None, FrameMeta::default()).unwrap();
+        assert_eq!(frame.view().get(0, 1), Some(252.0));
+        let red: Vec<[u8; 3]> = (0..=255).map(|i| [255, i, i]).collect();
+        assert!(matches!(refusal(&encoded(Some(&red))), DecodeError::NotGrey(_)));
     }
 
     #[test]

@@ -95,7 +95,7 @@ fn low_contrast_is_measured_with_a_larger_uncertainty_and_refused_below_the_limi
 
 #[test]
 fn light_far_beyond_full_scale_leaves_gaps_or_edges_called_clipped_that_are_covered() {
-    for (light, sigma) in [(300.0, 0.8), (360.0, 1.0)] {
+    for (light, sigma) in [(600.0, 0.8), (3000.0, 0.5), (12_000.0, 0.35)] {
         let synth = Synth {
             format: PixelFormat::Mono8,
             dark: 12.0,
