@@ -32,23 +32,41 @@ const SCALE: f64 = 1.4826;
 const TRIALS: usize = 160;
 /// Times that the axis is laid anew through what was not refused.
 const PASSES: usize = 3;
-/// Wander of an axis about its parabola (standard deviation of the blocks) and bend with it that are taken for the part's own, px.
-const WANDER_PX: f64 = 0.06;
-const BEND_OF_WANDER_PX: f64 = 0.1;
+/// Bend of an axis that is taken for the part's own, px.
+const BEND_OF_WANDER_PX: f64 = 0.03;
+/// Departures from the plain parabola up to which no other axis is looked for, px.
+const CALM_PX: f64 = 0.05;
+/// Columns whose mean widths are compared on the way down.
+const DESCENT: usize = 8;
 /// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
+/// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
+const LEAST_BULGE: f64 = 0.5;
+const MOST_BULGE: f64 = 1.6;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
+
+/// Sixteen columns.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// Abscissa, −1 to 1 over the field.
+    x: f64,
+    /// Median of the middles of both edges, px.
+    middle: f64,
+    /// Median of the widths, px.
+    width: f64,
+}
 
 /// Memory of [`refuse_one_sided`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AxisScratch {
     /// Middle of every column, NaN without both edges; then its departure from the axis.
     departures: Vec<f32>,
-    /// (abscissa in −1..1, median, columns) of the blocks.
-    blocks: Vec<(f64, f64)>,
+    /// Width of every column, NaN without both edges.
+    widths: Vec<f32>,
+    blocks: Vec<Block>,
     pool: Vec<f32>,
     sizes: Vec<f64>,
     refused: Vec<bool>,
@@ -70,7 +88,14 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
 fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
     let usable = scratch.middles(top, bottom);
     if scratch.blocks.len() < LEAST_BLOCKS {
-        return 0.0;
+        if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
+            return 0.0;
+        }
+        // Too little of a wide field is left to tell an axis from: nothing vouches for it.
+        for edge in top.iter_mut().filter(|e| e.is_usable()) {
+            edge.state = EdgeState::Gap(Reason::Contaminated);
+        }
+        return 1.0;
     }
     let Some(axis) = scratch.axis() else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
@@ -102,6 +127,21 @@ fn basis(x: f64) -> Vector3<f64> {
     Vector3::new(1.0, x, x * x)
 }
 
+impl Block {
+    fn point(&self) -> (f64, f64) {
+        (self.x, self.middle)
+    }
+}
+
+/// Median and number of the finite values; `None` where there are none.
+fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f64, usize)> {
+    pool.clear();
+    pool.extend(values.iter().filter(|m| m.is_finite()));
+    let middle = pool.len() / 2;
+    let count = pool.len();
+    (count > 0).then(|| (f64::from(*pool.select_nth_unstable_by(middle, f32::total_cmp).1), count))
+}
+
 impl AxisScratch {
     /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
     fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
@@ -115,16 +155,22 @@ impl AxisScratch {
             let both = t.is_usable() && b.is_usable();
             if both { (0.5 * (t.row_px + b.row_px) - origin) as f32 } else { f32::NAN }
         }));
+        let wide = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
+        let wide = wide.map_or(0.0, |(t, b)| b.row_px - t.row_px);
+        self.widths.clear();
+        self.widths.extend(top.iter().zip(bottom).map(|(t, b)| {
+            let both = t.is_usable() && b.is_usable();
+            if both { (b.row_px - t.row_px - wide) as f32 } else { f32::NAN }
+        }));
         let mut usable = 0;
         for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
-            self.pool.clear();
-            self.pool.extend(chunk.iter().filter(|m| m.is_finite()));
-            usable += self.pool.len();
-            if self.pool.len() >= BLOCK / 2 {
-                let middle = self.pool.len() / 2;
-                let (_, median, _) = self.pool.select_nth_unstable_by(middle, f32::total_cmp);
+            let Some((middle, count)) = median(chunk, &mut self.pool) else { continue };
+            usable += count;
+            let widths = &self.widths[index * BLOCK..index * BLOCK + chunk.len()];
+            let Some((width, _)) = median(widths, &mut self.pool) else { continue };
+            if count >= BLOCK / 2 {
                 let at = index * BLOCK + chunk.len() / 2;
-                self.blocks.push((abscissa(at as f64, columns), f64::from(*median)));
+                self.blocks.push(Block { x: abscissa(at as f64, columns), middle, width });
             }
         }
         usable
@@ -133,14 +179,25 @@ impl AxisScratch {
     /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half of the
     /// blocks agree with best.
     fn axis(&mut self) -> Option<Vector3<f64>> {
-        let plain = fit(self.blocks.iter(), true)?;
-        // An axis that wanders a little by itself is no matter: departures within its own scatter are left alone.
-        let spread = self.spread(&plain);
-        let limit = (3.0 * spread.min(WANDER_PX)).max(2.0 * FLOOR_PX);
-        if plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(&plain, limit, b)) {
+        let plain = fit(self.blocks.iter().map(Block::point), true)?;
+        let calm = !self.blocks.iter().any(|b| far(&plain, CALM_PX, b));
+        if calm && plain[2].abs() < BEND_OF_WANDER_PX {
             return Some(plain);
         }
-        let mut best = (self.cost(&plain), plain);
+        let mut found = self.candidates(&plain)?;
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, the axis
+        // itself wanders.
+        if let Some((_, axis)) = found.iter().find(|(cost, axis)| cost.is_finite() && self.bulges(axis)) {
+            return Some(*axis);
+        }
+        let wanders = found[0].0 > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
+        Some(if wanders { plain } else { found[0].1 })
+    }
+
+    /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
+    fn candidates(&mut self, plain: &Vector3<f64>) -> Option<[(f64, Vector3<f64>); 2]> {
+        let mut best = [(f64::INFINITY, *plain), (self.cost(plain), *plain)];
         let n = self.blocks.len();
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut draw = |from: usize, to: usize| {
@@ -158,28 +215,77 @@ impl AxisScratch {
                 continue;
             }
             let chosen = if bent { &three[..] } else { &[three[0], three[2]][..] };
-            let Some(axis) = fit(chosen.iter().map(|k| &self.blocks[*k]), bent) else { continue };
+            let Some(axis) = fit(chosen.iter().map(|k| self.blocks[*k].point()), bent) else { continue };
             let cost = self.cost(&axis);
-            if cost < best.0 {
-                best = (cost, axis);
+            if cost < best[usize::from(bent)].0 {
+                best[usize::from(bent)] = (cost, axis);
             }
         }
-        // Matter stands out against a straighter axis that half of the field agrees with far better; where there is none, the axis
-        // itself wanders.
-        if best.0 > BETTER * spread && plain[2].abs() < BEND_OF_PART_PX {
-            return Some(plain);
+        for (cost, axis) in best.iter_mut().filter(|(cost, _)| cost.is_finite()) {
+            *axis = self.refined(*axis)?;
+            *cost = cost.min(self.cost(axis));
         }
+        Some(best)
+    }
+
+    /// An axis by least squares through the blocks that agree with it.
+    fn refined(&mut self, mut axis: Vector3<f64>) -> Option<Vector3<f64>> {
         for _ in 0..3 {
-            let limit = (3.0 * self.spread(&best.1)).max(0.5 * FLOOR_PX);
-            let kept = || self.blocks.iter().filter(|b| !far(&best.1, limit, b));
+            let limit = (3.0 * self.spread(&axis)).max(0.5 * FLOOR_PX);
+            let kept = || self.blocks.iter().filter(|b| !far(&axis, limit, b)).map(Block::point);
             let bent = fit(kept(), true)?;
-            best.1 = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * best.1[2].abs()) {
+            axis = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * axis[2].abs()) {
                 bent
             } else {
                 fit(kept(), false)?
             };
         }
-        Some(best.1)
+        Some(axis)
+    }
+
+    /// Whether the blocks that leave an axis bulge: matter on one side widens the shadow by twice what it moves the middle by; an axis
+    /// that wanders moves both edges alike, texture dents as often as it bulges.
+    fn bulges(&mut self, axis: &Vector3<f64>) -> bool {
+        let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
+        let leaves = |b: &Block| far(axis, limit, b);
+        let within = self.blocks.iter().filter(|b| !leaves(b));
+        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return false };
+        let (mut bulging, mut all) = (0.0, 0.0);
+        let (mut from, n) = (0, self.blocks.len());
+        while from < n {
+            if !leaves(&self.blocks[from]) {
+                from += 1;
+                continue;
+            }
+            let to = (from..n).find(|k| !leaves(&self.blocks[*k])).unwrap_or(n);
+            let (widening, square) = self.widening(axis, &line, from..to);
+            all += square;
+            if widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
+                bulging += square;
+            }
+            from = to;
+        }
+        bulging > 0.5 * all && all > 0.0
+    }
+
+    /// Of a run of blocks: Σ twice the departure of the middle times the width over that of the neighbours, Σ (twice the departure)².
+    fn widening(&self, axis: &Vector3<f64>, line: &Vector3<f64>, run: std::ops::Range<usize>) -> (f64, f64) {
+        let over = |b: &Block| b.width - line.dot(&basis(b.x));
+        let before = run.start.checked_sub(1).map(|k| over(&self.blocks[k]));
+        let after = self.blocks.get(run.end).map(over);
+        let (mut widening, mut square) = (0.0, 0.0);
+        for (k, b) in self.blocks[run.clone()].iter().enumerate() {
+            let share = (k as f64 + 1.0) / (run.len() as f64 + 1.0);
+            let level = match (before, after) {
+                (Some(one), Some(two)) => one + share * (two - one),
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => 0.0,
+            };
+            let moved = 2.0 * (b.middle - axis.dot(&basis(b.x))).abs();
+            widening += moved * (over(b) - level);
+            square += moved * moved;
+        }
+        (widening, square)
     }
 
     /// Spread about an axis, dearer where it bends.
@@ -190,7 +296,7 @@ impl AxisScratch {
     /// Robust standard deviation of the blocks about an axis, px.
     fn spread(&mut self, axis: &Vector3<f64>) -> f64 {
         self.sizes.clear();
-        self.sizes.extend(self.blocks.iter().map(|(x, m)| (m - axis.dot(&basis(*x))).abs()));
+        self.sizes.extend(self.blocks.iter().map(|b| (b.middle - axis.dot(&basis(b.x))).abs()));
         robust_sd(&mut self.sizes)
     }
 
@@ -235,10 +341,10 @@ impl AxisScratch {
                 any = true;
             }
         }
-        if !any {
-            return 0;
+        if any {
+            self.grow(grow);
         }
-        self.grow(grow);
+        self.descend();
         self.refused.iter().zip(&self.departures).filter(|(r, d)| **r && d.is_finite()).count()
     }
 
@@ -275,18 +381,72 @@ impl AxisScratch {
     }
 }
 
+impl AxisScratch {
+    /// Whether a column has no width any more.
+    fn gone(&self, column: usize) -> bool {
+        self.refused[column] || !self.departures[column].is_finite()
+    }
+
+    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
+    /// middle alone, and what hides an edge darkens its neighbours.
+    fn descend(&mut self) {
+        let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
+        let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
+        let columns = self.departures.len() as isize;
+        for step in [1_isize, -1] {
+            for column in 0..columns {
+                let next = column + step;
+                let ends =
+                    next >= 0 && next < columns && self.gone(column as usize) && !self.gone(next as usize);
+                if ends {
+                    self.descend_from(next, step, taper);
+                }
+            }
+        }
+    }
+
+    fn descend_from(&mut self, mut at: isize, step: isize, taper: f64) {
+        for _ in 0..2 * GROWTH / DESCENT {
+            let below = at + step * DESCENT as isize;
+            let (Some(here), Some(next)) =
+                (self.mean_width(at, step, taper), self.mean_width(below, step, taper))
+            else {
+                return;
+            };
+            if here - next < FLOOR_PX {
+                return;
+            }
+            let (from, to) = (at.min(below - step), at.max(below - step));
+            self.refused[from as usize..=to as usize].fill(true);
+            at = below;
+        }
+    }
+
+    /// Mean width of [`DESCENT`] columns from one on, the taper taken off; `None` where they leave the frame or few have one.
+    fn mean_width(&self, from: isize, step: isize, taper: f64) -> Option<f64> {
+        let last = from + step * (DESCENT as isize - 1);
+        let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
+        let widths = self.widths.get(low..=high)?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (k, width) in widths.iter().enumerate().filter(|(_, w)| w.is_finite()) {
+            (sum, count) = (sum + f64::from(*width) - taper * (low + k) as f64, count + 1.0);
+        }
+        (count >= 3.0).then(|| sum / count)
+    }
+}
+
 /// Whether a block lies further than `limit` px from an axis.
-fn far(axis: &Vector3<f64>, limit: f64, block: &(f64, f64)) -> bool {
-    (block.1 - axis.dot(&basis(block.0))).abs() > limit
+fn far(axis: &Vector3<f64>, limit: f64, block: &Block) -> bool {
+    (block.middle - axis.dot(&basis(block.x))).abs() > limit
 }
 
 /// Parabola or line by least squares; `None` where the points do not tell it.
-fn fit<'a>(points: impl Iterator<Item = &'a (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
+fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
     let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
     for (x, y) in points {
-        let b = if bent { basis(*x) } else { Vector3::new(1.0, *x, 0.0) };
+        let b = if bent { basis(x) } else { Vector3::new(1.0, x, 0.0) };
         normal += b * b.transpose();
-        right += b * *y;
+        right += b * y;
     }
     if !bent {
         normal[(2, 2)] = 1.0;
