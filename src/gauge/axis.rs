@@ -8,10 +8,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::edges::{Edge, EdgeState};
+use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
 
-/// Columns of a block.
-const BLOCK: usize = 16;
 /// Fewest blocks that tell an axis from an excursion.
 const LEAST_BLOCKS: usize = 8;
 /// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
@@ -88,6 +87,21 @@ fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch)
     refused as f64 / usable.max(1) as f64
 }
 
+/// Medians of eight whole blocks; `None` where a value is missing.
+fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
+    let blocks = chunk.as_chunks::<BLOCK>().0.first_chunk::<LANES>()?;
+    if !chunk.iter().fold(true, |all, value| all & value.is_finite()) {
+        return None;
+    }
+    let mut turned = [[0.0; LANES]; BLOCK];
+    for (lane, block) in blocks.iter().enumerate() {
+        for (row, value) in turned.iter_mut().zip(block) {
+            row[lane] = *value;
+        }
+    }
+    Some(medians(&mut turned))
+}
+
 /// Standard deviation from the agreeing share of departures.
 fn robust_sd(sizes: &mut [f64]) -> f64 {
     let index = (AGREEING * sizes.len() as f64) as usize;
@@ -116,15 +130,25 @@ impl AxisScratch {
             if both { (0.5 * (t.row_px + b.row_px) - origin) as f32 } else { f32::NAN }
         }));
         let mut usable = 0;
-        for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
-            self.pool.clear();
-            self.pool.extend(chunk.iter().filter(|m| m.is_finite()));
-            usable += self.pool.len();
-            if self.pool.len() >= BLOCK / 2 {
-                let middle = self.pool.len() / 2;
-                let (_, median, _) = self.pool.select_nth_unstable_by(middle, f32::total_cmp);
-                let at = index * BLOCK + chunk.len() / 2;
-                self.blocks.push((abscissa(at as f64, columns), f64::from(*median)));
+        for (group, chunk) in self.departures.chunks(LANES * BLOCK).enumerate() {
+            let first = group * LANES;
+            if let Some(medians) = whole_medians(chunk) {
+                usable += chunk.len();
+                self.blocks.extend((first..).zip(medians).map(|(index, median)| {
+                    (abscissa((index * BLOCK + BLOCK / 2) as f64, columns), f64::from(median))
+                }));
+                continue;
+            }
+            for (index, chunk) in (first..).zip(chunk.chunks(BLOCK)) {
+                self.pool.clear();
+                self.pool.extend(chunk.iter().filter(|m| m.is_finite()));
+                usable += self.pool.len();
+                if self.pool.len() >= BLOCK / 2 {
+                    let middle = self.pool.len() / 2;
+                    let (_, median, _) = self.pool.select_nth_unstable_by(middle, f32::total_cmp);
+                    let at = index * BLOCK + chunk.len() / 2;
+                    self.blocks.push((abscissa(at as f64, columns), f64::from(*median)));
+                }
             }
         }
         usable
@@ -157,11 +181,9 @@ impl AxisScratch {
             if apart < n / 6 {
                 continue;
             }
-            let chosen = if bent { &three[..] } else { &[three[0], three[2]][..] };
-            let Some(axis) = fit(chosen.iter().map(|k| &self.blocks[*k]), bent) else { continue };
-            let cost = self.cost(&axis);
-            if cost < best.0 {
-                best = (cost, axis);
+            let axis = through(three.map(|k| self.blocks[k]), bent);
+            if self.is_cheaper(&axis, best.0) {
+                best = (self.cost(&axis), axis);
             }
         }
         // Matter stands out against a straighter axis that half of the field agrees with far better; where there is none, the axis
@@ -184,7 +206,16 @@ impl AxisScratch {
 
     /// Spread about an axis, dearer where it bends.
     fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
-        self.spread(axis) * (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+        self.spread(axis) * price(axis)
+    }
+
+    /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
+    fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
+        let limit = cost / (SCALE * price(axis));
+        let (a, b, c) = (axis[0], axis[1], axis[2]);
+        let near = |(x, m): &(f64, f64)| u32::from((m - (a + x * (b + x * c))).abs() < limit);
+        let agreeing: u32 = self.blocks.iter().map(near).sum();
+        agreeing as usize > (AGREEING * self.blocks.len() as f64) as usize
     }
 
     /// Robust standard deviation of the blocks about an axis, px.
@@ -278,6 +309,20 @@ impl AxisScratch {
 /// Whether a block lies further than `limit` px from an axis.
 fn far(axis: &Vector3<f64>, limit: f64, block: &(f64, f64)) -> bool {
     (block.1 - axis.dot(&basis(block.0))).abs() > limit
+}
+
+/// What an axis costs for its bend.
+fn price(axis: &Vector3<f64>) -> f64 {
+    (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+}
+
+/// The parabola through three points, or the line through the first and the last.
+fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = points;
+    let whole = (y2 - y0) / (x2 - x0);
+    let bend = if bent { ((y1 - y0) / (x1 - x0) - whole) / (x1 - x2) } else { 0.0 };
+    let slope = whole - bend * (x0 + x2);
+    Vector3::new(y0 - x0 * (slope + bend * x0), slope, bend)
 }
 
 /// Parabola or line by least squares; `None` where the points do not tell it.

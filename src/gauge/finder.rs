@@ -11,7 +11,7 @@ use super::coarse::{CoarseEdge, find_part};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
-use super::noise::{NoiseModel, variance_of_differences};
+use super::noise::{LEAST_OF_COUNTS, NoiseModel, variance_of_differences};
 use super::pixels::{Plane, Sample, all_finite, with_plane};
 use super::settings::{Blur, EsfModel, GaugeSettings, Polarity, Rejection};
 use super::side::SideState;
@@ -292,7 +292,8 @@ impl EdgeStream {
             |side: &SideState| scale.clip.filter(|clip| side.clipped_fraction(*clip) > CLIPPED_FRACTION);
         let clip = [is_clipped(&self.sides[0]), is_clipped(&self.sides[1])];
         let floor = scale.floor.max((1e-4 * (light - dark)).powi(2)).max(1e-20);
-        let noise = self.noise(dark, light, clip, floor).ok_or_else(none)?;
+        let least = if scale.floor > 0.0 { floor.sqrt().max(LEAST_OF_COUNTS) } else { floor.sqrt() };
+        let noise = self.noise(dark, light, clip, (floor, least as f32)).ok_or_else(none)?;
         let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
         if !(snr >= self.settings.min_snr) {
             return Err(refused(
@@ -312,12 +313,17 @@ impl EdgeStream {
         if a && b { Ok(Scene { noise, clip, quantised: scale.floor > 0.0 }) } else { Err(none()) }
     }
 
-    fn noise(&mut self, dark: f64, light: f64, clip: [Option<f32>; 2], floor: f64) -> Option<NoiseModel> {
+    fn noise(
+        &mut self,
+        dark: f64,
+        light: f64,
+        clip: [Option<f32>; 2],
+        (floor, least): (f64, f32),
+    ) -> Option<NoiseModel> {
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
-        let least = floor.sqrt() as f32;
         let sides = &self.sides;
         let variance = |in_light: bool, differences: &mut Vec<f32>| {
             differences.clear();

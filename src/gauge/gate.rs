@@ -104,6 +104,9 @@ pub(crate) struct OutlierScratch {
 /// Refuses edges further than `limit_px` (and six standard uncertainties) from the line through the medians of their neighbourhood.
 /// Where the medians themselves bend, the bend is allowed on top.
 pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut OutlierScratch) {
+    if is_quiet(line, limit_px) {
+        return;
+    }
     medians(line, &mut scratch.pool, &mut scratch.medians);
     let knots = &scratch.medians;
     if knots.len() < 2 {
@@ -126,6 +129,34 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
             edge.state = EdgeState::Gap(Reason::Outlier);
         }
     }
+}
+
+/// Whether no edge of a line can be an outlier: every three neighbouring groups are complete and, about the line through the ends, span
+/// so little that nothing between their medians (nor half a group beyond them, at the ends) lies `limit_px` away.
+fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
+    let (Some(first), Some(last)) = (line.first(), line.last()) else { return true };
+    if !line.len().is_multiple_of(NEIGHBOURS) {
+        return false;
+    }
+    let slope = (last.row_px - first.row_px) / line.len() as f64;
+    let mut before = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+    for (index, group) in line.chunks(NEIGHBOURS).enumerate() {
+        let (mut low, mut high, mut usable) = (f64::INFINITY, f64::NEG_INFINITY, true);
+        for (offset, edge) in group.iter().enumerate() {
+            let row = edge.row_px - slope * (index * NEIGHBOURS + offset) as f64;
+            low = if row < low { row } else { low };
+            high = if row > high { row } else { high };
+            usable &= edge.is_usable() & row.is_finite();
+        }
+        let lowest = before.iter().fold(low, |l, b| l.min(b.0));
+        let highest = before.iter().fold(high, |h, b| h.max(b.1));
+        // An extrapolation reaches half as far again.
+        if !(usable && 1.5 * (highest - lowest) <= limit_px) {
+            return false;
+        }
+        before = [before[1], (low, high)];
+    }
+    true
 }
 
 /// Half the largest second difference of the medians around an interval, px: what a line misses of an arc, at the ends too.

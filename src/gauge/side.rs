@@ -3,14 +3,14 @@
 use super::blur::{self, BLOCKS, BlurContext, BlurEstimate};
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
-use super::edges::{Edge, EdgeState};
+use super::columns::{ColumnJob, score_columns};
+use super::edges::Edge;
 use super::esf::EdgeShape;
 use super::gate::{self, OutlierScratch};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample};
-use super::score::{Place, locate, locate_core, normalise};
 use super::settings::{GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
@@ -285,7 +285,9 @@ impl SideState {
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
             let job = ColumnJob {
-                side: self,
+                windows: &self.windows,
+                dark: &self.dark,
+                light: &self.light,
                 noise,
                 table,
                 min_snr: settings.min_snr as f32,
@@ -348,88 +350,6 @@ impl SideState {
         }
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
-}
-
-/// Columns that share a table.
-struct ColumnJob<'a> {
-    side: &'a SideState,
-    noise: &'a NoiseModel,
-    table: &'a Table,
-    min_snr: f32,
-    reject: bool,
-    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
-    shadow: f32,
-    contrast: f32,
-}
-
-/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
-const LIT_SHADOW: f32 = 0.25;
-
-/// The inner loop.
-fn score_columns(
-    job: &ColumnJob<'_>,
-    columns: std::ops::Range<usize>,
-    normalised: &mut [f32],
-    line: &mut Vec<Edge>,
-) {
-    // Cores of constant length let the compiler unroll; these are those for σ up to 2.5 px.
-    match job.table.core().1 {
-        16 => line.extend(columns.map(|c| fit_column::<2>(job, c, normalised))),
-        24 => line.extend(columns.map(|c| fit_column::<3>(job, c, normalised))),
-        _ => line.extend(columns.map(|c| fit_column::<0>(job, c, normalised))),
-    }
-}
-
-#[inline(always)]
-fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edge {
-    let side = job.side;
-    let windows = &side.windows;
-    if let Err(reason) = windows.centre[column] {
-        return Edge::gap(reason);
-    }
-    let (dark, light) = (side.dark.level[column], side.light.level[column]);
-    let contrast = light - dark;
-    let variance = job.noise.variance(f64::from(0.5 * (dark + light))) as f32;
-    if !(contrast >= job.min_snr * variance.sqrt()) {
-        return Edge::gap(Reason::LowContrast);
-    }
-    let own = windows.light[column] - windows.dark[column];
-    let lit_shadow = windows.dark[column] - job.shadow > LIT_SHADOW * contrast.max(job.contrast);
-    if job.reject && (lit_shadow || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
-        return Edge::gap(Reason::Contaminated);
-    }
-    let window = windows.of(column);
-    let first = job.table.core().0;
-    let found = if C > 0 { locate_core::<C>(&window[first..], dark, contrast, job.table) } else { None };
-    let Some(found) = found.or_else(|| locate_in_whole(job, window, dark, contrast, normalised)) else {
-        return Edge::gap(Reason::Residual);
-    };
-    let relative = variance / (contrast * contrast);
-    let scalars = job.table.scalars(found.index);
-    // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
-    let by_light = scalars.offset / contrast * side.light.uncertainty[column];
-    let by_dark = (scalars.weight_sum - scalars.offset) / contrast * side.dark.uncertainty[column];
-    Edge {
-        row_px: windows.row(column, found.x),
-        u_own_px: scalars.unit_uncertainty * relative.sqrt(),
-        u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
-        chi2: found.residual / (relative * job.table.freedom),
-        state: EdgeState::Good,
-    }
-}
-
-/// An edge that is not where it was looked for, with all of its window.
-#[cold]
-fn locate_in_whole(
-    job: &ColumnJob<'_>,
-    window: &[f32],
-    dark: f32,
-    contrast: f32,
-    normalised: &mut [f32],
-) -> Option<Place> {
-    let start = normalise(window, dark, contrast, normalised) - job.table.centroid;
-    let found = locate(normalised, job.table, start)?;
-    Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
 }
 
 /// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.

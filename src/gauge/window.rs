@@ -1,5 +1,8 @@
 //! Windows around the edges of one side: reading them, centring them, their flat ends.
 
+use multiversion::multiversion;
+use wide::f32x4;
+
 use super::coarse::CoarseEdge;
 use super::esf::EdgeShape;
 use super::pixels::{Plane, Sample};
@@ -12,9 +15,14 @@ const CENTRED: f32 = 0.65;
 /// What is left to the scoring where noise keeps a window hopping, px: its own shifts reach that far.
 const LATER: f32 = 2.5;
 
-/// Columns of a tile, and the most rows that its windows can span.
-const TILE: usize = 32;
-const TILE_ROWS: usize = 72 + 8;
+/// Columns of a tile: their pixels in a row fill one or two lines of the cache.
+const TILE: usize = 64;
+/// Most rows by which the edges in a tile may differ.
+const MOST_SPREAD: i32 = 8;
+/// The most rows that the windows of a tile can span, with one more either side.
+const TILE_ROWS: usize = 72 + MOST_SPREAD as usize + 2;
+/// Columns that are turned into windows together.
+const GROUP: usize = 8;
 
 /// Upper or lower edge. Windows always run from shadow to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,72 +107,69 @@ impl Windows {
 
     /// Reads all windows whose centre is known, and centres them.
     pub(crate) fn read<T: Sample>(&mut self, plane: &Plane<'_, T>) {
+        let mut tile = std::mem::take(&mut self.tile);
+        tile.resize(TILE_ROWS, [0.0; TILE]);
         for from in (0..plane.columns).step_by(TILE) {
             let to = (from + TILE).min(plane.columns);
-            if !self.read_tile(plane, from, to) {
-                for column in from..to {
-                    self.read_one(plane, column);
-                }
+            match self.tile_rows(plane, from, to) {
+                Some(rows) => read_tile(self, plane, from, rows, &mut tile),
+                None => (from..to).for_each(|column| self.read_one(plane, column)),
             }
         }
+        self.tile = tile;
     }
 
-    /// Reads a tile of neighbouring windows row by row, which the cache likes better than column by column. False where the
-    /// edge is too steep or broken, or near the border, for windows of one tile.
-    fn read_tile<T: Sample>(&mut self, plane: &Plane<'_, T>, from: usize, to: usize) -> bool {
+    /// First and last row that a tile's windows and their neighbours to be centred on reach; `None` where the edge is too steep or
+    /// broken, or near the border, for windows of one tile.
+    fn tile_rows<T: Sample>(&self, plane: &Plane<'_, T>, from: usize, to: usize) -> Option<(i32, i32)> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for centre in &self.centre[from..to] {
-            let Ok(row) = centre else { return false };
-            (low, high) = (low.min(*row), high.max(*row));
+            let row = centre.ok()?;
+            (low, high) = (low.min(row), high.max(row));
+        }
+        if high - low > MOST_SPREAD || to - from < TILE || plane.column_stride != 1 {
+            return None;
         }
         let (half, width) = (half(self.width) as i32, self.width as i32);
         let (before, after) =
             if self.side == Side::Bottom { (half, width - 1 - half) } else { (width - 1 - half, half) };
-        let (first, last) = (low - before, high + after);
-        let rows = (last - first + 1) as usize;
-        if high - low > 8
-            || first < 0
-            || last as usize >= plane.rows
-            || to - from < TILE
-            || plane.column_stride != 1
-        {
-            return false;
-        }
-        let mut tile = std::mem::take(&mut self.tile);
-        tile.resize(TILE_ROWS, [0.0; TILE]);
-        for (row, values) in tile[..rows].iter_mut().enumerate() {
-            plane.read_row(first as usize + row, from, values);
-        }
-        for column in from..to {
-            let Ok(centre) = self.centre[column] else { continue };
-            let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
-            let start = (centre - before - first) as usize;
-            let part = &tile[start..start + window.len()];
-            if self.side == Side::Bottom {
-                for (value, row) in window.iter_mut().zip(part) {
-                    *value = row[column - from];
-                }
-            } else {
-                for (value, row) in window.iter_mut().zip(part.iter().rev()) {
-                    *value = row[column - from];
-                }
+        let hop = i32::from(!self.centred);
+        let (first, last) = (low - before - hop, high + after + hop);
+        (first >= 0 && (last as usize) < plane.rows).then_some((first, last))
+    }
+
+    /// Copies one window out of a tile whose windows begin at `start`; centres it within the tile's own rows where it is off by one.
+    fn take_one(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, start: usize) -> bool {
+        let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
+        let copy = |window: &mut [f32], start: usize| {
+            for (value, row) in window.iter_mut().zip(&tile[start..]) {
+                *value = row[lane];
             }
-            if self.centred {
-                (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
-                continue;
-            }
+        };
+        copy(window, start);
+        if self.centred {
+            (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
+            return true;
+        }
+        let (mut centre, mut start) = (self.centre[column], start);
+        for hop in 0..2 {
             let (dark, light, area) = area_start(window, self.flat);
             let x = area - self.centroid;
             if light > dark && x.abs() <= CENTRED {
-                self.start[column] = x;
-                self.dark[column] = dark;
-                self.light[column] = light;
-            } else {
-                self.read_one(plane, column);
+                (self.start[column], self.dark[column], self.light[column]) = (x, dark, light);
+                self.centre[column] = centre;
+                return true;
             }
+            if hop == 1 || !(light > dark && x.abs() < 1.5) {
+                return false;
+            }
+            // Windows lie in the tile as they run, from shadow to light.
+            let shift = if x > 0.0 { 1 } else { -1 };
+            centre = centre.map(|row| row + self.side.sign() * shift);
+            start = if x > 0.0 { start + 1 } else { start - 1 };
+            copy(window, start);
         }
-        self.tile = tile;
-        true
+        false
     }
 
     fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize) {
@@ -195,6 +200,83 @@ impl Windows {
         }
         self.centre[column] = Err(Reason::NoEdge);
     }
+}
+
+/// Reads a tile of neighbouring windows row by row, which the cache likes better than column by column, and turns it, eight
+/// columns at a time where their edges lie in the same row.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
+fn read_tile<T: Sample>(
+    windows: &mut Windows,
+    plane: &Plane<'_, T>,
+    from: usize,
+    (first, last): (i32, i32),
+    tile: &mut [[f32; TILE]],
+) {
+    let down = windows.side == Side::Bottom;
+    let rows = (last - first + 1) as usize;
+    for (k, values) in tile[..rows].iter_mut().enumerate() {
+        let row = if down { first as usize + k } else { last as usize - k };
+        plane.read_tile_row(row, from, values);
+    }
+    let (half, flat, width) = (half(windows.width) as i32, windows.flat, windows.width);
+    let start = |row: i32| (if down { row - half - first } else { last - row - half }) as usize;
+    for group in (0..TILE).step_by(GROUP) {
+        let column = from + group;
+        let Ok(centre) = windows.centre[column] else { continue };
+        let alike = windows.centre[column..column + GROUP].iter().all(|c| *c == Ok(centre));
+        if alike {
+            let begin = start(centre);
+            let Some(part) = tile.get(begin..begin + width) else { continue };
+            let out = &mut windows.pixels[column * width..(column + GROUP) * width];
+            turn_group(part, group, width, out);
+            if windows.centred {
+                let (dark, light) = group_ends(part, group, flat);
+                windows.dark[column..column + GROUP].copy_from_slice(&dark);
+                windows.light[column..column + GROUP].copy_from_slice(&light);
+                continue;
+            }
+        }
+        for lane in group..group + GROUP {
+            let column = from + lane;
+            let Ok(row) = windows.centre[column] else { continue };
+            if !windows.take_one(tile, lane, column, start(row)) {
+                windows.read_one(plane, column);
+            }
+        }
+    }
+}
+
+/// Turns the rows of eight columns of a tile into eight windows.
+#[inline(always)]
+fn turn_group(part: &[[f32; TILE]], lane: usize, width: usize, out: &mut [f32]) {
+    for (block, rows) in part.as_chunks::<4>().0.iter().enumerate() {
+        for four in [0, 4] {
+            let load = |row: &[f32; TILE]| {
+                row[lane + four..].first_chunk::<4>().map_or(f32x4::ZERO, |v| f32x4::from(*v))
+            };
+            let turned = f32x4::transpose([load(&rows[0]), load(&rows[1]), load(&rows[2]), load(&rows[3])]);
+            for (k, values) in turned.into_iter().enumerate() {
+                let at = (four + k) * width + 4 * block;
+                out[at..at + 4].copy_from_slice(&values.to_array());
+            }
+        }
+    }
+}
+
+/// [`flat_ends`] of eight columns of a tile.
+#[inline(always)]
+fn group_ends(part: &[[f32; TILE]], lane: usize, flat: usize) -> ([f32; GROUP], [f32; GROUP]) {
+    let (used, scale) = (part.len() - 1, 1.0 / flat as f32);
+    let mean = |rows: &[[f32; TILE]]| {
+        let mut sums = [0.0_f32; GROUP];
+        for row in rows {
+            for (sum, value) in sums.iter_mut().zip(&row[lane..lane + GROUP]) {
+                *sum += value;
+            }
+        }
+        sums.map(|sum| sum * scale)
+    };
+    (mean(&part[..flat]), mean(&part[used - flat..used]))
 }
 
 /// Means of the flat ends, in the shadow and in the light.

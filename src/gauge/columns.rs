@@ -1,0 +1,180 @@
+//! The inner loop of a side: from windows and levels to edges, four neighbouring columns at a time.
+//!
+//! Four columns whose windows and levels are sound are scored together, so that what is done once a column (levels, noise,
+//! uncertainty) fills a vector register; a column that is not takes the path of one by itself. Both do the same operations in the
+//! same order, so that a column's edge does not depend on its neighbours' fate or on the machine's instruction set.
+
+use wide::f32x4;
+
+use super::edges::{Edge, EdgeState};
+use super::levels::LevelCurve;
+use super::noise::NoiseModel;
+use super::score::{Place, locate, locate_core, locate_four, normalise};
+use super::table::{CorePhase, Cores, Table};
+use super::window::Windows;
+use crate::profile::Reason;
+
+/// Columns scored together.
+const FOUR: usize = 4;
+
+/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
+const LIT_SHADOW: f32 = 0.25;
+
+/// Columns that share a table.
+pub(crate) struct ColumnJob<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) dark: &'a LevelCurve,
+    pub(crate) light: &'a LevelCurve,
+    pub(crate) noise: &'a NoiseModel,
+    pub(crate) table: &'a Table,
+    pub(crate) min_snr: f32,
+    pub(crate) reject: bool,
+    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
+    pub(crate) shadow: f32,
+    pub(crate) contrast: f32,
+}
+
+/// Scores columns and appends their edges to `line`.
+pub(crate) fn score_columns(
+    job: &ColumnJob<'_>,
+    columns: std::ops::Range<usize>,
+    normalised: &mut [f32],
+    line: &mut Vec<Edge>,
+) {
+    match job.table.cores() {
+        Cores::Two(phases) => score_run(job, phases, columns, normalised, line),
+        Cores::Three(phases) => score_run(job, phases, columns, normalised, line),
+        Cores::Whole => line.extend(columns.map(|c| fit_column::<1>(job, &[], c, normalised))),
+    }
+}
+
+fn score_run<const C: usize>(
+    job: &ColumnJob<'_>,
+    phases: &[CorePhase<C>],
+    columns: std::ops::Range<usize>,
+    normalised: &mut [f32],
+    line: &mut Vec<Edge>,
+) {
+    let mut first = columns.start;
+    while first < columns.end {
+        let count = FOUR.min(columns.end - first);
+        let four = if count == FOUR { fit_four(job, phases, first) } else { None };
+        match four {
+            Some(edges) => line.extend_from_slice(&edges),
+            None => line.extend((first..first + count).map(|c| fit_column(job, phases, c, normalised))),
+        }
+        first += count;
+    }
+}
+
+/// Four columns from `first` on; `None` unless all of them are sound and settle at once.
+#[inline(always)]
+fn fit_four<const C: usize>(
+    job: &ColumnJob<'_>,
+    phases: &[CorePhase<C>],
+    first: usize,
+) -> Option<[Edge; FOUR]> {
+    let four = |values: &[f32]| values.get(first..)?.first_chunk::<FOUR>().map(|v| f32x4::from(*v));
+    let centre = job.windows.centre.get(first..)?.first_chunk::<FOUR>()?;
+    let (dark, light) = (four(&job.dark.level)?, four(&job.light.level)?);
+    let (own_dark, own_light) = (four(&job.windows.dark)?, four(&job.windows.light)?);
+    let contrast = light - dark;
+    let middle = (f32x4::splat(0.5) * (dark + light)).to_array();
+    let mut variance = [0.0_f32; FOUR];
+    for (variance, level) in variance.iter_mut().zip(middle) {
+        *variance = job.noise.variance(f64::from(level)) as f32;
+    }
+    let variance = f32x4::from(variance);
+    let mut sound = contrast.simd_ge(f32x4::splat(job.min_snr) * variance.sqrt());
+    if job.reject {
+        let own = own_light - own_dark;
+        let most = f32x4::splat(LIT_SHADOW) * contrast.fast_max(f32x4::splat(job.contrast));
+        let dark_enough = (own_dark - f32x4::splat(job.shadow)).simd_le(most);
+        let half = own.simd_gt(f32x4::splat(0.5) * contrast);
+        sound = sound & dark_enough & half & own.simd_lt(f32x4::splat(2.0) * contrast);
+    }
+    if !sound.all() {
+        return None;
+    }
+    let (skip, width) = (job.table.core().0, job.windows.width);
+    let cores = job.windows.pixels.get(first * width..)?;
+    let found = locate_four(cores, (skip, width), dark, contrast, job.table, phases)?;
+    let [a, b, c, d] = found.phases;
+    let (a, b, c, d) = (&a.scalars, &b.scalars, &c.scalars, &d.scalars);
+    // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
+    let offset = f32x4::from([a.offset, b.offset, c.offset, d.offset]);
+    let sum = f32x4::from([a.weight_sum, b.weight_sum, c.weight_sum, d.weight_sum]);
+    let unit = [a.unit_uncertainty, b.unit_uncertainty, c.unit_uncertainty, d.unit_uncertainty];
+    let by_light = offset / contrast * four(&job.light.uncertainty)?;
+    let by_dark = (sum - offset) / contrast * four(&job.dark.uncertainty)?;
+    let shared = (by_light * by_light + by_dark * by_dark).sqrt().to_array();
+    let relative = variance / (contrast * contrast);
+    let own = (f32x4::from(unit) * relative.sqrt()).to_array();
+    let chi2 = (found.residual / (relative * f32x4::splat(job.table.freedom))).to_array();
+    let (sign, x) = (f64::from(job.windows.side.sign()), found.x.to_array());
+    let mut edges = [Edge::gap(Reason::NoEdge); FOUR];
+    for (k, edge) in edges.iter_mut().enumerate() {
+        *edge = Edge {
+            row_px: f64::from(centre[k].ok()?) + sign * f64::from(x[k]),
+            u_own_px: own[k],
+            u_shared_px: shared[k],
+            chi2: chi2[k],
+            state: EdgeState::Good,
+        };
+    }
+    Some(edges)
+}
+
+#[inline(always)]
+fn fit_column<const C: usize>(
+    job: &ColumnJob<'_>,
+    phases: &[CorePhase<C>],
+    column: usize,
+    normalised: &mut [f32],
+) -> Edge {
+    let windows = job.windows;
+    if let Err(reason) = windows.centre[column] {
+        return Edge::gap(reason);
+    }
+    let (dark, light) = (job.dark.level[column], job.light.level[column]);
+    let contrast = light - dark;
+    let variance = job.noise.variance(f64::from(0.5 * (dark + light))) as f32;
+    if !(contrast >= job.min_snr * variance.sqrt()) {
+        return Edge::gap(Reason::LowContrast);
+    }
+    let own = windows.light[column] - windows.dark[column];
+    let lit_shadow = windows.dark[column] - job.shadow > LIT_SHADOW * contrast.max(job.contrast);
+    if job.reject && (lit_shadow || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
+        return Edge::gap(Reason::Contaminated);
+    }
+    let window = windows.of(column);
+    let found = locate_core(&window[job.table.core().0..], dark, contrast, job.table, phases);
+    let Some(found) = found.or_else(|| locate_in_whole(job, window, dark, contrast, normalised)) else {
+        return Edge::gap(Reason::Residual);
+    };
+    let relative = variance / (contrast * contrast);
+    let scalars = job.table.scalars(found.index);
+    let by_light = scalars.offset / contrast * job.light.uncertainty[column];
+    let by_dark = (scalars.weight_sum - scalars.offset) / contrast * job.dark.uncertainty[column];
+    Edge {
+        row_px: windows.row(column, found.x),
+        u_own_px: scalars.unit_uncertainty * relative.sqrt(),
+        u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
+        chi2: found.residual / (relative * job.table.freedom),
+        state: EdgeState::Good,
+    }
+}
+
+/// An edge that is not where it was looked for, with all of its window.
+#[cold]
+fn locate_in_whole(
+    job: &ColumnJob<'_>,
+    window: &[f32],
+    dark: f32,
+    contrast: f32,
+    normalised: &mut [f32],
+) -> Option<Place> {
+    let start = normalise(window, dark, contrast, normalised) - job.table.centroid;
+    let found = locate(normalised, job.table, start)?;
+    Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
+}
