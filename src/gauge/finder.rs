@@ -7,7 +7,7 @@
 
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
-use super::coarse::{CoarseEdge, find_part};
+use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
@@ -48,7 +48,8 @@ pub struct EdgeStream {
     /// The edge-spread function of the settings.
     shape: EdgeShape,
     sides: [SideState; 2],
-    centres: [Vec<CoarseEdge>; 2],
+    /// Where the edges are looked for.
+    coarse: Coarse,
     differences: [Vec<f32>; 2],
     axis: AxisScratch,
     one_sided: f64,
@@ -92,7 +93,7 @@ impl EdgeStream {
             shape,
             settings,
             sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
-            centres: [Vec::new(), Vec::new()],
+            coarse: Coarse::default(),
             differences: [Vec::new(), Vec::new()],
             axis: AxisScratch::default(),
             one_sided: 0.0,
@@ -181,7 +182,8 @@ impl EdgeStream {
 
     /// Remembers where the edges are.
     fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
-        for (centres, line) in self.centres.iter_mut().zip([&out.top, &out.bottom]) {
+        let Coarse { top, bottom, .. } = &mut self.coarse;
+        for (centres, line) in [(top, &out.top), (bottom, &out.bottom)] {
             let mut nearest = Err(Reason::NoEdge);
             for (centre, edge) in centres.iter_mut().zip(line) {
                 // A gap looks where its neighbour was; where the coarse search saw nothing, nothing is looked for.
@@ -207,8 +209,8 @@ impl EdgeStream {
         scale: Scale,
         out: &mut FrameEdges,
     ) -> Result<(), FrameRefused> {
-        let coarse = find_part(plane, &self.settings).map_err(|reason| refused(reason, explain(reason)))?;
-        self.centres = [coarse.top, coarse.bottom];
+        let found = self.coarse.find_part(plane, &self.settings);
+        found.map_err(|reason| refused(reason, explain(reason)))?;
         self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),
@@ -252,7 +254,7 @@ impl EdgeStream {
     fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
         let (mut sum, mut count) = (0.0, 0.0);
         for widest in [4.0, 2.0, 0.8] {
-            for (side, centres) in self.sides.iter_mut().zip(&self.centres) {
+            for (side, centres) in self.sides.iter_mut().zip([&self.coarse.top, &self.coarse.bottom]) {
                 if let Some(sigma) = side.rough_blur(plane, centres, widest) {
                     (sum, count) = (sum + sigma, count + 1.0);
                 }
@@ -273,7 +275,7 @@ impl EdgeStream {
         centring: Option<f64>,
     ) -> Result<Scene, FrameRefused> {
         let [top, bottom] = &mut self.sides;
-        let [upper, lower] = &self.centres;
+        let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
         both(|| top.look(plane, upper, sigma, centring), || bottom.look(plane, lower, sigma, centring));
         self.scene(scale)
     }

@@ -10,6 +10,7 @@ mod clipped;
 mod coarse;
 mod column_means;
 mod columns;
+mod components;
 mod curvature;
 mod diameter;
 mod edges;

@@ -1,6 +1,6 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
-use super::blur::{self, BLOCKS, BlurContext, BlurEstimate};
+use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
 use super::columns::{ColumnJob, score_columns};
@@ -41,6 +41,7 @@ pub(crate) struct SideState {
     floats: Vec<f32>,
     outliers: OutlierScratch,
     pool: LevelPool,
+    blur_scratch: BlurScratch,
 }
 
 /// Level sums of a side before pooling.
@@ -67,6 +68,7 @@ impl SideState {
             floats: Vec::new(),
             outliers: OutlierScratch::default(),
             pool: LevelPool::default(),
+            blur_scratch: BlurScratch::new(),
         }
     }
 
@@ -110,14 +112,14 @@ impl SideState {
     ) -> Option<f64> {
         let windows = &mut self.windows;
         windows.centre.clear();
-        windows.centre.resize(centres.len(), Err(Reason::NoEdge));
-        for column in (0..BLOCKS).flat_map(|b| blur::sample(b, centres.len())) {
-            windows.centre[column] = centres[column];
-        }
+        windows.centre.extend(blur::samples(centres.len()).map(|column| centres[column]));
+        windows.centred = false;
         let gaussian = EdgeShape::Gaussian;
-        windows.prepare(&gaussian, widest, window_width(&gaussian, widest), plane.columns);
-        windows.read(plane);
-        blur::rough(windows, plane.columns, &mut self.floats)
+        windows.prepare(&gaussian, widest, window_width(&gaussian, widest), windows.centre.len());
+        for (place, column) in blur::samples(centres.len()).enumerate() {
+            windows.read_one(plane, column, place);
+        }
+        blur::rough(windows, &mut self.floats)
     }
 
     /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
@@ -227,7 +229,7 @@ impl SideState {
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
-        self.blur = blur::refine(&context, start);
+        self.blur = blur::refine(&context, start, &mut self.blur_scratch);
     }
 
     /// Index of the table for a blur and noise slope, built where it is missing.

@@ -20,6 +20,8 @@ pub(crate) const FINE: u32 = 64;
 pub(crate) const COARSE: u32 = 16;
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
+/// Pixels of the longest window.
+const MOST_WIDTH: usize = 72;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
 
@@ -100,6 +102,7 @@ pub(crate) struct Table {
     cores: Cores,
     arrays: Vec<f32>,
     scalars: Vec<PhaseScalars>,
+    borders: Vec<[f64; 3]>,
 }
 
 /// Index of a window's central pixel.
@@ -110,7 +113,7 @@ pub(crate) fn half(width: usize) -> usize {
 /// Width of the window for a blur: the edge itself and five flat pixels or more either side.
 pub(crate) fn window_width(shape: &EdgeShape, sigma: f64) -> usize {
     let half = (shape.reach(sigma) + 5.0 + f64::from(PHASE_REACH)).ceil() as usize;
-    (2 * half + 2).next_multiple_of(8).clamp(24, 72)
+    (2 * half + 2).next_multiple_of(8).clamp(24, MOST_WIDTH)
 }
 
 /// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
@@ -138,33 +141,66 @@ impl Table {
         free_levels: bool,
         per_px: u32,
     ) -> Self {
-        let steps = (PHASE_REACH * per_px as f32) as i32;
-        let count = (2 * steps + 1) as usize;
-        let mut table = Self {
-            sigma,
-            kappa,
-            width,
-            freedom: 0.0,
-            per_px: per_px as f32,
-            core: if free_levels { width } else { core_width(shape, sigma) },
-            centroid: shape.centroid(sigma) as f32,
-            cores: Cores::Whole,
-            arrays: vec![0.0; count * ARRAYS * width],
-            scalars: Vec::with_capacity(count),
-        };
-        let mut samples = vec![EdgeSample::default(); width - 1];
-        let reach = if free_levels { width as f64 } else { shape.reach(sigma) };
-        for (index, step) in (-steps..=steps).enumerate() {
-            let phase = f64::from(step) / f64::from(per_px);
-            shape.samples(-(half(width) as f64), phase, sigma, &mut samples);
-            let rows = &mut table.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
-            let scalars = fill_phase(&samples, phase, kappa, reach, free_levels, rows, width);
-            table.scalars.push(scalars);
-        }
+        let mut table = Self::empty();
+        table.fill(shape, sigma, kappa, width, free_levels, per_px);
         table.fill_core();
-        let fitted = table.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
-        table.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
         table
+    }
+
+    /// An empty table, to be filled.
+    pub(crate) fn empty() -> Self {
+        Self {
+            sigma: 1.0,
+            kappa: 0.0,
+            width: 0,
+            freedom: 0.0,
+            per_px: 0.0,
+            centroid: 0.0,
+            core: 0,
+            cores: Cores::Whole,
+            arrays: Vec::new(),
+            scalars: Vec::new(),
+            borders: Vec::new(),
+        }
+    }
+
+    /// Fills all but the core, which only the placing of edges needs.
+    pub(crate) fn fill(
+        &mut self,
+        shape: &EdgeShape,
+        sigma: f64,
+        kappa: f64,
+        width: usize,
+        free_levels: bool,
+        per_px: u32,
+    ) {
+        let steps = (PHASE_REACH * per_px as f32) as usize;
+        let count = 2 * steps + 1;
+        (self.sigma, self.kappa, self.width, self.per_px) = (sigma, kappa, width, per_px as f32);
+        self.core = if free_levels { width } else { core_width(shape, sigma) };
+        self.centroid = shape.centroid(sigma) as f32;
+        self.arrays.clear();
+        self.arrays.resize(count * ARRAYS * width, 0.0);
+        self.scalars.clear();
+        // Every border of every pixel at every phase lies on one grid.
+        let (pixel, reach) = (per_px as usize, if free_levels { width as f64 } else { shape.reach(sigma) });
+        let side = half(width) * pixel + pixel / 2 + steps;
+        let borders = &mut self.borders;
+        shape.borders(sigma, per_px, 2 * side + 1, borders);
+        let mut samples = [EdgeSample::default(); MOST_WIDTH];
+        let samples = &mut samples[..width - 1];
+        for index in 0..count {
+            let phase = (index as f64 - steps as f64) / f64::from(per_px);
+            let first = 2 * steps - index;
+            for (k, sample) in samples.iter_mut().enumerate() {
+                let left = first + k * pixel;
+                *sample = EdgeSample::between(&borders[left], &borders[left + pixel]);
+            }
+            let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
+            self.scalars.push(fill_phase(samples, phase, kappa, reach, free_levels, rows, width));
+        }
+        let fitted = self.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
+        self.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
     }
 
     fn fill_core(&mut self) {
@@ -240,8 +276,10 @@ fn fill_phase(
     let (mut information, mut blur_position, mut blur_information) = (0.0, 0.0, 0.0);
     for (k, sample) in samples.iter().enumerate() {
         let iv = inverse_variance(k);
-        let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
-        fisher += gradient * gradient.transpose() * iv;
+        if free_levels {
+            let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
+            fisher += gradient * gradient.transpose() * iv;
+        }
         information += iv * sample.by_position * sample.by_position;
         blur_position += iv * sample.by_position * sample.by_sigma;
         blur_information += iv * sample.by_sigma * sample.by_sigma;
@@ -249,11 +287,11 @@ fn fill_phase(
         rows[2 * width + k] = iv as f32;
         rows[3 * width + k] = (iv * sample.by_sigma) as f32;
     }
+    fisher[(0, 0)] = information;
     let row = position_row(&fisher, free_levels);
     let (mut offset, mut sum) = (0.0, 0.0);
     for (k, sample) in samples.iter().enumerate() {
-        let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
-        let weight = row.dot(&gradient) * inverse_variance(k);
+        let weight = (row[0] * sample.by_position + row[1] + row[2] * sample.value) * inverse_variance(k);
         offset += weight * sample.value;
         sum += weight;
         rows[k] = weight as f32;

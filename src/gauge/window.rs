@@ -113,7 +113,7 @@ impl Windows {
             let to = (from + TILE).min(plane.columns);
             match self.tile_rows(plane, from, to) {
                 Some(rows) => read_tile(self, plane, from, rows, &mut tile),
-                None => (from..to).for_each(|column| self.read_one(plane, column)),
+                None => (from..to).for_each(|column| self.read_one(plane, column, column)),
             }
         }
         self.tile = tile;
@@ -138,49 +138,95 @@ impl Windows {
         (first >= 0 && (last as usize) < plane.rows).then_some((first, last))
     }
 
-    /// Copies one window out of a tile whose windows begin at `start`; centres it within the tile's own rows where it is off by one.
-    fn take_one(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, start: usize) -> bool {
+    /// Copies the window of a column out of a tile, in which it begins at `begin`.
+    #[inline(always)]
+    fn copy_out(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, begin: usize) {
         let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
-        let copy = |window: &mut [f32], start: usize| {
-            for (value, row) in window.iter_mut().zip(&tile[start..]) {
-                *value = row[lane];
-            }
-        };
-        copy(window, start);
+        for (value, row) in window.iter_mut().zip(&tile[begin..]) {
+            *value = row[lane];
+        }
+    }
+
+    /// Takes one column out of a tile; false where its window has to be centred.
+    fn take_one(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, begin: usize) -> bool {
+        self.copy_out(tile, lane, column, begin);
+        let window = self.of(column);
         if self.centred {
             (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
             return true;
         }
-        let (mut centre, mut start) = (self.centre[column], start);
-        for hop in 0..2 {
-            let (dark, light, area) = area_start(window, self.flat);
-            let x = area - self.centroid;
-            if light > dark && x.abs() <= CENTRED {
-                (self.start[column], self.dark[column], self.light[column]) = (x, dark, light);
-                self.centre[column] = centre;
-                return true;
-            }
-            if hop == 1 || !(light > dark && x.abs() < 1.5) {
-                return false;
-            }
-            // Windows lie in the tile as they run, from shadow to light.
-            let shift = if x > 0.0 { 1 } else { -1 };
-            centre = centre.map(|row| row + self.side.sign() * shift);
-            start = if x > 0.0 { start + 1 } else { start - 1 };
-            copy(window, start);
+        let (dark, light, area) = area_start(window, self.flat);
+        let x = area - self.centroid;
+        let central = is_central(dark, light, x);
+        if central {
+            (self.start[column], self.dark[column], self.light[column]) = (x, dark, light);
         }
-        false
+        central
     }
 
-    fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize) {
-        let Ok(mut centre) = self.centre[column] else { return };
+    /// Takes eight columns out of a tile whose windows all begin at `begin`; gives those that are still to be centred.
+    #[inline(always)]
+    fn take_group(
+        &mut self,
+        tile: &[[f32; TILE]],
+        lane: usize,
+        column: usize,
+        begin: usize,
+    ) -> [bool; GROUP] {
+        let (width, flat, columns) = (self.width, self.flat, column..column + GROUP);
+        let part = &tile[begin..begin + width];
+        let out = &mut self.pixels[columns.start * width..columns.end * width];
+        let mut open = [false; GROUP];
+        if self.centred {
+            turn_group(part, lane, out);
+            let (dark, light) = group_ends(part, lane, flat);
+            self.dark[columns.clone()].copy_from_slice(&dark);
+            self.light[columns].copy_from_slice(&light);
+            return open;
+        }
+        // An edge off by one pixel, as most are at first, is centred within the tile.
+        let starts = [-1, 0, 1].map(|shift: isize| {
+            let begin = begin.wrapping_add_signed(shift);
+            group_start(&tile[begin..begin + width], lane, flat, self.centroid)
+        });
+        let mut shifts = [0_usize; GROUP];
+        for k in 0..GROUP {
+            let [_, here, _] = &starts;
+            let there = if is_central(here.dark[k], here.light[k], here.x[k]) {
+                1
+            } else if here.x[k] > 0.0 {
+                2
+            } else {
+                0
+            };
+            let start = &starts[there];
+            open[k] = !is_central(start.dark[k], start.light[k], start.x[k]);
+            shifts[k] = there;
+            if !open[k] {
+                self.start[column + k] = start.x[k];
+                (self.dark[column + k], self.light[column + k]) = (start.dark[k], start.light[k]);
+                let shift = self.side.sign() * (there as i32 - 1);
+                self.centre[column + k] = self.centre[column + k].map(|row| row + shift);
+            }
+        }
+        let common = shifts[0];
+        turn_group(&tile[begin + common - 1..begin + common - 1 + width], lane, out);
+        for k in (0..GROUP).filter(|k| shifts[*k] != common) {
+            self.copy_out(tile, lane + k, column + k, begin + shifts[k] - 1);
+        }
+        open
+    }
+
+    /// Reads and centres the window of a column into a place (the column's own, where all are read).
+    pub(crate) fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize, place: usize) {
+        let Ok(mut centre) = self.centre[place] else { return };
         let half = half(self.width) as i32;
         let down = self.side == Side::Bottom;
-        let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
+        let window = &mut self.pixels[place * self.width..(place + 1) * self.width];
         for hop in 0..4 {
             let first = centre - self.side.sign() * half;
             if !plane.gather(first as isize, down, column, window) {
-                self.centre[column] = Err(Reason::Border);
+                self.centre[place] = Err(Reason::Border);
                 return;
             }
             let (dark, light, area) = area_start(window, self.flat);
@@ -190,15 +236,15 @@ impl Windows {
             }
             let shift = x.round();
             if x.abs() <= if hop < 3 { CENTRED } else { LATER } {
-                self.centre[column] = Ok(centre);
-                self.start[column] = x;
-                self.dark[column] = dark;
-                self.light[column] = light;
+                self.centre[place] = Ok(centre);
+                self.start[place] = x;
+                self.dark[place] = dark;
+                self.light[place] = light;
                 return;
             }
             centre += self.side.sign() * shift.clamp(-64.0, 64.0) as i32;
         }
-        self.centre[column] = Err(Reason::NoEdge);
+        self.centre[place] = Err(Reason::NoEdge);
     }
 }
 
@@ -218,29 +264,23 @@ fn read_tile<T: Sample>(
         let row = if down { first as usize + k } else { last as usize - k };
         plane.read_tile_row(row, from, values);
     }
-    let (half, flat, width) = (half(windows.width) as i32, windows.flat, windows.width);
+    let half = half(windows.width) as i32;
     let start = |row: i32| (if down { row - half - first } else { last - row - half }) as usize;
     for group in (0..TILE).step_by(GROUP) {
         let column = from + group;
         let Ok(centre) = windows.centre[column] else { continue };
-        let alike = windows.centre[column..column + GROUP].iter().all(|c| *c == Ok(centre));
-        if alike {
-            let begin = start(centre);
-            let Some(part) = tile.get(begin..begin + width) else { continue };
-            let out = &mut windows.pixels[column * width..(column + GROUP) * width];
-            turn_group(part, group, width, out);
-            if windows.centred {
-                let (dark, light) = group_ends(part, group, flat);
-                windows.dark[column..column + GROUP].copy_from_slice(&dark);
-                windows.light[column..column + GROUP].copy_from_slice(&light);
-                continue;
+        if windows.centre[column..column + GROUP].iter().all(|c| *c == Ok(centre)) {
+            let open = windows.take_group(tile, group, column, start(centre));
+            for k in (0..GROUP).filter(|k| open[*k]) {
+                windows.read_one(plane, column + k, column + k);
             }
+            continue;
         }
         for lane in group..group + GROUP {
             let column = from + lane;
             let Ok(row) = windows.centre[column] else { continue };
             if !windows.take_one(tile, lane, column, start(row)) {
-                windows.read_one(plane, column);
+                windows.read_one(plane, column, column);
             }
         }
     }
@@ -248,7 +288,8 @@ fn read_tile<T: Sample>(
 
 /// Turns the rows of eight columns of a tile into eight windows.
 #[inline(always)]
-fn turn_group(part: &[[f32; TILE]], lane: usize, width: usize, out: &mut [f32]) {
+fn turn_group(part: &[[f32; TILE]], lane: usize, out: &mut [f32]) {
+    let width = part.len();
     for (block, rows) in part.as_chunks::<4>().0.iter().enumerate() {
         for four in [0, 4] {
             let load = |row: &[f32; TILE]| {
@@ -263,20 +304,53 @@ fn turn_group(part: &[[f32; TILE]], lane: usize, width: usize, out: &mut [f32]) 
     }
 }
 
+/// Sums of eight columns over rows of a tile.
+#[inline(always)]
+fn group_sums(rows: &[[f32; TILE]], lane: usize) -> [f32; GROUP] {
+    let mut sums = [0.0_f32; GROUP];
+    for row in rows {
+        if let Some(values) = row[lane..].first_chunk::<GROUP>() {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value;
+            }
+        }
+    }
+    sums
+}
+
 /// [`flat_ends`] of eight columns of a tile.
 #[inline(always)]
 fn group_ends(part: &[[f32; TILE]], lane: usize, flat: usize) -> ([f32; GROUP], [f32; GROUP]) {
     let (used, scale) = (part.len() - 1, 1.0 / flat as f32);
-    let mean = |rows: &[[f32; TILE]]| {
-        let mut sums = [0.0_f32; GROUP];
-        for row in rows {
-            for (sum, value) in sums.iter_mut().zip(&row[lane..lane + GROUP]) {
-                *sum += value;
-            }
-        }
-        sums.map(|sum| sum * scale)
-    };
-    (mean(&part[..flat]), mean(&part[used - flat..used]))
+    let (mut dark, mut light) = (group_sums(&part[..flat], lane), group_sums(&part[used - flat..used], lane));
+    dark.iter_mut().chain(&mut light).for_each(|sum| *sum *= scale);
+    (dark, light)
+}
+
+/// [`area_start`] of eight columns of a tile, about the centroid.
+struct GroupStart {
+    dark: [f32; GROUP],
+    light: [f32; GROUP],
+    x: [f32; GROUP],
+}
+
+#[inline(always)]
+fn group_start(part: &[[f32; TILE]], lane: usize, flat: usize, centroid: f32) -> GroupStart {
+    let used = part.len() - 1;
+    let (dark, light) = group_ends(part, lane, flat);
+    let sums = group_sums(&part[..used], lane);
+    let none = used as f32 - 0.5 - half(part.len()) as f32 - centroid;
+    let mut x = [0.0; GROUP];
+    for k in 0..GROUP {
+        x[k] = none - (sums[k] - dark[k] * used as f32) / (light[k] - dark[k]);
+    }
+    GroupStart { dark, light, x }
+}
+
+/// Whether a window with these flat ends and this edge is centred.
+#[inline(always)]
+fn is_central(dark: f32, light: f32, x: f32) -> bool {
+    light > dark && x.abs() <= CENTRED
 }
 
 /// Means of the flat ends, in the shadow and in the light.
