@@ -11,10 +11,10 @@ use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
-use super::noise::{LEAST_OF_COUNTS, NoiseModel, variance_of_differences};
+use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
-use super::settings::{Blur, EsfModel, GaugeSettings, Polarity, Rejection};
-use super::side::SideState;
+use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
+use super::side::{Scale, SideState};
 use super::window::Side;
 use crate::frame::FrameView;
 use crate::profile::Reason;
@@ -26,8 +26,6 @@ const LEAST_COLUMNS: usize = 8;
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;
-/// Fraction of flat light pixels at full scale above which the light counts as clipped.
-const CLIPPED_FRACTION: f64 = 1e-3;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
@@ -50,7 +48,6 @@ pub struct EdgeStream {
     sides: [SideState; 2],
     /// Where the edges are looked for.
     coarse: Coarse,
-    differences: [Vec<f32>; 2],
     axis: AxisScratch,
     one_sided: f64,
     last: Option<Last>,
@@ -65,16 +62,12 @@ struct Last {
     frames: u32,
 }
 
-/// What is known of the sensor before a frame is looked at.
-#[derive(Clone, Copy)]
-struct Scale {
-    clip: Option<f32>,
-    floor: f64,
-}
-
 /// What the frame says about itself.
 struct Scene {
     noise: NoiseModel,
+    /// Mean levels of both sides, counts.
+    dark: f64,
+    light: f64,
     clip: [Option<f32>; 2],
     quantised: bool,
 }
@@ -94,7 +87,6 @@ impl EdgeStream {
             settings,
             sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
             coarse: Coarse::default(),
-            differences: [Vec::new(), Vec::new()],
             axis: AxisScratch::default(),
             one_sided: 0.0,
             last: None,
@@ -163,7 +155,9 @@ impl EdgeStream {
         }
         let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
         let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
-        self.fit(&scene, out);
+        if !self.fit(&scene, out, true) {
+            return false;
+        }
         let valid = out.valid() as f64;
         let misfit = self.misfit();
         if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
@@ -221,17 +215,19 @@ impl EdgeStream {
             None => self.rough_blur(plane)?,
         };
         let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+        self.pool(&scene)?;
         if given.is_none() {
             self.refine_blur(&scene, sigma);
             let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
             if self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                self.pool(&scene)?;
             }
         } else {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
-        self.fit(&scene, out);
+        self.fit(&scene, out, false);
         if self.settings.esf == (EsfModel::Learnt {}) {
             self.learn(&scene, out);
         }
@@ -247,7 +243,7 @@ impl EdgeStream {
             if learnt == (false, false) {
                 return;
             }
-            self.fit(scene, out);
+            self.fit(scene, out, false);
         }
     }
 
@@ -266,7 +262,7 @@ impl EdgeStream {
         Err(refused(Reason::Border, "no edge keeps clear of the border of the field".to_owned()))
     }
 
-    /// Reads all windows, then noise and levels. `centring`: the edges are only roughly known, and this is the steepest slope.
+    /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
     fn look<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -274,28 +270,26 @@ impl EdgeStream {
         sigma: f64,
         centring: Option<f64>,
     ) -> Result<Scene, FrameRefused> {
+        let estimate = matches!(self.settings.noise, Noise::Estimated {});
+        let look = |side: &mut SideState, centres| {
+            side.look(plane, centres, sigma, centring);
+            side.survey(scale, estimate);
+        };
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
-        both(|| top.look(plane, upper, sigma, centring), || bottom.look(plane, lower, sigma, centring));
+        both(|| look(top, upper), || look(bottom, lower));
         self.scene(scale)
     }
 
-    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
-        let none =
-            || refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned());
-        let sums = [self.sides[0].level_sums(), self.sides[1].level_sums()];
-        let count = sums[0].count + sums[1].count;
+    fn scene(&self, scale: Scale) -> Result<Scene, FrameRefused> {
+        let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
+        let count = top.levels.count + bottom.levels.count;
         if count == 0.0 {
-            return Err(none());
+            return Err(no_levels());
         }
-        let dark = (sums[0].dark + sums[1].dark) / count;
-        let light = (sums[0].light + sums[1].light) / count;
-        let is_clipped =
-            |side: &SideState| scale.clip.filter(|clip| side.clipped_fraction(*clip) > CLIPPED_FRACTION);
-        let clip = [is_clipped(&self.sides[0]), is_clipped(&self.sides[1])];
-        let floor = scale.floor.max((1e-4 * (light - dark)).powi(2)).max(1e-20);
-        let least = if scale.floor > 0.0 { floor.sqrt().max(LEAST_OF_COUNTS) } else { floor.sqrt() };
-        let noise = self.noise(dark, light, clip, (floor, least as f32)).ok_or_else(none)?;
+        let dark = (top.levels.dark + bottom.levels.dark) / count;
+        let light = (top.levels.light + bottom.levels.light) / count;
+        let noise = self.noise(dark, light, scale.floor(light - dark)).ok_or_else(no_levels)?;
         let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
         if !(snr >= self.settings.min_snr) {
             return Err(refused(
@@ -306,41 +300,28 @@ impl EdgeStream {
                 ),
             ));
         }
-        let levels = self.settings.levels;
-        let [top, bottom] = &mut self.sides;
-        let (a, b) = both(
-            || top.pool_levels(&noise, dark, light, levels),
-            || bottom.pool_levels(&noise, dark, light, levels),
-        );
-        if a && b { Ok(Scene { noise, clip, quantised: scale.floor > 0.0 }) } else { Err(none()) }
+        Ok(Scene { noise, dark, light, clip: [top.clip, bottom.clip], quantised: scale.floor > 0.0 })
     }
 
-    fn noise(
-        &mut self,
-        dark: f64,
-        light: f64,
-        clip: [Option<f32>; 2],
-        (floor, least): (f64, f32),
-    ) -> Option<NoiseModel> {
+    fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
-        let sides = &self.sides;
-        let variance = |in_light: bool, differences: &mut Vec<f32>| {
-            differences.clear();
-            for (side, clip) in sides.iter().zip(clip) {
-                if !(in_light && clip.is_some()) {
-                    side.collect_differences(in_light, differences);
-                }
-            }
-            variance_of_differences(differences, least)
-        };
-        let [first, second] = &mut self.differences;
-        let (in_dark, in_light) = both(|| variance(false, first), || variance(true, second));
-        let in_dark = in_dark?;
-        let in_light = in_light.unwrap_or(in_dark);
+        let [top, bottom] = [&self.sides[0].survey.spread, &self.sides[1].survey.spread];
+        let in_dark = top[0].with(bottom[0]).variance()?;
+        let in_light = top[1].with(bottom[1]).variance().unwrap_or(in_dark);
         Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
+    }
+
+    /// Pools the levels of both sides.
+    fn pool(&mut self, scene: &Scene) -> Result<(), FrameRefused> {
+        let pool =
+            |side: &mut SideState, levels| side.pool_levels(&scene.noise, scene.dark, scene.light, levels);
+        let levels = self.settings.levels;
+        let [top, bottom] = &mut self.sides;
+        let (a, b) = both(|| pool(top, levels), || pool(bottom, levels));
+        if a && b { Ok(()) } else { Err(no_levels()) }
     }
 
     fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
@@ -352,14 +333,22 @@ impl EdgeStream {
         both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
     }
 
-    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges) {
+    /// Fits both sides, their levels pooled before where `pool`; false without levels.
+    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges, pool: bool) -> bool {
         let settings = &self.settings;
+        let fit = |side: &mut SideState, clip, line: &mut Vec<Edge>| {
+            let there = !pool || side.pool_levels(&scene.noise, scene.dark, scene.light, settings.levels);
+            if there {
+                side.fit(settings, &scene.noise, clip, line);
+            }
+            there
+        };
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&mut out.top, &mut out.bottom);
-        both(
-            || top.fit(settings, &scene.noise, scene.clip[0], upper),
-            || bottom.fit(settings, &scene.noise, scene.clip[1], lower),
-        );
+        let (a, b) = both(|| fit(top, scene.clip[0], upper), || fit(bottom, scene.clip[1], lower));
+        if !(a && b) {
+            return false;
+        }
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
         }
@@ -367,6 +356,7 @@ impl EdgeStream {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
+        true
     }
 
     /// Whether the frame as a whole is believable.
@@ -425,6 +415,10 @@ fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + 
     } else {
         (a(), b())
     }
+}
+
+fn no_levels() -> FrameRefused {
+    refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
 }
 
 fn refused(reason: Reason, detail: String) -> FrameRefused {

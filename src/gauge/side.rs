@@ -9,13 +9,15 @@ use super::esf::EdgeShape;
 use super::gate::{self, OutlierScratch};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
-use super::noise::NoiseModel;
+use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
 use super::settings::{GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
 use crate::profile::Reason;
 
+/// Fraction of flat light pixels at full scale above which the light counts as clipped.
+const CLIPPED_FRACTION: f64 = 1e-3;
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
 /// Tables kept; steep edges need many.
@@ -32,6 +34,7 @@ pub(crate) struct SideState {
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
+    pub(crate) survey: Survey,
     /// The edge-spread function fitted.
     shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -39,9 +42,42 @@ pub(crate) struct SideState {
     tables: Vec<Table>,
     normalised: Vec<f32>,
     floats: Vec<f32>,
+    differences: Vec<f32>,
     outliers: OutlierScratch,
     pool: LevelPool,
     blur_scratch: BlurScratch,
+}
+
+/// What is known of the sensor before a frame is looked at.
+#[derive(Clone, Copy)]
+pub(crate) struct Scale {
+    /// Full scale, where the light is the brighter end.
+    pub(crate) clip: Option<f32>,
+    /// Variance of quantisation, counts²; 0 for frames that are not quantised.
+    pub(crate) floor: f64,
+}
+
+impl Scale {
+    /// Smallest variance of a pixel that is taken seriously, counts².
+    pub(crate) fn floor(self, contrast: f64) -> f64 {
+        self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
+    }
+
+    /// Smallest scale of differences that is taken seriously, counts.
+    fn least(self, contrast: f64) -> f32 {
+        let least = self.floor(contrast).sqrt();
+        (if self.floor > 0.0 { least.max(LEAST_OF_COUNTS) } else { least }) as f32
+    }
+}
+
+/// What a side says of itself before the other one is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Survey {
+    pub(crate) levels: LevelSums,
+    /// Full scale, where the side's light stands at it.
+    pub(crate) clip: Option<f32>,
+    /// Noise in the shadow and in the light.
+    pub(crate) spread: [Spread; 2],
 }
 
 /// Level sums of a side before pooling.
@@ -61,11 +97,13 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
+            survey: Survey::default(),
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
             normalised: Vec::new(),
             floats: Vec::new(),
+            differences: Vec::new(),
             outliers: OutlierScratch::default(),
             pool: LevelPool::default(),
             blur_scratch: BlurScratch::new(),
@@ -145,21 +183,47 @@ impl SideState {
         }
     }
 
-    pub(crate) fn level_sums(&self) -> LevelSums {
-        let mut sums = LevelSums::default();
-        for (dark, light) in self.windows.dark.iter().zip(&self.windows.light) {
-            if dark.is_finite() {
-                sums.dark += f64::from(*dark);
-                sums.light += f64::from(*light);
-                sums.count += 1.0;
+    /// What the windows say of levels and noise before the other side is known.
+    pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
+        let levels = self.level_sums();
+        let clip = scale.clip.filter(|clip| self.clipped_fraction(*clip) > CLIPPED_FRACTION);
+        let mut spread = [Spread::default(); 2];
+        if estimate_noise && levels.count > 0.0 {
+            let least = scale.least((levels.light - levels.dark) / levels.count);
+            for (in_light, spread) in [false, true].into_iter().zip(&mut spread) {
+                if !(in_light && clip.is_some()) {
+                    self.collect_differences(in_light);
+                    *spread = Spread::of(&self.differences, least);
+                }
             }
         }
-        sums
+        self.survey = Survey { levels, clip, spread };
+    }
+
+    fn level_sums(&self) -> LevelSums {
+        let (mut dark_sums, mut light_sums, mut counts) = ([0.0_f64; 4], [0.0_f64; 4], [0.0_f64; 4]);
+        let (darks, rest) = self.windows.dark.as_chunks::<4>();
+        let (lights, other) = self.windows.light.as_chunks::<4>();
+        for (dark, light) in darks.iter().zip(lights) {
+            for k in 0..4 {
+                let there = dark[k].is_finite();
+                dark_sums[k] += if there { f64::from(dark[k]) } else { 0.0 };
+                light_sums[k] += if there { f64::from(light[k]) } else { 0.0 };
+                counts[k] += if there { 1.0 } else { 0.0 };
+            }
+        }
+        for (dark, light) in rest.iter().zip(other).filter(|(dark, _)| dark.is_finite()) {
+            (dark_sums[0], light_sums[0]) =
+                (dark_sums[0] + f64::from(*dark), light_sums[0] + f64::from(*light));
+            counts[0] += 1.0;
+        }
+        LevelSums { dark: dark_sums.iter().sum(), light: light_sums.iter().sum(), count: counts.iter().sum() }
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
-    pub(crate) fn collect_differences(&self, in_light: bool, out: &mut Vec<f32>) {
-        let windows = &self.windows;
+    fn collect_differences(&mut self, in_light: bool) {
+        let (windows, out) = (&self.windows, &mut self.differences);
+        out.clear();
         let columns = windows.centre.len();
         let used = windows.width - 1;
         let flat = if in_light { used - windows.flat..used } else { 0..windows.flat };
@@ -173,7 +237,7 @@ impl SideState {
     }
 
     /// Fraction of the flat light pixels that stand at full scale.
-    pub(crate) fn clipped_fraction(&self, clip: f32) -> f64 {
+    fn clipped_fraction(&self, clip: f32) -> f64 {
         let windows = &self.windows;
         let (mut at_clip, mut all) = (0_u32, 0_u32);
         let used = windows.width - 1;
