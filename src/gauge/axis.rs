@@ -51,6 +51,7 @@ pub(crate) struct AxisScratch {
     pool: Vec<f32>,
     sizes: Vec<f64>,
     refused: Vec<bool>,
+    ends: Vec<isize>,
 }
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
@@ -117,6 +118,19 @@ fn basis(x: f64) -> Vector3<f64> {
 }
 
 impl AxisScratch {
+    /// Makes room for frames of so many columns, whatever they show.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        fn room<T>(values: &mut Vec<T>, length: usize) {
+            values.reserve(length.saturating_sub(values.len()));
+        }
+        room(&mut self.departures, columns);
+        room(&mut self.refused, columns);
+        room(&mut self.ends, columns);
+        room(&mut self.blocks, columns / BLOCK + 1);
+        room(&mut self.sizes, columns / BLOCK + 257);
+        room(&mut self.pool, BLOCK);
+    }
+
     /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
     fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
         let columns = top.len();
@@ -276,13 +290,12 @@ impl AxisScratch {
     /// Extends refused stretches over neighbours that still depart to the same side, and a guard beyond.
     fn grow(&mut self, limit: f32) {
         let columns = self.departures.len() as isize;
-        let seeds: Vec<isize> = (0..columns).filter(|c| self.refused[*c as usize]).collect();
-        let ends = seeds.iter().filter(|c| {
-            let open = |n: isize| n >= 0 && n < columns && !self.refused[n as usize];
-            open(**c - 1) || open(**c + 1)
-        });
-        let ends: Vec<isize> = ends.copied().collect();
-        for seed in ends {
+        let refused = &self.refused;
+        let open = |n: isize| n >= 0 && n < columns && !refused[n as usize];
+        self.ends.clear();
+        self.ends.extend((0..columns).filter(|c| refused[*c as usize] && (open(c - 1) || open(c + 1))));
+        for index in 0..self.ends.len() {
+            let seed = self.ends[index];
             let sign = self.departures[seed as usize].signum();
             for step in [-1_isize, 1] {
                 let (mut at, mut quiet, mut last) = (seed, 0, seed);

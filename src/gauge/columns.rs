@@ -178,3 +178,112 @@ fn locate_in_whole(
     let found = locate(normalised, job.table, start)?;
     Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal, Uniform};
+    use rand_pcg::Pcg64;
+
+    use super::super::esf::EdgeShape;
+    use super::super::model::EdgeSample;
+    use super::super::settings::Noise;
+    use super::super::table::{FINE, half, window_width};
+    use super::super::window::Side;
+    use super::*;
+
+    const COLUMNS: usize = 256;
+
+    /// Windows of noisy edges anywhere between 0.7 px either side of their centres, dark 100 and light 1100 counts.
+    fn scene(sigma: f64, noise: f64, seed: u64) -> Windows {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let (normal, place) = (Normal::new(0.0, noise).unwrap(), Uniform::new(-0.7, 0.7).unwrap());
+        let shape = EdgeShape::Gaussian;
+        let mut windows = Windows::new(Side::Bottom);
+        windows.prepare(&shape, sigma, window_width(&shape, sigma), COLUMNS);
+        windows.centre = vec![Ok(500); COLUMNS];
+        windows.dark = vec![100.0; COLUMNS];
+        windows.light = vec![1100.0; COLUMNS];
+        let width = windows.width;
+        for window in windows.pixels.chunks_exact_mut(width) {
+            let mut samples = vec![EdgeSample::default(); width];
+            shape.samples(-(half(width) as f64), place.sample(&mut rng), sigma, &mut samples);
+            for (pixel, sample) in window.iter_mut().zip(&samples) {
+                *pixel = (100.0 + 1000.0 * sample.value + normal.sample(&mut rng)).round() as f32;
+            }
+        }
+        windows
+    }
+
+    /// The same by the textbook: one pixel after the other, in f64.
+    fn in_scalars(window: &[f32], table: &Table) -> f64 {
+        let (first, length) = table.core();
+        let grey = |k: usize| (f64::from(window[k]) - 100.0) / 1000.0;
+        let area: f64 = (first..first + length).map(grey).sum();
+        let mut x = (first + length) as f64 - half(table.width) as f64 - 0.5 - area;
+        for count in 0..10 {
+            let phase = table.phase(x as f32);
+            let weighted: f64 = (first..first + length).map(|k| f64::from(phase.weights[k]) * grey(k)).sum();
+            let step = weighted - f64::from(phase.scalars.offset);
+            x = f64::from(phase.scalars.phase) + step;
+            if count > 0 && step.abs() * f64::from(table.per_px) <= 0.75 {
+                break;
+            }
+        }
+        x
+    }
+
+    #[test]
+    fn four_at_a_time_one_by_one_and_in_scalars_agree() {
+        let level = |value: f32| LevelCurve {
+            level: vec![value; COLUMNS],
+            uncertainty: vec![0.5; COLUMNS],
+            length: 100.0,
+            mean: f64::from(value),
+        };
+        let (mut largest, mut compared) = (0.0_f64, 0);
+        for (seed, (sigma, sd)) in
+            [(0.6, 5.0), (1.0, 50.0), (1.0, 10.0), (1.6, 20.0), (2.2, 50.0)].into_iter().enumerate()
+        {
+            let windows = scene(sigma, sd, seed as u64);
+            let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, windows.width, false, FINE);
+            let noise = Noise::PhotonTransfer {
+                gain_counts_per_electron: 0.0,
+                read_noise_counts: sd,
+                black_counts: 0.0,
+            };
+            let noise = NoiseModel::given(noise, 1.0, 1e-3).unwrap();
+            let (dark, light) = (level(100.0), level(1100.0));
+            let job = ColumnJob {
+                windows: &windows,
+                dark: &dark,
+                light: &light,
+                noise: &noise,
+                table: &table,
+                min_snr: 5.0,
+                reject: true,
+                shadow: 100.0,
+                contrast: 1000.0,
+            };
+            let mut normalised = vec![0.0; windows.width];
+            let (mut together, mut alone) = (Vec::new(), Vec::new());
+            score_columns(&job, 0..COLUMNS, &mut normalised, &mut together);
+            // Runs of three never fill a vector.
+            for first in (0..COLUMNS).step_by(3) {
+                score_columns(&job, first..(first + 3).min(COLUMNS), &mut normalised, &mut alone);
+            }
+            assert_eq!(together, alone);
+            for (column, edge) in together.iter().enumerate().filter(|(_, e)| e.is_usable()) {
+                let x = in_scalars(windows.of(column), &table);
+                // An edge that a rounding takes to the next phase tells nothing of the arithmetic.
+                let departure = (edge.row_px - 500.0 - x).abs();
+                if departure < 2e-5 {
+                    largest = largest.max(departure);
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared >= 5 * COLUMNS - 20, "{compared}");
+        assert!(largest < 1e-6, "{largest}");
+    }
+}

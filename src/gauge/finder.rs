@@ -205,6 +205,7 @@ impl EdgeStream {
     ) -> Result<(), FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
         found.map_err(|reason| refused(reason, explain(reason)))?;
+        self.axis.reserve(plane.columns);
         self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),

@@ -101,6 +101,14 @@ pub(crate) struct OutlierScratch {
     medians: Vec<(f64, f64)>,
 }
 
+impl OutlierScratch {
+    /// Makes room for lines of so many columns.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        self.pool.reserve(NEIGHBOURS.saturating_sub(self.pool.len()));
+        self.medians.reserve((columns / NEIGHBOURS + 1).saturating_sub(self.medians.len()));
+    }
+}
+
 /// Refuses edges further than `limit_px` (and six standard uncertainties) from the line through the medians of their neighbourhood.
 /// Where the medians themselves bend, the bend is allowed on top.
 pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut OutlierScratch) {

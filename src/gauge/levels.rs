@@ -47,6 +47,8 @@ impl LevelPool {
             return false;
         }
         let variance = f64::from(sd).powi(2).max(1e-12);
+        self.trial.reserve(max_knots);
+        self.best.reserve(max_knots);
         let mut least = f64::INFINITY;
         let (mut knots, mut worse) = (2, 0);
         // Twice as many knots that serve worse twice in a row end the search.
@@ -149,6 +151,15 @@ fn reset(values: &mut Vec<f64>, length: usize) {
 }
 
 impl Fit {
+    /// Makes room for so many knots.
+    fn reserve(&mut self, knots: usize) {
+        for values in
+            [&mut self.knots, &mut self.variance, &mut self.covariance, &mut self.diagonal, &mut self.off]
+        {
+            values.reserve(knots.saturating_sub(values.len()));
+        }
+    }
+
     /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
     fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
         let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;

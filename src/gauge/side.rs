@@ -173,6 +173,7 @@ impl SideState {
         self.windows.centred = centring.is_none();
         self.laid_out = sigma;
         self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
+        self.outliers.reserve(plane.columns);
         self.windows.read(plane);
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
