@@ -224,17 +224,24 @@ impl SideState {
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
     fn collect_differences(&mut self, in_light: bool) {
         let (windows, out) = (&self.windows, &mut self.differences);
-        out.clear();
-        let columns = windows.centre.len();
-        let used = windows.width - 1;
-        let flat = if in_light { used - windows.flat..used } else { 0..windows.flat };
-        let step = (columns * windows.flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+        let (columns, flat, width) = (windows.centre.len(), windows.flat, windows.width);
+        let first = if in_light { width - 1 - flat } else { 0 };
+        let step = (columns * flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+        out.resize(columns.div_ceil(step) * flat, 0.0);
+        let mut places = out.chunks_exact_mut(flat);
+        let mut taken = 0;
         for column in (0..columns.saturating_sub(1)).step_by(step) {
-            if windows.centre[column].is_ok() && windows.centre[column + 1].is_ok() {
-                let (a, b) = (&windows.of(column)[flat.clone()], &windows.of(column + 1)[flat.clone()]);
-                out.extend(a.iter().zip(b).map(|(a, b)| a - b));
+            if windows.centre[column].is_err() || windows.centre[column + 1].is_err() {
+                continue;
             }
+            let (a, b) = windows.pixels[column * width..(column + 2) * width].split_at(width);
+            let Some(place) = places.next() else { break };
+            for ((difference, a), b) in place.iter_mut().zip(&a[first..]).zip(&b[first..]) {
+                *difference = a - b;
+            }
+            taken += flat;
         }
+        out.truncate(taken);
     }
 
     /// Fraction of the flat light pixels that stand at full scale.
