@@ -158,7 +158,7 @@ impl EdgeStream {
         if !self.fit(&scene, out, true) {
             return false;
         }
-        let valid = out.valid() as f64;
+        let valid = self.valid(out) as f64;
         let misfit = self.misfit();
         if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
             return false;
@@ -176,8 +176,16 @@ impl EdgeStream {
 
     /// Remembers where the edges are.
     fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
+        let valid = self.valid(out);
+        let unbroken = self.is_unbroken();
         let Coarse { top, bottom, .. } = &mut self.coarse;
-        for (centres, line) in [(top, &out.top), (bottom, &out.bottom)] {
+        for ((centres, line), side) in
+            [(top, &out.top), (bottom, &out.bottom)].into_iter().zip(&mut self.sides)
+        {
+            if unbroken {
+                std::mem::swap(centres, &mut side.rows);
+                continue;
+            }
             let mut nearest = Err(Reason::NoEdge);
             for (centre, edge) in centres.iter_mut().zip(line) {
                 // A gap looks where its neighbour was; where the coarse search saw nothing, nothing is looked for.
@@ -189,7 +197,17 @@ impl EdgeStream {
                 }
             }
         }
-        self.last = Some(Last { size, valid: out.valid(), misfit: self.misfit(), frames });
+        self.last = Some(Last { size, valid, misfit: self.misfit(), frames });
+    }
+
+    /// Whether neither line has a gap.
+    fn is_unbroken(&self) -> bool {
+        self.one_sided == 0.0 && self.sides.iter().all(|side| side.jump.is_finite())
+    }
+
+    /// Columns with both edges.
+    fn valid(&self, out: &FrameEdges) -> usize {
+        if self.is_unbroken() { out.columns() } else { out.valid() }
     }
 
     fn misfit(&self) -> f64 {
@@ -362,7 +380,7 @@ impl EdgeStream {
 
     /// Whether the frame as a whole is believable.
     fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
-        let valid = out.valid();
+        let valid = self.valid(out);
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
             return Err(refused(
@@ -374,7 +392,8 @@ impl EdgeStream {
             ));
         }
         let jump_px = self.settings.outlier_px + self.settings.max_slope;
-        if gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
+        let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
+        if !contours && gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
             let detail = "the edges of neighbouring columns do not join to contours".to_owned();
             return Err(refused(Reason::Outlier, detail));
         }

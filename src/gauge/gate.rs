@@ -175,6 +175,19 @@ fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     0.5 * before.max(after)
 }
 
+/// The largest step from one column to the next of a line without gaps, px; infinite where there is one.
+pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
+    let (mut most, mut whole) = (0.0_f64, true);
+    let mut last = line.first().map_or(f64::NAN, |edge| edge.row_px);
+    for edge in line {
+        let jump = (edge.row_px - last).abs();
+        most = if jump > most { jump } else { most };
+        whole &= edge.is_usable() & jump.is_finite();
+        last = edge.row_px;
+    }
+    if whole { most } else { f64::INFINITY }
+}
+
 /// Shortest run of columns that counts as a contour, and the gap that does not end one.
 const CONTOUR: usize = 32;
 const BRIDGE: usize = 8;

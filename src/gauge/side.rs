@@ -35,6 +35,10 @@ pub(crate) struct SideState {
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
     pub(crate) survey: Survey,
+    /// Largest step between neighbouring edges, px; infinite with gaps.
+    pub(crate) jump: f64,
+    /// Rows of the edges, where there are no gaps.
+    pub(crate) rows: Vec<CoarseEdge>,
     /// The edge-spread function fitted.
     shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -98,6 +102,8 @@ impl SideState {
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
             survey: Survey::default(),
+            jump: f64::INFINITY,
+            rows: Vec::new(),
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
@@ -342,6 +348,11 @@ impl SideState {
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
+        self.jump = gate::largest_jump(line);
+        if self.jump.is_finite() {
+            self.rows.clear();
+            self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
+        }
     }
 
     fn fit_columns(&mut self, settings: &GaugeSettings, noise: &NoiseModel, line: &mut Vec<Edge>) -> f64 {
