@@ -8,10 +8,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::edges::{Edge, EdgeState};
+use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
 
-/// Columns of a block.
-const BLOCK: usize = 16;
 /// Fewest blocks that tell an axis from an excursion.
 const LEAST_BLOCKS: usize = 8;
 /// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
@@ -51,11 +50,13 @@ const USUAL_BEND_PX: f64 = 0.05;
 /// Sixteen columns.
 #[derive(Clone, Copy, Debug)]
 struct Block {
+    /// Its place among the frame's blocks.
+    index: usize,
     /// Abscissa, −1 to 1 over the field.
     x: f64,
     /// Median of the middles of both edges, px.
     middle: f64,
-    /// Median of the widths, px.
+    /// Median of the widths, px; NaN until they are measured.
     width: f64,
 }
 
@@ -70,6 +71,7 @@ pub(crate) struct AxisScratch {
     pool: Vec<f32>,
     sizes: Vec<f64>,
     refused: Vec<bool>,
+    ends: Vec<isize>,
 }
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
@@ -97,12 +99,20 @@ fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch)
         }
         return 1.0;
     }
-    let Some(axis) = scratch.axis() else { return 0.0 };
+    let Some(plain) = scratch.plain() else { return 0.0 };
+    let calm = scratch.is_calm(&plain);
+    if !calm || usable < top.len() {
+        scratch.measure_widths(top, bottom);
+    }
+    let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
-    let refused = scratch.mark(column_sd, block_sd);
-    if refused == 0 {
+    let any = scratch.mark(column_sd, block_sd);
+    if !any && usable == top.len() {
         return 0.0;
     }
+    scratch.measure_widths(top, bottom);
+    scratch.descend();
+    let refused = scratch.refused_columns();
     for (column, refuse) in scratch.refused.iter().enumerate() {
         if *refuse && top[column].is_usable() && bottom[column].is_usable() {
             let outwards_above = scratch.departures[column] < 0.0;
@@ -111,6 +121,21 @@ fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch)
         }
     }
     refused as f64 / usable.max(1) as f64
+}
+
+/// Medians of eight whole blocks; `None` where a value is missing.
+fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
+    let blocks = chunk.as_chunks::<BLOCK>().0.first_chunk::<LANES>()?;
+    if !chunk.iter().fold(true, |all, value| all & value.is_finite()) {
+        return None;
+    }
+    let mut turned = [[0.0; LANES]; BLOCK];
+    for (lane, block) in blocks.iter().enumerate() {
+        for (row, value) in turned.iter_mut().zip(block) {
+            row[lane] = *value;
+        }
+    }
+    Some(medians(&mut turned))
 }
 
 /// Standard deviation from the agreeing share of departures.
@@ -134,19 +159,34 @@ impl Block {
 }
 
 /// Median and number of the finite values; `None` where there are none.
-fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f64, usize)> {
+fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f32, usize)> {
     pool.clear();
     pool.extend(values.iter().filter(|m| m.is_finite()));
     let middle = pool.len() / 2;
     let count = pool.len();
-    (count > 0).then(|| (f64::from(*pool.select_nth_unstable_by(middle, f32::total_cmp).1), count))
+    (count > 0).then(|| (*pool.select_nth_unstable_by(middle, f32::total_cmp).1, count))
 }
 
 impl AxisScratch {
+    /// Makes room for frames of so many columns, whatever they show.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        fn room<T>(values: &mut Vec<T>, length: usize) {
+            values.reserve(length.saturating_sub(values.len()));
+        }
+        room(&mut self.departures, columns);
+        room(&mut self.widths, columns);
+        room(&mut self.refused, columns);
+        room(&mut self.ends, columns);
+        room(&mut self.blocks, columns / BLOCK + 1);
+        room(&mut self.sizes, columns / BLOCK + 257);
+        room(&mut self.pool, BLOCK);
+    }
+
     /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
     fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
         let columns = top.len();
         self.departures.clear();
+        self.widths.clear();
         self.blocks.clear();
         // Rows relative to the first, so that f32 keeps 1e-5 px.
         let origin = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
@@ -155,35 +195,61 @@ impl AxisScratch {
             let both = t.is_usable() && b.is_usable();
             if both { (0.5 * (t.row_px + b.row_px) - origin) as f32 } else { f32::NAN }
         }));
-        let wide = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
-        let wide = wide.map_or(0.0, |(t, b)| b.row_px - t.row_px);
-        self.widths.clear();
-        self.widths.extend(top.iter().zip(bottom).map(|(t, b)| {
-            let both = t.is_usable() && b.is_usable();
-            if both { (b.row_px - t.row_px - wide) as f32 } else { f32::NAN }
-        }));
         let mut usable = 0;
-        for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
-            let Some((middle, count)) = median(chunk, &mut self.pool) else { continue };
-            usable += count;
-            let widths = &self.widths[index * BLOCK..index * BLOCK + chunk.len()];
-            let Some((width, _)) = median(widths, &mut self.pool) else { continue };
-            if count >= BLOCK / 2 {
-                let at = index * BLOCK + chunk.len() / 2;
-                self.blocks.push(Block { x: abscissa(at as f64, columns), middle, width });
+        let block = |index: usize, length: usize, middle: f32| Block {
+            index,
+            x: abscissa((index * BLOCK + length / 2) as f64, columns),
+            middle: f64::from(middle),
+            width: f64::NAN,
+        };
+        for (group, chunk) in self.departures.chunks(LANES * BLOCK).enumerate() {
+            let first = group * LANES;
+            if let Some(medians) = whole_medians(chunk) {
+                usable += chunk.len();
+                self.blocks.extend((first..).zip(medians).map(|(index, m)| block(index, BLOCK, m)));
+                continue;
+            }
+            for (index, chunk) in (first..).zip(chunk.chunks(BLOCK)) {
+                let Some((middle, count)) = median(chunk, &mut self.pool) else { continue };
+                usable += count;
+                if count >= BLOCK / 2 {
+                    self.blocks.push(block(index, chunk.len(), middle));
+                }
             }
         }
         usable
     }
 
-    /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half of the
-    /// blocks agree with best.
-    fn axis(&mut self) -> Option<Vector3<f64>> {
-        let plain = fit(self.blocks.iter().map(Block::point), true)?;
-        let calm = !self.blocks.iter().any(|b| far(&plain, CALM_PX, b));
-        if calm && plain[2].abs() < BEND_OF_WANDER_PX {
-            return Some(plain);
+    /// Widths of the columns and of the blocks, px from the first one's; once a frame that is not calm.
+    fn measure_widths(&mut self, top: &[Edge], bottom: &[Edge]) {
+        if !self.widths.is_empty() {
+            return;
         }
+        let first = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
+        let origin = first.map_or(0.0, |(t, b)| b.row_px - t.row_px);
+        self.widths.extend(top.iter().zip(bottom).map(|(t, b)| {
+            let both = t.is_usable() && b.is_usable();
+            if both { (b.row_px - t.row_px - origin) as f32 } else { f32::NAN }
+        }));
+        for block in &mut self.blocks {
+            let from = block.index * BLOCK;
+            let widths = &self.widths[from..(from + BLOCK).min(top.len())];
+            block.width = median(widths, &mut self.pool).map_or(f64::NAN, |(width, _)| f64::from(width));
+        }
+    }
+
+    /// The parabola by least squares.
+    fn plain(&self) -> Option<Vector3<f64>> {
+        fit(self.blocks.iter().map(Block::point), true)
+    }
+
+    /// Whether all blocks agree with a parabola that hardly bends.
+    fn is_calm(&self, plain: &Vector3<f64>) -> bool {
+        plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
+    }
+
+    /// The axis of a frame that is not calm: what half of the blocks agree with best.
+    fn axis(&mut self, plain: Vector3<f64>) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, the axis
@@ -214,11 +280,10 @@ impl AxisScratch {
             if apart < n / 6 {
                 continue;
             }
-            let chosen = if bent { &three[..] } else { &[three[0], three[2]][..] };
-            let Some(axis) = fit(chosen.iter().map(|k| self.blocks[*k].point()), bent) else { continue };
-            let cost = self.cost(&axis);
-            if cost < best[usize::from(bent)].0 {
-                best[usize::from(bent)] = (cost, axis);
+            let axis = through(three.map(|k| self.blocks[k].point()), bent);
+            let (cost, kept) = &mut best[usize::from(bent)];
+            if self.is_cheaper(&axis, *cost) {
+                (*cost, *kept) = (self.cost(&axis), axis);
             }
         }
         for (cost, axis) in best.iter_mut().filter(|(cost, _)| cost.is_finite()) {
@@ -290,7 +355,19 @@ impl AxisScratch {
 
     /// Spread about an axis, dearer where it bends.
     fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
-        self.spread(axis) * (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+        self.spread(axis) * price(axis)
+    }
+
+    /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
+    fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
+        let limit = cost / (SCALE * price(axis));
+        let (a, b, c) = (axis[0], axis[1], axis[2]);
+        let near = |block: &Block| {
+            let (x, m) = block.point();
+            u32::from((m - (a + x * (b + x * c))).abs() < limit)
+        };
+        let agreeing: u32 = self.blocks.iter().map(near).sum();
+        agreeing as usize > (AGREEING * self.blocks.len() as f64) as usize
     }
 
     /// Robust standard deviation of the blocks about an axis, px.
@@ -316,8 +393,8 @@ impl AxisScratch {
         (column_sd, block_sd)
     }
 
-    /// Marks what departs, and what belongs to it; gives the number of columns marked.
-    fn mark(&mut self, column_sd: f64, block_sd: f64) -> usize {
+    /// Marks what departs, and what belongs to it; gives whether anything does.
+    fn mark(&mut self, column_sd: f64, block_sd: f64) -> bool {
         let columns = self.departures.len();
         let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
         let block_limit = (BLOCK_LIMIT * block_sd).max(FLOOR_PX) as f32;
@@ -344,20 +421,23 @@ impl AxisScratch {
         if any {
             self.grow(grow);
         }
-        self.descend();
+        any
+    }
+
+    /// Columns refused that had both edges.
+    fn refused_columns(&self) -> usize {
         self.refused.iter().zip(&self.departures).filter(|(r, d)| **r && d.is_finite()).count()
     }
 
     /// Extends refused stretches over neighbours that still depart to the same side, and a guard beyond.
     fn grow(&mut self, limit: f32) {
         let columns = self.departures.len() as isize;
-        let seeds: Vec<isize> = (0..columns).filter(|c| self.refused[*c as usize]).collect();
-        let ends = seeds.iter().filter(|c| {
-            let open = |n: isize| n >= 0 && n < columns && !self.refused[n as usize];
-            open(**c - 1) || open(**c + 1)
-        });
-        let ends: Vec<isize> = ends.copied().collect();
-        for seed in ends {
+        let refused = &self.refused;
+        let open = |n: isize| n >= 0 && n < columns && !refused[n as usize];
+        self.ends.clear();
+        self.ends.extend((0..columns).filter(|c| refused[*c as usize] && (open(c - 1) || open(c + 1))));
+        for index in 0..self.ends.len() {
+            let seed = self.ends[index];
             let sign = self.departures[seed as usize].signum();
             for step in [-1_isize, 1] {
                 let (mut at, mut quiet, mut last) = (seed, 0, seed);
@@ -438,6 +518,20 @@ impl AxisScratch {
 /// Whether a block lies further than `limit` px from an axis.
 fn far(axis: &Vector3<f64>, limit: f64, block: &Block) -> bool {
     (block.middle - axis.dot(&basis(block.x))).abs() > limit
+}
+
+/// What an axis costs for its bend.
+fn price(axis: &Vector3<f64>) -> f64 {
+    (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+}
+
+/// The parabola through three points, or the line through the first and the last.
+fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = points;
+    let whole = (y2 - y0) / (x2 - x0);
+    let bend = if bent { ((y1 - y0) / (x1 - x0) - whole) / (x1 - x2) } else { 0.0 };
+    let slope = whole - bend * (x0 + x2);
+    Vector3::new(y0 - x0 * (slope + bend * x0), slope, bend)
 }
 
 /// Parabola or line by least squares; `None` where the points do not tell it.
