@@ -6,7 +6,13 @@
 //!
 //! Positions go to the kernel as integer + fraction: f32 rows would lose 1e-4 px above row 2048.
 
+use multiversion::multiversion;
+use rayon::prelude::*;
+
 use super::esf::EsfTable;
+
+/// Columns of a task; the result does not depend on the number of threads.
+const BLOCK: usize = 256;
 
 /// Both edges of a column in pixels of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,8 +97,45 @@ impl RowBlur {
             moment += w * (i as f64 - reach) * departure;
             variance += w * departure * departure;
         }
+        self.equivalent(row, moment, variance)
+    }
+
+    fn equivalent(&self, row: f64, moment: f64, variance: f64) -> Straight {
         let slope = moment / self.variance;
         Straight { row, slope, excess_variance: (variance - slope * slope * self.variance).max(0.0) }
+    }
+}
+
+/// [`RowBlur::straight`] of neighbouring columns, one a lane: the same sums in the same order.
+struct Straights {
+    row: [f64; BLOCK],
+    moment: [f64; BLOCK],
+    variance: [f64; BLOCK],
+}
+
+/// `rows` holds the edge over the block's columns and `blur`'s reach to either side.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
+fn straights(blur: &RowBlur, rows: &[f64], out: &mut Straights) {
+    let count = rows.len() - 2 * blur.reach();
+    let reach = blur.reach() as f64;
+    let (row, moment, variance) =
+        (&mut out.row[..count], &mut out.moment[..count], &mut out.variance[..count]);
+    row.fill(0.0);
+    moment.fill(0.0);
+    variance.fill(0.0);
+    for (i, w) in blur.weights.iter().enumerate() {
+        for (row, e) in row.iter_mut().zip(&rows[i..i + count]) {
+            *row += w * e;
+        }
+    }
+    for (i, w) in blur.weights.iter().enumerate() {
+        let lever = w * (i as f64 - reach);
+        let lanes = moment.iter_mut().zip(&mut *variance).zip(&*row).zip(&rows[i..i + count]);
+        for (((moment, variance), row), e) in lanes {
+            let departure = e - row;
+            *moment += lever * departure;
+            *variance += w * departure * departure;
+        }
     }
 }
 
@@ -108,17 +151,30 @@ pub struct Depth {
 /// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end; `depth` of every
 /// column, or empty where all are in focus.
 pub fn kernel_columns(edges: &[ColumnEdges], depth: &[Depth], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
-    edges
-        .windows(2 * blur.reach() + 1)
-        .enumerate()
-        .map(|(column, window)| {
-            let depth = depth.get(column).copied().unwrap_or_default();
-            Column {
-                top: edge(blur.straight(window.iter().map(|e| e.top_px)), depth, esf, -1.0),
-                bottom: edge(blur.straight(window.iter().map(|e| e.bottom_px)), depth, esf, 1.0),
+    let count = edges.len().saturating_sub(2 * blur.reach());
+    let mut columns: Vec<Column> = vec![bytemuck::Zeroable::zeroed(); count];
+    columns.par_chunks_mut(BLOCK).enumerate().for_each(|(block, columns)| {
+        let first = block * BLOCK;
+        let window = &edges[first..first + columns.len() + 2 * blur.reach()];
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let rows: Vec<f64> =
+                window.iter().map(|e| if side == 0 { e.top_px } else { e.bottom_px }).collect();
+            let zeros = [0.0; BLOCK];
+            let mut found = Straights { row: zeros, moment: zeros, variance: zeros };
+            straights(blur, &rows, &mut found);
+            for (i, column) in columns.iter_mut().enumerate() {
+                let straight = blur.equivalent(found.row[i], found.moment[i], found.variance[i]);
+                let depth = depth.get(first + i).copied().unwrap_or_default();
+                let e = edge(straight, depth, esf, sign);
+                if side == 0 {
+                    column.top = e;
+                } else {
+                    column.bottom = e;
+                }
             }
-        })
-        .collect()
+        }
+    });
+    columns
 }
 
 fn edge(straight: Straight, depth: Depth, esf: &EsfTable, sign: f64) -> Edge {
@@ -165,21 +221,34 @@ fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
 
 /// Bands that hold every pixel where an edge is neither full light nor full shadow.
 pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
-    let mut rows = 1;
-    let mut start = Vec::with_capacity(columns.len().div_ceil(group));
-    for members in columns.chunks(group) {
-        let mut first = [i32::MAX; 2];
-        let mut last = [i32::MIN; 2];
-        for column in members {
-            for (side, e) in [column.top, column.bottom].iter().enumerate() {
-                let (from, to) = rows_of(e, esf);
-                first[side] = first[side].min(from);
-                last[side] = last[side].max(to);
-            }
-        }
-        rows = rows.max((0..2).map(|s| last[s] - first[s] + 1).max().unwrap_or(1));
-        start.push(first);
-    }
+    let parts: Vec<(i32, Vec<[i32; 2]>)> = columns
+        .par_chunks(group * BLOCK)
+        .map(|columns| {
+            let mut rows = 1;
+            let one = |members: &[Column]| {
+                let (first, last) = touched(members, esf);
+                rows = rows.max((0..2).map(|s| last[s] - first[s] + 1).max().unwrap_or(1));
+                first
+            };
+            let start = columns.chunks(group).map(one).collect();
+            (rows, start)
+        })
+        .collect();
+    let rows = parts.iter().map(|p| p.0).max().unwrap_or(1);
+    let start: Vec<[i32; 2]> = parts.into_iter().flat_map(|p| p.1).collect();
     let overlap = start.iter().any(|[upper, lower]| lower.saturating_sub(*upper) < rows);
     Bands { start, rows: rows as u32, overlap }
+}
+
+/// First and last rows that the upper and the lower edges of some columns touch.
+fn touched(members: &[Column], esf: &EsfTable) -> ([i32; 2], [i32; 2]) {
+    let (mut first, mut last) = ([i32::MAX; 2], [i32::MIN; 2]);
+    for column in members {
+        for (side, e) in [column.top, column.bottom].iter().enumerate() {
+            let (from, to) = rows_of(e, esf);
+            first[side] = first[side].min(from);
+            last[side] = last[side].max(to);
+        }
+    }
+    (first, last)
 }

@@ -148,7 +148,7 @@ impl Renderer {
         request: &FrameRequest,
         reuse: Option<Frame>,
     ) -> Result<Frame, RenderError> {
-        Ok(self.render_masked(scene, request, reuse)?.0)
+        Ok(self.frame(scene, request, reuse, false)?.0)
     }
 
     /// [`Self::render`] with the truth of the contamination: bits of [`super::contamination::mask`] for every pixel of
@@ -162,7 +162,17 @@ impl Renderer {
         request: &FrameRequest,
         reuse: Option<Frame>,
     ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
-        let mut job = scene.job(request)?;
+        self.frame(scene, request, reuse, true)
+    }
+
+    fn frame(
+        &self,
+        scene: &Scene,
+        request: &FrameRequest,
+        reuse: Option<Frame>,
+        with_mask: bool,
+    ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
+        let mut job = scene.job_with(request, with_mask)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
         let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
         let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request))

@@ -337,6 +337,11 @@ impl Scene {
     /// # Errors
     /// As [`Self::geometric_edges`].
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
+        self.job_with(request, true)
+    }
+
+    /// [`Self::job`], the truth of the contamination only where it is asked for.
+    pub(super) fn job_with(&self, request: &FrameRequest, with_mask: bool) -> Result<Job<'_>, RenderError> {
         let windows = self.windows(request)?;
         let window = windows.span();
         let format = self.format(request);
@@ -360,6 +365,7 @@ impl Scene {
             &stacked[seen(stacked.len())],
             &rises[seen(rises.len())],
             self.esf.blur_px,
+            with_mask,
         )?;
         let depth = self.depth(&instants[0], window);
         let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);

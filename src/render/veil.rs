@@ -42,7 +42,7 @@ pub(super) fn raise_edges(
 
 /// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
 ///
-/// `edges` are the window's, raised by `rises`.
+/// `edges` are the window's, raised by `rises`; the mask is left empty unless it is asked for.
 pub(super) fn contamination(
     bench: &OpticalBench,
     request: &FrameRequest,
@@ -50,6 +50,7 @@ pub(super) fn contamination(
     edges: &[ColumnEdges],
     rises: &[Rise],
     blur_px: f64,
+    with_mask: bool,
 ) -> Result<Option<LightMap>, RenderError> {
     let Some(soiling) = &bench.soiling else { return Ok(None) };
     let frame = windows.frame();
@@ -59,11 +60,14 @@ pub(super) fn contamination(
         for part in windows.parts() {
             let [row, column, rows, columns] =
                 [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
-            let piece = soiling.transmission(request.frame_id, [row, column], [rows, columns])?;
+            let piece = soiling.transmission(request.frame_id, [row, column], [rows, columns], with_mask)?;
             map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
         }
-    } else {
+    } else if with_mask {
         map.mask = vec![0; size[0] * size[1]];
+    }
+    if !with_mask {
+        return Ok(Some(map));
     }
     for (column, (e, rise)) in edges.iter().zip(rises).enumerate() {
         mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use super::bands::{KeptTiles, lay_packed};
 use super::field::{ContaminationField, FieldGeometry};
 use super::films::{AdheringFilms, Film};
-use super::map::TransmissionMap;
 use super::mask;
 use super::settings::Contamination;
 use crate::render::error::RenderError;
@@ -28,15 +28,8 @@ pub struct Soiling {
     seed: u64,
     field: ContaminationField,
     /// The window over the full sensor, laid when the first frame asks for it.
-    window: OnceLock<TransmissionMap>,
-    spare: Mutex<Spare>,
-}
-
-/// Allocations that frames take turns in using.
-#[derive(Debug, Default)]
-struct Spare {
-    maps: Vec<TransmissionMap>,
-    packed: Vec<LightMap>,
+    window: OnceLock<KeptTiles>,
+    spare: Mutex<Option<LightMap>>,
 }
 
 impl PartialEq for Soiling {
@@ -68,7 +61,7 @@ impl Soiling {
         if settings.is_clean() {
             return Ok(None);
         }
-        let (window, spare) = (OnceLock::new(), Mutex::default());
+        let (window, spare) = (OnceLock::new(), Mutex::new(None));
         Ok(Some(Self { settings: settings.clone(), geometry, seed, field, window, spare }))
     }
 
@@ -86,43 +79,29 @@ impl Soiling {
         &self,
         frame_id: u64,
         [row, column]: [usize; 2],
-        [rows, columns]: [usize; 2],
+        size: [usize; 2],
+        with_mask: bool,
     ) -> Result<LightMap, RenderError> {
-        let full = (rows, columns) == (self.geometry.rows, self.geometry.columns);
-        let (map, packed) = {
-            let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-            (spare.maps.pop(), spare.packed.pop())
-        };
-        let mut map = match map {
-            Some(map) if full && (map.rows(), map.columns()) == (rows, columns) => map,
-            _ => TransmissionMap::new(rows, columns),
-        };
-        if full {
-            map.copy_from(self.window.get_or_init(|| self.full_window()));
+        let whole = size == [self.geometry.rows, self.geometry.columns];
+        let air = self.field.air(frame_id)?;
+        let flying = self.field.air_layers(&air, row, column);
+        let mut packed =
+            self.spare.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
+        if whole {
+            let kept = self.window.get_or_init(|| {
+                KeptTiles::new(&self.field.window_layers(0, 0), self.geometry.rows, self.geometry.columns)
+            });
+            lay_packed(Some(kept), &[flying], size, with_mask, &mut packed);
         } else {
-            self.field.draw_on_window(row, column, &mut map);
-        }
-        self.field.draw_in_air(frame_id, row, column, &mut map)?;
-        let mut packed = packed.unwrap_or_default();
-        packed.pack(&map);
-        if full {
-            self.spare.lock().unwrap_or_else(PoisonError::into_inner).maps.push(map);
+            let lying = self.field.window_layers(row, column);
+            lay_packed(None, &[lying, flying], size, with_mask, &mut packed);
         }
         Ok(packed)
     }
 
-    fn full_window(&self) -> TransmissionMap {
-        let mut map = TransmissionMap::new(self.geometry.rows, self.geometry.columns);
-        self.field.draw_on_window(0, 0, &mut map);
-        map
-    }
-
     /// Takes a frame's factors back, so that the next frame can use their memory.
     pub fn recycle(&self, packed: LightMap) {
-        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        if spare.packed.is_empty() {
-            spare.packed.push(packed);
-        }
+        *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(packed);
     }
 
     /// Films that reach into `z_mm`, on a shaft of mean radius `radius_mm`.
