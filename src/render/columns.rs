@@ -199,6 +199,46 @@ pub fn steepest(columns: &[Column]) -> f64 {
     tan / tan.hypot(1.0)
 }
 
+/// Largest error of the light where the pixel's square is folded into the table, share of full intensity.
+const FOLDED_ERROR: f64 = 1e-6;
+
+/// Steepest |sin β| for which it is.
+const FOLDED_SIN: f64 = 0.1;
+
+/// The table with the pixel folded in, where all edges are so level and of so even a blur that it errs by less than 1e-6; fits the
+/// edges' scales to it.
+///
+/// The square has the variance 1/12 across an edge of any slope. Its fourth cumulant is -(cos⁴β + sin⁴β)/120 where the table has
+/// -1/120: with |F⁗| ≤ .55/σ⁴ the light errs by .55 sin²β/(1440 σ⁴). An edge of another blur s than the table's σ gets the
+/// scale of the same variance, (s² + 1/12)/(σ² + 1/12), whose box is too wide: .55·2(s² - σ²)/(2880 σ⁶).
+pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a EsfTable> {
+    let s0 = esf.scale_px;
+    let sharp = esf.sharp_px;
+    let most_sin = (FOLDED_ERROR * 1440.0 / 0.55).sqrt() * sharp * sharp;
+    let most_widening = FOLDED_ERROR * 2880.0 / 1.1 * sharp.powi(6);
+    let excess = |e: &Edge| 1.0 / (f64::from(e.across).powi(2) + f64::from(e.along).powi(2)) - s0 * s0;
+    let fits = |e: &Edge| {
+        let v = excess(e);
+        if esf.widens { v <= most_widening } else { v.abs() <= 2e-5 * s0 * s0 }
+    };
+    let level = steepest(columns) <= most_sin.min(FOLDED_SIN);
+    if !level || !columns.iter().all(|c| fits(&c.top) && fits(&c.bottom)) {
+        return None;
+    }
+    let folded = esf.over_pixel()?;
+    for e in columns.iter_mut().flat_map(|c| [&mut c.top, &mut c.bottom]) {
+        let v = excess(e);
+        // The f32 themselves are good to 1e-7.
+        if v > 1e-6 * s0 * s0 {
+            let scale = s0 * (1.0 + v / (s0 * s0 + 1.0 / 12.0)).sqrt();
+            let factor = (s0 * s0 + v).sqrt() / scale;
+            e.across = (f64::from(e.across) * factor) as f32;
+            e.along = (f64::from(e.along) * factor) as f32;
+        }
+    }
+    Some(folded)
+}
+
 /// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
@@ -208,6 +248,8 @@ pub struct Bands {
     pub rows: u32,
     /// Whether an upper and a lower band share rows: a pixel there sees both edges.
     pub overlap: bool,
+    /// Rows between the bands, in the shadow over all columns.
+    pub dark: std::ops::Range<i32>,
 }
 
 /// First and last row that an edge touches.
@@ -215,7 +257,8 @@ fn rows_of(e: &Edge, esf: &EsfTable) -> (i32, i32) {
     if e.table >= PROFILE {
         return (e.whole, e.whole + (e.blend as i32 - 1).max(0));
     }
-    let half = (esf.reach / e.across.abs() + 0.5 * (1.0 + (e.along / e.across).abs())).ceil() as i32;
+    let pixel = if esf.over_pixel { 0.0 } else { 1.0 };
+    let half = (esf.reach / e.across.abs() + 0.5 * (pixel + (e.along / e.across).abs())).ceil() as i32;
     (e.whole - half, e.whole + half)
 }
 
@@ -237,7 +280,9 @@ pub fn bands(columns: &[Column], group: usize, esf: &EsfTable) -> Bands {
     let rows = parts.iter().map(|p| p.0).max().unwrap_or(1);
     let start: Vec<[i32; 2]> = parts.into_iter().flat_map(|p| p.1).collect();
     let overlap = start.iter().any(|[upper, lower]| lower.saturating_sub(*upper) < rows);
-    Bands { start, rows: rows as u32, overlap }
+    let above = start.iter().map(|s| s[0].saturating_add(rows)).max().unwrap_or(0);
+    let below = start.iter().map(|s| s[1]).min().unwrap_or(0);
+    Bands { start, rows: rows as u32, overlap, dark: above..below.max(above) }
 }
 
 /// First and last rows that the upper and the lower edges of some columns touch.

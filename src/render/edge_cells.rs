@@ -5,7 +5,7 @@
 
 use super::columns::{Edge, PROFILE};
 use super::params::Job;
-use super::shadowgraph::transmitted;
+use super::shadowgraph::{transmitted, whole};
 
 /// Columns of a cell, the light map's.
 pub(super) use super::light_map::CELL;
@@ -15,7 +15,8 @@ pub(super) use super::light_map::CELL;
 pub(super) struct EdgeCell {
     /// First row of the column's band; a lane beyond the frame has none.
     start: [i32; CELL],
-    whole: [i32; CELL],
+    /// Integer part of the edge's row.
+    pub(super) whole: [i32; CELL],
     part: [f32; CELL],
     across: [f32; CELL],
     along: [f32; CELL],
@@ -110,16 +111,16 @@ fn edge_of<'a>(job: &'a Job<'_>, column: usize, side: usize) -> &'a Edge {
 #[inline(always)]
 fn edge_spreads(job: &Job<'_>, u: &[f32; CELL], tables: &[u32; CELL], skip: u32) -> [f32; CELL] {
     let params = &job.params;
-    let (segments, last) = (params.esf_segments as f32, params.esf_segments as i32 - 1);
+    let (segments, last) = (params.esf_segments as f32, params.esf_segments - 1);
     let (mut t, mut index) = ([0.0f32; CELL], [0u32; CELL]);
     for i in 0..CELL {
         let place = (u[i] + params.esf_reach) * params.esf_per_unit;
         // Plain comparisons: those of f32 mind NaN, which costs three instructions.
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < segments { place } else { segments };
-        let segment = (place as i32).min(last);
-        t[i] = place - segment as f32;
-        index[i] = tables[i].wrapping_add(skip).wrapping_add(segment as u32);
+        let segment = whole(place).min(last);
+        t[i] = place - segment as i32 as f32;
+        index[i] = tables[i].wrapping_add(skip).wrapping_add(segment);
     }
     let mut c = [[0.0f32; 4]; CELL];
     for i in 0..CELL {

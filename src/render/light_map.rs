@@ -7,6 +7,8 @@
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
 //! 32 pixels of a row that nothing touches are known, written once and read by no one.
 
+use super::shadowgraph::whole;
+
 /// The 16-bit factor of clear light.
 pub const CLEAR: f32 = 32_768.0;
 
@@ -28,6 +30,8 @@ pub struct LightMap {
     pub mask: Vec<u8>,
     /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
     pub touched: Vec<bool>,
+    /// Pixels a row.
+    pub columns: usize,
 }
 
 /// Some whole rows of a map.
@@ -50,7 +54,8 @@ impl LightMap {
     /// Makes room for a window, keeping the allocations: what a map of the same size holds stays known.
     pub(super) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
         let (words, cells) = (rows * columns.div_ceil(2), rows * columns.div_ceil(CELL));
-        if (self.words.len(), self.touched.len()) != (words, cells) {
+        if (self.words.len(), self.touched.len(), self.columns) != (words, cells, columns) {
+            self.columns = columns;
             self.words.resize(words, CLEAR_WORD);
             self.touched.clear();
             self.touched.resize(cells, true);
@@ -61,8 +66,8 @@ impl LightMap {
 
     /// Whether a pixel of the cell that begins at `column` is dimmed.
     #[inline(always)]
-    pub(super) fn is_touched(&self, row: usize, column: usize, columns: usize) -> bool {
-        self.touched[row * columns.div_ceil(CELL) + column / CELL]
+    pub(super) fn is_touched(&self, row: usize, column: usize) -> bool {
+        self.touched[row * self.columns.div_ceil(CELL) + column / CELL]
     }
 }
 
@@ -100,5 +105,5 @@ fn pack_cell(words: &mut [u32], values: &[f32]) {
 /// A factor in 2⁻¹⁵, rounded, at most 2.
 #[inline(always)]
 fn factor(value: f32) -> u32 {
-    (value * CLEAR + 0.5).clamp(0.0, 65_535.0) as i32 as u32
+    whole((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::columns::{Edge, PROFILE};
 use super::edge_cells::{CELL, EdgeCell, edge_cells};
+use super::light_map::LightMap;
 use super::noise::{DENOMINATOR, NUMERATOR};
 use super::params::{Job, Params};
 
@@ -55,16 +56,31 @@ pub fn standard_normal(bits: u32) -> f32 {
     x * (p / q)
 }
 
+/// The larger one; that of f32 minds NaN, which costs three instructions.
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> u32 {
+    let rounded = x + 8_388_608.0;
+    let over = u32::from(rounded - 8_388_608.0 > x);
+    (rounded.to_bits() & 0x007f_ffff) - over
+}
+
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
 #[inline(always)]
 pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
-    let electrons = ((mean - params.black) * params.electrons_per_count).max(0.0);
-    let variance = (params.read_variance + electrons).max(1e-6);
-    let sd = params.noise * variance.sqrt() / params.electrons_per_count;
-    let ratio = electrons / variance;
-    let kurtosis = ratio / variance;
+    let electrons = most((mean - params.black) * params.electrons_per_count, 0.0);
+    let variance = most(params.read_variance + electrons, 1e-6);
+    let inverse = 1.0 / variance;
+    let sd = params.noise * variance.sqrt() * params.counts_per_electron;
+    let ratio = electrons * inverse;
+    let kurtosis = ratio * inverse;
     let skew2 = ratio * kurtosis;
-    let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
+    let k2 = params.noise * params.counts_per_electron * 0.166_666_67 * ratio;
     let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_9);
     let k3 = sd * (kurtosis * 0.041_666_668 - skew2 * 0.055_555_556);
     [mean - k2, k1, k2, k3]
@@ -182,13 +198,27 @@ fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
 
 /// Counts of pixels far from the edges: one block of a row.
 #[inline(always)]
-fn flat_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
-    let (bright, shadow) = (job.params.flat_bright, job.params.flat_shadow);
-    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for ((out, z), c) in counts.iter_mut().zip(z).zip(columns) {
-        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        *out = sample(if inside { shadow } else { bright }, *z);
+fn flat_pixels(
+    params: &Params,
+    cells: &[[EdgeCell; 2]],
+    row: i32,
+    z: &[f32; BLOCK],
+    counts: &mut [f32; BLOCK],
+) {
+    let (bright, shadow) = (params.flat_bright, params.flat_shadow);
+    for ((out, z), cells) in counts.chunks_exact_mut(CELL).zip(z.chunks_exact(CELL)).zip(cells) {
+        let inside = between(cells, row);
+        for i in 0..CELL {
+            let k = std::array::from_fn(|n| if inside[i] { shadow[n] } else { bright[n] });
+            out[i] = sample(k, z[i]);
+        }
     }
+}
+
+/// Which lanes of a row lie in the shadow.
+#[inline(always)]
+fn between([top, bottom]: &[EdgeCell; 2], row: i32) -> [bool; CELL] {
+    std::array::from_fn(|i| (row > top.whole[i]) & (row < bottom.whole[i]))
 }
 
 /// Counts where every column of the block is on the same side of its edges.
@@ -211,12 +241,24 @@ fn pattern_pixels<const N: usize>(params: &Params, at: At, means: &[f32; N], cou
 
 /// Mean grey values of a block of flat pixels.
 #[inline(always)]
-fn flat_means(job: &Job<'_>, at: At, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
+fn flat_means(job: &Job<'_>, place: Place<'_>, row: i32, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
     let params = &job.params;
-    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for ((mean, factor), c) in means.iter_mut().zip(factors).zip(columns) {
-        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        *mean = params.shadow + if inside { 0.0 } else { params.contrast * factor };
+    match place.extent.even(row) {
+        Some(false) => means.fill(params.shadow),
+        Some(true) => {
+            for i in 0..BLOCK {
+                means[i] = params.shadow + params.contrast * factors[i];
+            }
+        }
+        None => {
+            let lanes = means.chunks_exact_mut(CELL).zip(factors.chunks_exact(CELL));
+            for ((means, factors), cells) in lanes.zip(place.cells) {
+                let inside = between(cells, row);
+                for i in 0..CELL {
+                    means[i] = params.shadow + if inside[i] { 0.0 } else { params.contrast * factors[i] };
+                }
+            }
+        }
     }
 }
 
@@ -230,23 +272,30 @@ fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) 
         *factor = field_light(params, row, (params.column0 + at.column as u32).wrapping_add(i as u32));
     }
     let Some(map) = job.contamination.as_ref().filter(|_| params.light > 1) else { return };
-    let row = at.row as usize;
-    let first = row * params.light_words as usize + at.column / 2;
+    clear_light(job, map, at, &mut factors[..count]);
+}
+
+/// Multiplies by what contamination leaves of the light; cells that nothing touches are passed over.
+#[inline(always)]
+fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
+    let (row, count) = (at.row as usize, factors.len());
+    let first = row * job.params.light_words as usize + at.column / 2;
     let words = &map.words[first..first + count.div_ceil(2)];
-    for (i, (factors, words)) in factors.chunks_exact_mut(CELL).zip(words.chunks(CELL / 2)).enumerate() {
-        if !map.is_touched(row, at.column + i * CELL, job.columns.len()) {
+    for (i, (factors, words)) in factors.chunks_mut(CELL).zip(words.chunks(CELL / 2)).enumerate() {
+        if !map.is_touched(row, at.column + i * CELL) {
             continue;
         }
-        for (pair, word) in factors.chunks_exact_mut(2).zip(words) {
-            pair[0] *= (word & 0xffff) as f32 * 3.051_757_8e-5;
-            pair[1] *= (word >> 16) as f32 * 3.051_757_8e-5;
+        for (pair, word) in factors.chunks_mut(2).zip(words) {
+            for (i, factor) in pair.iter_mut().enumerate() {
+                *factor *= ((word >> (16 * i)) & 0xffff) as i32 as f32 * 3.051_757_8e-5;
+            }
         }
     }
 }
 
 /// Counts of neighbouring pixels, each of a mean of its own.
 #[inline(always)]
-fn lit_pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N], counts: &mut [f32; N]) {
+fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N], counts: &mut [f32; N]) {
     for i in 0..N {
         counts[i] = sample(shaped(&job.params, means[i]), z[i]);
     }
@@ -257,21 +306,22 @@ fn lit_pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32;
 
 /// Counts of a block of a row, far from the edges.
 #[inline(always)]
-fn fill_block(job: &Job<'_>, extent: &BlockExtent, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     let params = &job.params;
-    if params.light != 0 && !extent.dark(at.row) {
+    let even = place.extent.even(at.row);
+    if params.light != 0 && even != Some(false) {
         let (mut factors, mut means) = ([1.0; BLOCK], [params.shadow; BLOCK]);
         field_factors(job, at, &mut factors);
-        flat_means(job, at, &factors, &mut means);
-        return lit_pixels(job, at, &means, z, counts);
+        flat_means(job, place, at.row, &factors, &mut means);
+        return pixels(job, at, &means, z, counts);
     }
-    match extent.even(params, at.row) {
-        Some(k) => even_pixels(k, z, counts),
-        None => flat_pixels(job, at, z, counts),
+    match even {
+        Some(lit) => even_pixels(if lit { params.flat_bright } else { params.flat_shadow }, z, counts),
+        None => flat_pixels(params, place.cells, at.row, z, counts),
     }
     if params.pattern != 0 {
         let mut means = [params.shadow; BLOCK];
-        flat_means(job, at, &[1.0; BLOCK], &mut means);
+        flat_means(job, place, at.row, &[1.0; BLOCK], &mut means);
         pattern_pixels(params, at, &means, counts);
     }
 }
@@ -279,7 +329,14 @@ fn fill_block(job: &Job<'_>, extent: &BlockExtent, at: At, z: &[f32; BLOCK], cou
 /// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds light only where the two bands
 /// overlap.
 #[inline(always)]
-fn edge_pixels(job: &Job<'_>, cells: &[EdgeCell; 2], side: usize, at: At, z: &[f32; CELL], counts: &mut [f32; CELL]) {
+fn edge_pixels(
+    job: &Job<'_>,
+    cells: &[EdgeCell; 2],
+    side: usize,
+    at: At,
+    z: &[f32; CELL],
+    counts: &mut [f32; CELL],
+) {
     let params = &job.params;
     let (mut light, mut means, mut near) = ([0.0; CELL], [0.0; CELL], [0.0; CELL]);
     cells[side].light(job, (at.column, side), at.row, &mut light);
@@ -300,7 +357,7 @@ fn edge_pixels(job: &Job<'_>, cells: &[EdgeCell; 2], side: usize, at: At, z: &[f
     for i in 0..CELL {
         means[i] = params.shadow + params.contrast * light[i];
     }
-    lit_pixels(job, at, &means, z, &mut near);
+    pixels(job, at, &means, z, &mut near);
     for i in 0..CELL {
         if cells[side].in_band(i, at.row, params.band_rows) {
             counts[i] = near[i];
@@ -313,6 +370,13 @@ fn edge_pixels(job: &Job<'_>, cells: &[EdgeCell; 2], side: usize, at: At, z: &[f
 struct At {
     row: i32,
     column: usize,
+}
+
+/// A block's edges.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    extent: &'a BlockExtent,
+    cells: &'a [[EdgeCell; 2]],
 }
 
 /// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
@@ -332,17 +396,12 @@ impl BlockExtent {
         extent
     }
 
-    /// Coefficients that serve the whole block in this row, where there are such.
-    fn even(&self, params: &Params, row: i32) -> Option<[f32; 4]> {
+    /// Whether the whole block lies in the light (`true`) or in the shadow in this row, where it does either.
+    fn even(&self, row: i32) -> Option<bool> {
         if row <= self.top.0 || row >= self.bottom.1 {
-            return Some(params.flat_bright);
+            return Some(true);
         }
-        self.dark(row).then_some(params.flat_shadow)
-    }
-
-    /// Whether the whole block lies in the shadow in this row.
-    fn dark(&self, row: i32) -> bool {
-        row > self.top.1 && row < self.bottom.0
+        (row > self.top.1 && row < self.bottom.0).then_some(false)
     }
 }
 
@@ -375,9 +434,12 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, blocks: &Blocks, first: usize, out: &mut [
         let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
             let at = At { row, column: block * BLOCK };
+            let cells = &blocks.cells[at.column / CELL..];
+            let place =
+                Place { extent: &blocks.extents[block], cells: &cells[..cells.len().min(BLOCK / CELL)] };
             deviates(key, job.params.column0 + at.column as u32, &mut z);
-            fill_block(job, &blocks.extents[block], at, &z, &mut counts);
-            fill_edges(job, &blocks.cells, at, &z, &mut counts);
+            fill_block(job, place, at, &z, &mut counts);
+            fill_edges(job, place.cells, at, &z, &mut counts);
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);
             }
@@ -390,7 +452,6 @@ fn fill_rows<P: Pixel>(job: &Job<'_>, blocks: &Blocks, first: usize, out: &mut [
 fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     let (z, _) = z.as_chunks::<CELL>();
     let (counts, _) = counts.as_chunks_mut::<CELL>();
-    let cells = &cells[at.column / CELL..];
     for (i, ((cells, z), counts)) in cells.iter().zip(z).zip(counts).enumerate() {
         for side in 0..2 {
             if cells[side].touches(at.row) {

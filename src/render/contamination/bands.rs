@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::lay::Layers;
 use super::map::{Band, TILE};
+use super::soiling::Asked;
 use crate::render::light_map::{LightMap, Lines};
 use multiversion::multiversion;
 
@@ -73,7 +74,8 @@ impl KeptTiles {
         let size = TILE * columns;
         let fresh = || (vec![1.0; size], vec![0; size], vec![false; columns.div_ceil(TILE)]);
         let firsts: Vec<usize> = (0..rows).step_by(TILE).collect();
-        let bands: Vec<Vec<_>> = firsts.into_par_iter().map_init(fresh, |kept, first| band(kept, first)).collect();
+        let bands: Vec<Vec<_>> =
+            firsts.into_par_iter().map_init(fresh, |kept, first| band(kept, first)).collect();
         Self { tiles: bands.into_iter().flatten().collect() }
     }
 
@@ -95,16 +97,11 @@ impl KeptTiles {
     }
 }
 
-/// Lays the layers, one after the other, on top of what is kept, and packs the factors of every band. Bands are independent:
+/// Lays the layers, one after the other, on top of what is kept, and packs the factors of every band that is seen. Bands are independent:
 /// the result does not depend on the number of threads.
-pub(super) fn lay_packed(
-    kept: Option<&KeptTiles>,
-    layers: &[Layers<'_>],
-    [rows, columns]: [usize; 2],
-    with_mask: bool,
-    out: &mut LightMap,
-) {
-    out.prepare(rows, columns, with_mask);
+pub(super) fn lay_packed(kept: Option<&KeptTiles>, layers: &[Layers<'_>], asked: &Asked, out: &mut LightMap) {
+    let [rows, columns] = asked.size;
+    out.prepare(rows, columns, asked.with_mask);
     if rows == 0 || columns == 0 {
         return;
     }
@@ -117,9 +114,13 @@ pub(super) fn lay_packed(
         || Scratch::new(columns),
         |scratch, (band, ((words, touched), mask))| {
             let Scratch { values, dimmed } = scratch;
-            let size = TILE.min(rows - band * TILE) * columns;
+            let (first, last) = (band * TILE, rows.min(band * TILE + TILE));
+            if asked.unseen.start <= first as i32 && last as i32 <= asked.unseen.end {
+                return;
+            }
+            let size = (last - first) * columns;
             let values = &mut values[..size];
-            let mut laid = Band { first: (band * TILE) as i64, columns, values, mask, touched: dimmed };
+            let mut laid = Band { first: first as i64, columns, values, mask, touched: dimmed };
             if let Some(kept) = kept {
                 kept.copy_into(&mut laid);
             }

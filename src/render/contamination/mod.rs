@@ -26,4 +26,4 @@ pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
-pub use soiling::{Rise, Soiling, mark_rise};
+pub use soiling::{Asked, Rise, Soiling, mark_rise};

@@ -47,6 +47,17 @@ pub struct Rise {
     pub bottom_px: f64,
 }
 
+/// What is wanted of a window's light.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// Whether the mask is wanted, too.
+    pub with_mask: bool,
+    /// Rows of the window whose light nobody reads.
+    pub unseen: Range<i32>,
+}
+
 impl Soiling {
     /// Draws what lies on the window; `None` where everything is clean.
     ///
@@ -70,8 +81,8 @@ impl Soiling {
         !self.settings.is_clear()
     }
 
-    /// What window and air leave of the light of frame `frame_id` over `rows` x `columns` pixels from
-    /// (`row`, `column`) of the sensor on. Hand it back with [`Self::recycle`].
+    /// What window and air leave of the light of frame `frame_id` over the pixels asked for, from (`row`, `column`) of the
+    /// sensor on. Hand it back with [`Self::recycle`].
     ///
     /// # Errors
     /// Refuses more than a hundred thousand things of a kind.
@@ -79,22 +90,20 @@ impl Soiling {
         &self,
         frame_id: u64,
         [row, column]: [usize; 2],
-        size: [usize; 2],
-        with_mask: bool,
+        asked: &Asked,
     ) -> Result<LightMap, RenderError> {
-        let whole = size == [self.geometry.rows, self.geometry.columns];
+        let whole = asked.size == [self.geometry.rows, self.geometry.columns];
         let air = self.field.air(frame_id)?;
         let flying = self.field.air_layers(&air, row, column);
-        let mut packed =
-            self.spare.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
+        let mut packed = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
         if whole {
             let kept = self.window.get_or_init(|| {
                 KeptTiles::new(&self.field.window_layers(0, 0), self.geometry.rows, self.geometry.columns)
             });
-            lay_packed(Some(kept), &[flying], size, with_mask, &mut packed);
+            lay_packed(Some(kept), &[flying], asked, &mut packed);
         } else {
             let lying = self.field.window_layers(row, column);
-            lay_packed(None, &[lying, flying], size, with_mask, &mut packed);
+            lay_packed(None, &[lying, flying], asked, &mut packed);
         }
         Ok(packed)
     }
