@@ -186,7 +186,9 @@ impl Profiles<'_> {
         let e = self.scene.edges_at(&instant.turned, instant.field_z_mm, column);
         let gaps = self.scene.gaps_at(&instant.turned, instant.field_z_mm, column);
         let gaps = gaps.map(|gap| gap.map(|rows| rows.map(|r| r - row0)));
-        Point { column, weight, rows: [e.top_px - row0, e.bottom_px - row0], gaps }
+        let rise = instant.rise_at(column - f64::from(self.window.column) + self.halo as f64);
+        let rows = [e.top_px - rise.top_px - row0, e.bottom_px + rise.bottom_px - row0];
+        Point { column, weight, rows, gaps }
     }
 
     /// Rows a column by which the outline rises or falls between two corners: many on the face of a leaning shoulder.

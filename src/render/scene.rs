@@ -368,11 +368,10 @@ impl Scene {
         let format = self.format(request);
         let halo = self.blur.reach();
         let mut instants = exposure::instants(self, request, window, halo)?;
-        let mut rises = Vec::new();
         if !self.wiped {
             for instant in &mut instants {
                 let edges = &mut instant.edges;
-                rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
+                instant.rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
             }
         }
         let edges = exposure::mean(&instants);
@@ -405,6 +404,7 @@ impl Scene {
         // Whole rows: the lower edges keep their places to the last bit.
         columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
         let bands = bands(&columns, pixels_per_word(format) as usize, esf);
+        let rises = instants.last().map_or(&[][..], |i| &i.rises);
         let seen = Seen {
             edges: &stacked[seen(stacked.len())],
             rises: &rises[seen(rises.len())],
