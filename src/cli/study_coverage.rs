@@ -2,7 +2,7 @@
 
 use super::{CommandResult, Failure, Outcome};
 use crate::render::{BackendChoice, Renderer};
-use crate::studies::coverage::{ClassFigures, coverage};
+use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
 
 /// Arguments of `study coverage`.
 #[derive(Debug, clap::Args)]
@@ -13,6 +13,9 @@ pub struct StudyCoverageArgs {
     /// Seed of the draws.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Only this class, with all the scenes (repeatable); the names are those of the tables.
+    #[arg(long = "class", value_name = "NAME", value_parser = class)]
+    classes: Vec<Class>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -24,6 +27,9 @@ pub struct StudyCoverageArgs {
 /// Exit 3 where a scene cannot be rendered or its masters not be measured.
 pub fn run(args: &StudyCoverageArgs) -> CommandResult {
     let renderer = Renderer::new(BackendChoice::Cpu).map_err(Failure::fail)?;
+    if !args.classes.is_empty() {
+        return only(args, &renderer);
+    }
     let result = coverage(args.scenes, args.seed, &renderer).map_err(Failure::fail)?;
     let misses = result.misses(0.0);
     if args.json {
@@ -39,6 +45,23 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
         }
     }
     Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+fn class(name: &str) -> Result<Class, String> {
+    let found = Class::all().find(|c| format!("{c:?}").eq_ignore_ascii_case(name));
+    found.ok_or_else(|| format!("no such class; there are {:?}", Class::all().collect::<Vec<_>>()))
+}
+
+/// Classes by name, without a verdict.
+fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
+    let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer);
+    let figures = args.classes.iter().map(run).collect::<Result<Vec<_>, _>>().map_err(Failure::fail)?;
+    if args.json {
+        println!("{}", serde_json::json!({ "classes": figures }));
+    } else {
+        table("classes asked for", &figures);
+    }
+    Ok(Outcome::Done)
 }
 
 fn table(title: &str, classes: &[ClassFigures]) {
@@ -67,6 +90,9 @@ fn table(title: &str, classes: &[ClassFigures]) {
             c.mean_half_um / c.p95_error_um,
             c.rms_error_over_u
         );
+        for (reason, count) in &c.flags {
+            println!("{:<16} {count} flagged: {reason}", "");
+        }
     }
     println!();
 }

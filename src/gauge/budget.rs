@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::bench::{Conditions, CovariancePart};
+use super::bench::{Along, Conditions, CovariancePart};
 use super::calibration::Calibration;
 use super::caliper::largest_caliper;
 use super::column_means::ColumnMeans;
@@ -178,6 +178,8 @@ impl Budget {
 pub struct WidthReading {
     /// Column where it stands (the middle of those averaged), px.
     pub column_px: f64,
+    /// Variance of the columns averaged, px².
+    pub column_variance_px2: f64,
     /// Mean rows of the two edges, px.
     pub rows_px: (f64, f64),
     /// Chord factor of the axis' tilt.
@@ -214,6 +216,7 @@ impl WidthReading {
         let noise = over.own_variance_px2;
         Some(Self {
             column_px: over.column_px,
+            column_variance_px2: over.column_variance_px2,
             rows_px: over.rows_px,
             chord,
             u_noise_px: noise.sqrt(),
@@ -244,6 +247,7 @@ impl WidthReading {
         let own_u = largest.u_own_px.powi(2);
         Some(Self {
             column_px: largest.column_px,
+            column_variance_px2: 0.0,
             rows_px: (middle - half, middle + half),
             chord: 1.0,
             u_noise_px: noise.min(own_u).sqrt(),
@@ -259,8 +263,8 @@ impl WidthReading {
         let scale = calibration.scale_mm_per_px;
         let (width_px, by) = match &calibration.bench {
             Some(bench) => {
-                let by =
-                    bench.diameter_by(scale, self.column_px, self.rows_px, self.chord, conditions.axis_y_mm);
+                let columns = Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
+                let by = bench.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
                 (by[0], Some(by))
             }
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
@@ -440,6 +444,7 @@ mod tests {
         let calibration = Calibration::fit_figures(&[master(20.0, 1300.0), master(28.0, 1820.0)]).unwrap();
         let reading = WidthReading {
             column_px: 0.0,
+            column_variance_px2: 0.0,
             rows_px: (10.0, 1410.0),
             chord: 1.0,
             u_noise_px: 0.01,

@@ -11,6 +11,8 @@ pub(crate) struct ColumnMeans {
     pub(crate) used: Vec<usize>,
     /// Their mean, px.
     pub(crate) column_px: f64,
+    /// Their variance, px².
+    pub(crate) column_variance_px2: f64,
     /// Mean rows of the upper and the lower edge, px.
     pub(crate) rows_px: (f64, f64),
     /// Variance of the mean width from what each column has for itself, px².
@@ -34,7 +36,15 @@ impl ColumnMeans {
         };
         let (own, shared) = (both(|e| e.u_own_px), both(|e| e.u_shared_px));
         let column_px = mean(&|c| c as f64);
+        let column_variance_px2 = mean(&|c| (c as f64 - column_px).powi(2));
         let rows_px = (mean(&|c| edges.top[c].row_px), mean(&|c| edges.bottom[c].row_px));
-        Some(Self { column_px, rows_px, own_variance_px2: own / n, u_shared_px: shared.sqrt(), used })
+        Some(Self {
+            column_px,
+            column_variance_px2,
+            rows_px,
+            own_variance_px2: own / n,
+            u_shared_px: shared.sqrt(),
+            used,
+        })
     }
 }

@@ -5,7 +5,7 @@
 //! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
-use super::bench::{Conditions, CovariancePart, PARAMETERS};
+use super::bench::{Along, Conditions, CovariancePart, PARAMETERS};
 use super::calibration::Calibration;
 use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
@@ -196,7 +196,13 @@ impl<'a> Reader<'a> {
             return self.calibration.u_common_mm(width_px).hypot(conditions.sqrt());
         };
         let scale = self.calibration.scale_mm_per_px;
-        let by = bench.diameter_by(scale, column as f64, rows_px, self.factor, self.conditions.axis_y_mm);
+        let by = bench.diameter_by(
+            scale,
+            Along::at(column as f64),
+            rows_px,
+            self.factor,
+            self.conditions.axis_y_mm,
+        );
         (self.covariance.variance(&by) + conditions).sqrt()
     }
 }

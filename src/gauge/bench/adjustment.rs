@@ -297,7 +297,7 @@ impl Adjustment {
         let thermal = self.thermal();
         let alpha = self.thermometer.alpha() + v(thermal + 1);
         let warm = 1.0 + alpha * (self.thermometer.temperature_c + v(thermal) - 20.0);
-        let width = lens.ideal(o.column_px, o.bottom_px) - lens.ideal(o.column_px, o.top_px);
+        let width = lens.ideal_mean(o.along(), o.bottom_px) - lens.ideal_mean(o.along(), o.top_px);
         let seen = width + deviation_px + v(self.first_frame() + o.frame);
         v(0) * (1.0 + v(5) * o.axis_y_mm) * seen * o.chord + v(1)
             - (certificate.diameter_mm + v(self.first_master() + o.master)) * warm
@@ -311,9 +311,9 @@ impl Adjustment {
         let lag = self.thermometer.temperature_c + v(thermal) - 20.0;
         let alpha = self.thermometer.alpha() + v(thermal + 1);
         let diameter = self.masters[o.master].certificate.diameter_mm + v(self.first_master() + o.master);
-        let width = lens.ideal(o.column_px, o.bottom_px) - lens.ideal(o.column_px, o.top_px);
+        let width = lens.ideal_mean(o.along(), o.bottom_px) - lens.ideal_mean(o.along(), o.top_px);
         let near = (1.0 + v(5) * o.axis_y_mm) * o.chord;
-        let by = lens.width_by(o.column_px, o.top_px, o.bottom_px);
+        let by = lens.width_by(o.along(), o.top_px, o.bottom_px);
         let scale = v(0);
         let rows = [
             (0, near * width),

@@ -5,7 +5,8 @@ use thiserror::Error;
 
 use super::super::photon_transfer::PhotonTransfer;
 use super::{
-    Adjusted, CheckResult, Conditions, CovariancePart, Date, FlatField, LensModel, PARAMETERS, Residual,
+    Adjusted, Along, CheckResult, Conditions, CovariancePart, Date, FlatField, LensModel, PARAMETERS,
+    Residual,
 };
 
 /// When a calibration was made and how long it holds.
@@ -182,20 +183,20 @@ impl BenchCalibration {
         }
     }
 
-    /// Derivatives of D_T by s, o, a, q, g, t for edges at these rows and this column, scale s, chord factor χ, axis at y.
+    /// Derivatives of D_T by s, o, a, q, g, t for edges at these (mean) rows over these columns of the frame, scale s, chord factor χ, axis at y.
     pub fn diameter_by(
         &self,
         scale: f64,
-        column_px: f64,
+        columns: Along,
         rows_px: (f64, f64),
         chord: f64,
         axis_y_mm: f64,
     ) -> [f64; PARAMETERS] {
         let lens = &self.lens;
-        let u = column_px - lens.centre_column_px;
+        let u = Along { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
         let (top, bottom) = (rows_px.0 - lens.centre_row_px, rows_px.1 - lens.centre_row_px);
         let near = 1.0 + lens.telecentricity_per_mm * axis_y_mm;
-        let width = (lens.ideal(u, bottom) - lens.ideal(u, top)) * chord;
+        let width = (lens.ideal_mean(u, bottom) - lens.ideal_mean(u, top)) * chord;
         let by = lens.width_by(u, top, bottom).map(|b| scale * near * chord * b);
         [near * width, 1.0, by[0], by[1], by[2], scale * axis_y_mm * width]
     }

@@ -16,7 +16,7 @@ pub use check_pin::{CheckPin, CheckResult};
 pub use conditions::Conditions;
 pub use date::Date;
 pub use flat_field::{FlatField, FlatFieldError};
-pub use lens::{LensLimits, LensModel, PARAMETERS};
+pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};
 
 use thiserror::Error;

@@ -3,7 +3,7 @@
 use super::super::column_means::ColumnMeans;
 use super::super::diameter::Pose;
 use super::super::edges::FrameEdges;
-use super::LensModel;
+use super::{Along, LensModel};
 
 /// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
 const BLOCKS: usize = 6;
@@ -17,6 +17,8 @@ pub struct Observation {
     pub frame: usize,
     /// Middle of the block, columns from the frame's centre.
     pub column_px: f64,
+    /// Variance of its columns, px².
+    pub column_variance_px2: f64,
     /// Mean upper edge, rows from the frame's centre.
     pub top_px: f64,
     /// Mean lower edge, rows from the frame's centre.
@@ -29,6 +31,13 @@ pub struct Observation {
     pub u_width_px: f64,
     /// Standard uncertainty of the width that all blocks of the frame share (levels), px.
     pub u_shared_px: f64,
+}
+
+impl Observation {
+    /// Its columns from the frame's centre.
+    pub fn along(&self) -> Along {
+        Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 }
+    }
 }
 
 /// Observations of one frame of a master; empty where no block shows both edges.
@@ -49,6 +58,7 @@ pub fn observe(
                 master,
                 frame,
                 column_px: means.column_px - lens.centre_column_px,
+                column_variance_px2: means.column_variance_px2,
                 top_px: means.rows_px.0 - lens.centre_row_px,
                 bottom_px: means.rows_px.1 - lens.centre_row_px,
                 chord,

@@ -5,7 +5,9 @@
 //! defocus. In focus the true edge shows .250 (S=0), .2573 (.5), 1/3 (1), .4334 (1.5) of the light, and the 50 % point
 //! lies .106, .108, .0935, .039 λ/NA in the light. See `transmission` for the method.
 
+use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -92,6 +94,19 @@ impl PartiallyCoherentEdge {
     /// Refuses values outside their ranges.
     pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         self.check()?;
+        if let Some((_, table)) = tables().iter().find(|(edge, _)| edge == self) {
+            return Ok(table.clone());
+        }
+        let table = self.computed()?;
+        let mut kept = tables();
+        if kept.len() == MOST_KEPT {
+            kept.pop_front();
+        }
+        kept.push_back((self.clone(), table.clone()));
+        Ok(table)
+    }
+
+    fn computed(&self) -> Result<EdgeSpread, RenderError> {
         let unit = self.unit_um();
         let waves = Waves::new(self.coherence_ratio, self.defocus(), self.reach);
         let reach = self.reach * unit;
@@ -106,6 +121,14 @@ impl PartiallyCoherentEdge {
         let nodes = 41 + (12.5 * 24.0 * self.extra_sigma_um / unit).ceil() as usize;
         table.spread(&Shifts::gaussian(self.extra_sigma_um, nodes), TOLERANCE)
     }
+}
+
+/// Tables computed last: half a second each, and asked for again by every bench of one lens.
+static TABLES: Mutex<VecDeque<(PartiallyCoherentEdge, EdgeSpread)>> = Mutex::new(VecDeque::new());
+const MOST_KEPT: usize = 32;
+
+fn tables() -> MutexGuard<'static, VecDeque<(PartiallyCoherentEdge, EdgeSpread)>> {
+    TABLES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The edge's image as a sum over spatial frequencies, distances in λ/NA.

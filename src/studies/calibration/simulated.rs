@@ -9,12 +9,16 @@ use super::plan::{CalibrationPlan, PinPlan, Position};
 use super::{CalibrateError, Recordings};
 use crate::frame::Frame;
 use crate::gauge::MasterCertificate;
-use crate::gauge::bench::{LensModel, Thermometer};
+use crate::gauge::bench::{LensLimits, LensModel, Thermometer};
+use crate::render::lens::Distortion;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};
 
 /// Stream of the true values, apart from the bench's own.
 const TRUTH_STREAM: u64 = 0x0063_616c_6962;
+
+/// Stream of the lens' true distortion.
+const LENS_STREAM: u64 = 0x6c65_6e73;
 
 /// A shaft laid before a simulated bench.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +136,15 @@ impl Draws {
     }
 }
 
+/// Distortion within the limits of the data sheet. The gauge's correction a·r², q·v²/ρ, g·u·v/ρ is, to first order, the
+/// negative of Brown's k1, 3·p1, 2·p2.
+fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
+    let mut draws = Draws::new(seed ^ LENS_STREAM);
+    distortion.k1 -= 1e-2 * limits.distortion_percent * draws.even();
+    distortion.p1 -= 1e-2 * limits.keystone_percent * draws.even() / 3.0;
+    distortion.p2 -= 1e-2 * limits.keystone_percent * draws.even() / 2.0;
+}
+
 /// Frames of a plan's pins on a simulated bench.
 pub struct SimulatedRecordings<'a> {
     bench: SimulatedBench<'a>,
@@ -148,7 +161,9 @@ impl<'a> SimulatedRecordings<'a> {
     /// A bench that cannot be.
     pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
         let simulate = plan.simulate.clone().unwrap_or_default();
-        let bench = OpticalBench::resolve(&simulate.bench(), simulate.seed)?;
+        let mut settings = simulate.bench();
+        distort(&mut settings.optics.distortion, &plan.lens, simulate.seed);
+        let bench = OpticalBench::resolve(&settings, simulate.seed)?;
         let mut draws = Draws::new(simulate.seed);
         let size = LensModel::perfect(bench.rows(), bench.columns());
         let limit = 3.0_f64.sqrt() * plan.lens.u_parameters(size.half_diagonal_px * bench.pixel_mm)[3];

@@ -3,6 +3,8 @@
 
 mod scene;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -25,12 +27,16 @@ pub enum Class {
     Focus,
     /// Edges unlike the masters' dominate.
     Finish,
+    /// Distortion and a camera not square to the object dominate.
+    Lens,
     /// Texture of the part dominates; ten angles, one station.
     Form,
     /// Everything counts.
     Mixed,
-    /// Partially coherent light, fitted with Gaussian edges.
+    /// Partially coherent light under a blur of the sensor, fitted with Gaussian edges.
     Diffraction,
+    /// Partially coherent light whose rings show, the gauge given the edge-spread function of a neighbouring light.
+    GivenEsf,
     /// Light that falls across and along the field.
     Gradient,
     /// Axes tilted by up to 20 mrad.
@@ -55,22 +61,36 @@ pub enum Class {
 
 impl Class {
     /// Drawn from the budget's own distributions.
-    pub const DRAWN: [Self; 7] = [
+    pub const DRAWN: [Self; 8] = [
         Self::Certificates,
         Self::Noise,
         Self::Temperature,
         Self::Focus,
         Self::Finish,
+        Self::Lens,
         Self::Form,
         Self::Mixed,
     ];
     /// Deviating inside the declared limits.
-    pub const DEVIATING: [Self; 6] =
-        [Self::Diffraction, Self::Gradient, Self::Tilt, Self::Defocus, Self::Lobes, Self::LowContrast];
+    pub const DEVIATING: [Self; 7] = [
+        Self::Diffraction,
+        Self::GivenEsf,
+        Self::Gradient,
+        Self::Tilt,
+        Self::Defocus,
+        Self::Lobes,
+        Self::LowContrast,
+    ];
     /// Outside the limits, with a residual, a blur or a clipped level to show for it.
     pub const DETECTABLE: [Self; 3] = [Self::Vibration, Self::LossOfFocus, Self::Overexposed];
     /// Outside the limits, and no picture shows it.
     pub const UNDETECTABLE: [Self; 2] = [Self::WarmPart, Self::OtherFinish];
+
+    /// All of them, in the order of the tables.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let inside = Self::DRAWN.into_iter().chain(Self::DEVIATING);
+        inside.chain(Self::DETECTABLE).chain(Self::UNDETECTABLE)
+    }
 }
 
 /// Figures of a class.
@@ -94,6 +114,8 @@ pub struct ClassFigures {
     pub rms_error_over_u: f64,
     /// Largest |error| over half width of the accepted.
     pub worst_error_over_half: f64,
+    /// Scenes refused or warned of, by reason.
+    pub flags: BTreeMap<String, usize>,
 }
 
 /// The study's result.
@@ -201,6 +223,10 @@ fn figures(class: Class, outcomes: &[Outcome]) -> ClassFigures {
     let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| accepted.iter().map(f).sum::<f64>() / n;
     let mut errors: Vec<f64> = accepted.iter().map(|a| a.0).collect();
     errors.sort_by(f64::total_cmp);
+    let mut flags = BTreeMap::new();
+    for outcome in outcomes.iter().filter(|o| !o.flag.is_empty()) {
+        *flags.entry(outcome.flag.clone()).or_insert(0) += 1;
+    }
     let at = ((0.95 * errors.len() as f64) as usize).min(errors.len().saturating_sub(1));
     ClassFigures {
         class,
@@ -212,5 +238,6 @@ fn figures(class: Class, outcomes: &[Outcome]) -> ClassFigures {
         p95_error_um: 1e3 * errors.get(at).copied().unwrap_or(f64::NAN),
         rms_error_over_u: mean(&|a| (a.0 / a.1).powi(2)).sqrt(),
         worst_error_over_half: accepted.iter().map(|a| a.0 / a.2).fold(0.0, f64::max),
+        flags,
     }
 }

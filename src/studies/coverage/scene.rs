@@ -3,11 +3,11 @@
 use crate::frame::{Frame, FrameMeta};
 use crate::gauge::bench::{Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
-use crate::gauge::{Calibration, FrameEdges, Gauge, GaugeSettings, StationAverager};
+use crate::gauge::{Calibration, EsfModel, EsfSamples, FrameEdges, Gauge, GaugeSettings, StationAverager};
 use crate::render::esf_families::PartiallyCoherentEdge;
 use crate::render::form::form_shaft;
-use crate::render::settings::{Esf, GaussianEsf};
-use crate::render::{RenderError, Renderer};
+use crate::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
+use crate::render::{OpticalBench, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
     CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedBench, SimulatedPlan,
@@ -45,24 +45,50 @@ struct Drawn {
     class: Class,
 }
 
-fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> PinPlan {
-    let at = |height_mm, y_mm| Position { frames: None, height_mm, y_mm };
+/// Partially coherent light of one of five kinds (its tables are dear and kept): under a blur that hides its rings, or not.
+fn coherent(rings: bool, kind: f64) -> PartiallyCoherentEdge {
+    let (middle, extra_sigma_um) = if rings { (0.6, 5.0) } else { (1.0, 20.0) };
+    PartiallyCoherentEdge {
+        coherence_ratio: middle + 0.05 * kind,
+        extra_sigma_um,
+        ..PartiallyCoherentEdge::default()
+    }
+}
+
+/// An edge as the gauge is given it, for the nominal pixel.
+fn samples(edge: &PartiallyCoherentEdge, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
+    let table = edge.edge_spread()?;
+    let nominal = BenchSettings { departures: Departures::none(), ..simulate.bench() };
+    let pixel_um = 1e3 * OpticalBench::resolve(&nominal, 0)?.pixel_mm;
+    let distance_px: Vec<f64> = (-240..=240).map(|i| f64::from(i) / 20.0).collect();
+    let light = distance_px.iter().map(|d| table.value(d * pixel_um)).collect();
+    Ok(EsfSamples { distance_px, light })
+}
+
+fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64, positions: &[Position]) -> PinPlan {
     PinPlan {
         name: name.to_owned(),
         diameter_mm,
         expanded_u_mm,
         coverage_factor: 2.0,
-        positions: vec![at(-0.3, -3.0), at(0.0, 0.0), at(0.3, 3.0)],
+        positions: positions.to_vec(),
     }
 }
 
 /// Settings of a class. What a class is named after dominates its budget.
-fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
+fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError> {
     let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
     (simulate.camera.rows, simulate.camera.columns) = (ROWS, COLUMNS);
     simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.3 + 0.6 * draws.even() });
     simulate.light.bright_counts = 2400.0 + 900.0 * draws.even();
     let mut u_certificate = 2e-4;
+    let mut lens = LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 };
+    let mut gauge = GaugeSettings::default();
+    let mut positions = [(-0.3, -3.0), (0.0, 0.0), (0.3, 3.0)].map(|(height_mm, y_mm)| Position {
+        frames: None,
+        height_mm,
+        y_mm,
+    });
     let mut thermometer = Thermometer {
         temperature_c: 20.5,
         limit_temperature_k: 0.1,
@@ -93,14 +119,28 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
         }
         Class::Focus => conditions.limit_axis_y_mm = 3.0,
         Class::Finish => conditions.limit_edge_um = 1.0,
+        Class::Lens => {
+            lens.distortion_percent = 0.1;
+            lens.keystone_percent = 0.1;
+        }
         Class::Mixed => {
+            lens.distortion_percent = 0.02;
+            lens.keystone_percent = 0.01;
             u_certificate = 4e-4;
             conditions.limit_temperature_k = 1.5;
             conditions.limit_axis_y_mm = 1.0;
             conditions.limit_edge_um = 0.15;
         }
-        Class::Diffraction => {
-            simulate.optics.esf = Esf::PartiallyCoherent(PartiallyCoherentEdge::default());
+        Class::Diffraction | Class::GivenEsf => {
+            let given = class == Class::GivenEsf;
+            simulate.optics.esf = Esf::PartiallyCoherent(coherent(given, (2.0 * draws.even()).round()));
+            simulate.departures.blur_rel = 0.0;
+            if given {
+                gauge.esf = EsfModel::Table(samples(&coherent(true, 0.0), &simulate)?);
+            }
+            // Out of the plane the rings change: one set of tables serves every scene.
+            positions = positions.map(|p| Position { y_mm: 0.0, ..p });
+            conditions.limit_axis_y_mm = 0.0;
         }
         Class::Gradient => {
             simulate.light.field.gradient_down = 0.05 * draws.even();
@@ -115,16 +155,19 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
         optics_id: "coverage".to_owned(),
         date: "2026-01-01".parse().unwrap_or_else(|_| Date::of(std::time::SystemTime::UNIX_EPOCH)),
         valid_days: 365,
-        lens: LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 },
+        lens,
         thermometer,
         conditions,
         fields: Fields::default(),
-        masters: vec![pin("small", 4.0, u_certificate), pin("large", 6.6, u_certificate)],
+        masters: vec![
+            pin("small", 4.0, u_certificate, &positions),
+            pin("large", 6.6, u_certificate, &positions),
+        ],
         check: None,
-        gauge: GaugeSettings::default(),
+        gauge,
         simulate: Some(simulate),
     };
-    Drawn { plan, conditions, class }
+    Ok(Drawn { plan, conditions, class })
 }
 
 /// Runs a scene.
@@ -133,7 +176,7 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Drawn {
 /// Where the masters cannot be drawn or measured.
 pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, CalibrateError> {
     let mut draws = Draws::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let drawn = draw(class, seed, &mut draws);
+    let drawn = draw(class, seed, &mut draws)?;
     let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
     let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
     let mut bench = recordings.into_bench();
