@@ -79,8 +79,8 @@ impl EdgeCell {
             return;
         }
         let mut centre = [0.0f32; CELL];
-        for i in 0..CELL {
-            centre[i] = (row.wrapping_sub(self.whole[i]) as f32 - self.part[i]) * self.across[i];
+        for (i, centre) in centre.iter_mut().enumerate() {
+            *centre = (row.wrapping_sub(self.whole[i]) as f32 - self.part[i]) * self.across[i];
         }
         for node in &job.quadrature {
             let mut u = [0.0f32; CELL];

@@ -139,7 +139,7 @@ impl Gpu {
         }
         let (pipelines, buffers) = (BTreeMap::new(), None);
         let limits = device.limits();
-        let largest_bytes = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size.into());
+        let largest_bytes = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         Ok(Self {
             largest_bytes,
             info,
