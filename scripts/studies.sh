@@ -66,7 +66,7 @@ for backend in vulkan cpu; do
   study "render_windows_$backend" "$bin" render configs/bench_2048.toml --bench 500 --windows 32 --json --backend "$backend"
   study "render_everything_$backend" "$bin" render configs/bench_everything.toml --bench 50 --json --backend "$backend"
 done
-# 10^5 small frames: resident memory before and after
+# 10^5 small frames: resident memory before, after 1 000 and after all of them
 study render_memory "$bin" render configs/head_wire.toml --bench 100000 --windows 32 --json --backend cpu
 
 # -- the renderer beside other ways, and EMVA 1288's reference implementation on rendered flat fields
