@@ -73,7 +73,7 @@ fn no_allocation_beyond_twice_the_frame() {
 }
 
 fn measured(gauge: &Gauge, rng: &mut Pcg64) {
-    let sizes = [(1, 1), (2048, 2048), (1200, 3000), (3000, 600), (64, 65_535), (400, 512)];
+    let sizes = [(1, 1), (2048, 2048), (1200, 3000), (3000, 600), (64, 65_535), (65_535, 64), (400, 512)];
     for (rows, columns) in sizes {
         for kind in 0..5 {
             let pixels = if kind == 4 { shaft(rng, rows, columns) } else { noise(rng, rows * columns, kind) };

@@ -7,8 +7,7 @@
 //!
 //! Where most of the light is clipped, the flank alone cannot tell a higher light from a wider blur (real edges
 //! are not Gaussian in their feet, and the fit would wander by half a pixel between frames). Then the light is taken at
-//! 1.05 times the clip, and what the edge would move by at 2.5 times goes into the
-//! shared uncertainty. Where even so the flank is steeper than any lens' the light lies farther beyond: nothing is measured.
+//! 1.05 times the clip, and what the edge would move by at 1.5 times goes into the shared uncertainty.
 
 use nalgebra::{Matrix4, SMatrix, Vector4};
 
@@ -24,10 +23,6 @@ const TEACHERS: usize = 64;
 const BRIGHTEST: f64 = 1.5;
 /// Light taken where the frame does not tell, as a multiple of the clip.
 const ASSUMED: f64 = 1.05;
-/// Brightest light, as a multiple of the clip, that the uncertainty allows for where the frame does not tell.
-const FARTHEST: f64 = 2.5;
-/// Blur below which a flank that is clipped at its foot is no lens', px.
-const SHARPEST: f64 = 0.3;
 /// Fraction of clipped flat light pixels above which the frame does not tell the light: what is not clipped then is a
 /// darker corner, not the light beside the edge.
 const BLIND: f64 = 0.5;
@@ -150,10 +145,8 @@ impl Model {
         let step = normal.try_inverse()? * right;
         let last = self.sigma;
         self.dark += step[0].clamp(-20.0, 20.0);
-        if self.free_light {
-            self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
-                .clamp(self.clip, BRIGHTEST * self.clip);
-        }
+        self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
+            .clamp(self.clip, BRIGHTEST * self.clip);
         self.sigma = (self.sigma + step[2].clamp(-0.2 * last, 0.3 * last)).clamp(0.25, 6.0);
         self.variance = (self.variance * (chi2 / telling).clamp(0.25, 4.0)).max(0.1);
         Some((self.sigma / last - 1.0).abs())
@@ -190,14 +183,7 @@ pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, li
     let places = model.learn(windows, &teachers);
     let mut shared = 0.0;
     if !model.free_light {
-        if model.sigma <= SHARPEST {
-            line.extend(
-                (0..columns)
-                    .map(|column| Edge::gap(windows.centre[column].err().unwrap_or(Reason::Saturated))),
-            );
-            return 4.0;
-        }
-        let mut brighter = Model { light: FARTHEST * start.clip, ..model };
+        let mut brighter = Model { light: BRIGHTEST * start.clip, ..model };
         let moved = brighter.learn(windows, &teachers);
         let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
         // The light is anywhere between, and the value taken stands at one end of the range.

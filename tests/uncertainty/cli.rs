@@ -9,7 +9,7 @@ use shadowgauge::render::{BackendChoice, OpticalBench, Renderer};
 use shadowgauge::shaft::{Lobe, Shaft};
 use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedBench};
 
-/// A small bench; every test changes what it needs.
+/// A small bench without distortion (its truth is drawn apart from [`true_bench`]); every test changes what it needs.
 pub const PLAN: &str = r#"
 optics_id = "small bench"
 date = "2026-11-22"
@@ -17,6 +17,9 @@ valid_days = 365
 [thermometer]
 temperature_c = 21.0
 limit_temperature_k = 0.2
+[lens]
+distortion_percent = 0.0
+keystone_percent = 0.0
 [conditions]
 limit_temperature_k = 0.5
 limit_axis_y_mm = 0.3
