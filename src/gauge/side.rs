@@ -55,7 +55,7 @@ pub(crate) struct SideState {
 /// What is known of the sensor before a frame is looked at.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
-    /// Full scale, where the light is the brighter end.
+    /// Full scale; negative for a lit part, whose grey values are turned round: then it is the shadow's end that clips.
     pub(crate) clip: Option<f32>,
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
     pub(crate) floor: f64,
@@ -78,7 +78,7 @@ impl Scale {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) levels: LevelSums,
-    /// Full scale, where the side's light stands at it.
+    /// Full scale, where the side's light (or the lit part, negative) stands at it.
     pub(crate) clip: Option<f32>,
     /// Noise in the shadow and in the light.
     pub(crate) spread: [Spread; 2],
@@ -198,7 +198,7 @@ impl SideState {
         if estimate_noise && levels.count > 0.0 {
             let least = scale.least((levels.light - levels.dark) / levels.count);
             for (in_light, spread) in [false, true].into_iter().zip(&mut spread) {
-                if !(in_light && clip.is_some()) {
+                if !(in_light && clip.is_some_and(|clip| clip > 0.0)) {
                     self.collect_differences(in_light);
                     *spread = Spread::of(&self.differences, least);
                 }
@@ -250,14 +250,15 @@ impl SideState {
         out.truncate(taken);
     }
 
-    /// Fraction of the flat light pixels that stand at full scale.
+    /// Fraction of the flat pixels that stand at full scale: those in the light, or those of a lit part.
     fn clipped_fraction(&self, clip: f32) -> f64 {
         let windows = &self.windows;
         let (mut at_clip, mut all) = (0_u32, 0_u32);
         let used = windows.width - 1;
+        let ends = if clip > 0.0 { used - windows.flat..used } else { 0..windows.flat };
         for column in (0..windows.centre.len()).step_by(8).filter(|c| windows.centre[*c].is_ok()) {
-            for value in &windows.of(column)[used - windows.flat..used] {
-                at_clip += u32::from(*value >= clip);
+            for value in &windows.of(column)[ends.clone()] {
+                at_clip += u32::from(if clip > 0.0 { *value >= clip } else { *value <= clip });
                 all += 1;
             }
         }
@@ -337,13 +338,18 @@ impl SideState {
         line.clear();
         let freedom = match clip {
             Some(clip) => {
+                // Of a lit part the ground is what is dark.
+                let lit = clip < 0.0;
+                let level = if lit { self.light.mean } else { self.dark.mean };
                 let start = ClippedStart {
-                    dark: self.dark.mean,
-                    variance: noise.variance(self.dark.mean),
-                    clip: f64::from(clip),
+                    dark: level.abs(),
+                    variance: noise.variance(level),
+                    clip: f64::from(clip.abs()),
                     fraction: self.clipped_fraction(clip),
                 };
-                clipped::fit_side(&self.windows, &self.slope, start, line)
+                let mirrored = lit.then(|| self.windows.mirrored());
+                let windows = mirrored.as_ref().unwrap_or(&self.windows);
+                clipped::fit_side(windows, &self.slope, start, line)
             }
             None => self.fit_columns(settings, noise, line),
         };

@@ -120,9 +120,9 @@ fn light_beyond_full_scale_leaves_gaps_or_edges_called_clipped_that_are_covered(
 }
 
 #[test]
-fn a_lit_part_upright_is_measured_as_a_shadow_is() {
-    // The part is what is bright here.
-    for bright in [225.0] {
+fn a_lit_part_upright_is_measured_as_a_shadow_is_clipped_or_not() {
+    // The part is what is bright here; 300 lies beyond full scale.
+    for bright in [225.0, 300.0] {
         let synth = Synth {
             format: PixelFormat::Mono8,
             dark: bright,
