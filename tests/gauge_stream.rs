@@ -105,10 +105,20 @@ fn strides_orientation_polarity_and_threads_do_not_matter() {
     let view = FrameView::new(Pixels::U16(&turned), PixelFormat::Mono12, columns, rows, rows).unwrap();
     assert_eq!(values(&gauge().edges(&view.transposed()).unwrap()), expected);
 
+    let moving: Vec<Frame> =
+        (0..4_u32).map(|k| synth.frame(moved(0.4 * f64::from(k)), Some(u64::from(k)))).collect();
+    let followed = || {
+        let (mut stream, mut edges) = (gauge().stream(), FrameEdges::default());
+        let measured =
+            moving.iter().map(|frame| stream.measure(&frame.view(), &mut edges).map(|()| values(&edges)));
+        measured.collect::<Result<Vec<_>, _>>().unwrap()
+    };
+    let expected_of_stream = followed();
     for threads in [1, 2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| gauge().edges(&frame.view()).unwrap());
         assert_eq!(values(&found), expected, "{threads} threads");
+        assert_eq!(pool.install(followed), expected_of_stream, "a stream on {threads} threads");
     }
 
     let inverted: Vec<u16> = pixels.iter().map(|m| 4095 - m).collect();
