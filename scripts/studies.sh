@@ -38,6 +38,8 @@ study edges cargo test --release --locked --test gauge_edges -- --nocapture --te
 study render cargo test --release --locked --test render_frames --test render_noise -- --nocapture --test-threads 1
 study efficiency cargo test --release --locked --test gauge_edges every_cell -- --ignored --nocapture
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+study uncertainty "$bin" study uncertainty --backend cpu
+study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
 if [ -n "${SHADOWGAUGE_WASHERS:-}" ]; then
   study washers cargo test --release --locked --test measure_washers --test ring_measure -- --nocapture --test-threads 1
