@@ -46,6 +46,8 @@ for threads in 1 2; do
 done
 study edge_peers sh benches/peers/run.sh
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+study uncertainty "$bin" study uncertainty --backend cpu
+study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
 if [ -n "${SHADOWGAUGE_WASHERS:-}" ]; then
   study washers cargo test --release --locked --test measure_washers --test ring_measure -- --nocapture --test-threads 1
@@ -73,7 +75,7 @@ for backend in vulkan cpu; do
   study "render_windows_$backend" "$bin" render configs/bench_2048.toml --bench 500 --windows 32 --json --backend "$backend"
   study "render_everything_$backend" "$bin" render configs/bench_everything.toml --bench 50 --json --backend "$backend"
 done
-# 10^5 small frames: resident memory before and after
+# 10^5 small frames: resident memory before, after 1 000 and after all of them
 study render_memory "$bin" render configs/head_wire.toml --bench 100000 --windows 32 --json --backend cpu
 
 # -- the renderer beside other ways, and EMVA 1288's reference implementation on rendered flat fields

@@ -58,6 +58,10 @@ struct Params {
     sag: f32,
     half_diagonals: f32,
     axis: vec2<f32>,
+    dark_from: u32,
+    dark_steps: u32,
+    counts_per_electron: f32,
+    padding: u32,
 }
 
 struct Edge {
@@ -126,11 +130,12 @@ fn standard_normal(bits: u32) -> f32 {
 fn shaped(mean: f32) -> vec4<f32> {
     let electrons = max((mean - params.black) * params.electrons_per_count, 0.0);
     let variance = max(params.read_variance + electrons, 1e-6);
-    let sd = params.noise * sqrt(variance) / params.electrons_per_count;
-    let ratio = electrons / variance;
-    let kurtosis = ratio / variance;
+    let inverse = 1.0 / variance;
+    let sd = params.noise * sqrt(variance) * params.counts_per_electron;
+    let ratio = electrons * inverse;
+    let kurtosis = ratio * inverse;
     let skew2 = ratio * kurtosis;
-    let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
+    let k2 = params.noise * params.counts_per_electron * 0.16666667 * ratio;
     let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.1388888888888889);
     let k3 = sd * (kurtosis * 0.041666666666666664 - skew2 * 0.05555555555555555);
     return vec4<f32>(mean - k2, k1, k2, k3);
@@ -250,6 +255,11 @@ fn flat_pixel(inside: bool, key: vec2<u32>, row: u32, column: u32) -> u32 {
     return pixel(k, mean, key, sensor_row(row), column);
 }
 
+// A pixel in the shadow of all columns.
+fn even_pixel(key: vec2<u32>, row: u32, column: u32) -> u32 {
+    return pixel(params.flat_shadow, params.shadow, key, sensor_row(row), column);
+}
+
 // A pixel near an edge; the other edge adds light only where the two bands overlap.
 fn edge_pixel(row: i32, column: u32, key: vec2<u32>, lower: bool) -> u32 {
     let c = columns[min(column, params.columns - 1u)];
@@ -286,6 +296,47 @@ fn fill_word(x: u32, row: u32, start: vec2<i32>) {
     image[row * params.words + x] = word;
 }
 
+// The pixels of one word of a row, in the shadow.
+fn even_word(x: u32, row: u32) {
+    let key = row_key(params.noise_key, sensor_row(row));
+    let column = x * pixels_per_word;
+    var word = even_pixel(key, row, column);
+    if (pixels_per_word > 1u) {
+        word = word | (even_pixel(key, row, column + 1u) << ((32u / pixels_per_word) & 31u));
+    }
+    if (pixels_per_word > 2u) {
+        word = word | (even_pixel(key, row, column + 2u) << 16u);
+        word = word | (even_pixel(key, row, column + 3u) << 24u);
+    }
+    image[row * params.words + x] = word;
+}
+
+// Sixteen rows of a column of words in the shadow, where the rest of the frame has light to work out.
+@compute @workgroup_size(64, 1, 1)
+fn shade(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let x = group.x * 64u + local;
+    if (x >= params.words) {
+        return;
+    }
+    let row = (group.y + params.dark_from) * 16u;
+    even_word(x, row);
+    even_word(x, row + 1u);
+    even_word(x, row + 2u);
+    even_word(x, row + 3u);
+    even_word(x, row + 4u);
+    even_word(x, row + 5u);
+    even_word(x, row + 6u);
+    even_word(x, row + 7u);
+    even_word(x, row + 8u);
+    even_word(x, row + 9u);
+    even_word(x, row + 10u);
+    even_word(x, row + 11u);
+    even_word(x, row + 12u);
+    even_word(x, row + 13u);
+    even_word(x, row + 14u);
+    even_word(x, row + 15u);
+}
+
 // Sixteen rows of a column of words; the image has room for rows beyond the frame's last.
 @compute @workgroup_size(64, 1, 1)
 fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -294,7 +345,7 @@ fn fill(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let start = band_start[x];
-    let row = group.y * 16u;
+    let row = (group.y + select(0u, params.dark_steps, group.y >= params.dark_from)) * 16u;
     fill_word(x, row, start);
     fill_word(x, row + 1u, start);
     fill_word(x, row + 2u, start);

@@ -1,6 +1,7 @@
 //! Contamination against closed forms, conserved light and the statistics asked for.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+use shadowgauge::frame::{PixelFormat, Pixels};
 use shadowgauge::render::contamination::shapes::{
     clear_radius_of_ball, clear_radius_of_cap, disc, half_plane, into_polygon, line, polygon_area,
 };
@@ -8,6 +9,9 @@ use shadowgauge::render::contamination::{
     AdheringFilms, AirDroplets, Chips, Contamination, ContaminationField, Dirt, FieldGeometry, Film, Films,
     Mist, Scratches, SizeDistribution, TransmissionMap, WindowDroplets, mask,
 };
+use shadowgauge::render::settings::{BenchSettings, Departures};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::shaft::{ProfileKnot, Shaft};
 
 fn close(found: f64, wanted: f64, tolerance: f64, what: &str) {
     assert!((found - wanted).abs() <= tolerance, "{what}: {found}, not {wanted} ± {tolerance}");
@@ -257,6 +261,36 @@ fn a_film_raises_the_edge_when_it_faces_it() {
         });
         close(films.rise_mm(12.5, 40.0, turn), wanted, 1e-8, &format!("turned by {turn}"));
     }
+}
+
+/// Films cover corners of the outline as they cover its straight edges: no step where profiles of their own begin.
+#[test]
+fn films_adhere_beside_a_shoulder_as_elsewhere() {
+    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+    (settings.camera.rows, settings.camera.columns) = (400, 300);
+    (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 0.2);
+    let films = Films { per_cm2: 60.0, half_extent_um: alike(900.0), thickness_um: alike(30.0) };
+    settings.contamination = Contamination { films, ..Contamination::default() };
+    let bench = OpticalBench::resolve(&settings, 5).unwrap();
+    let mut shaft = Shaft::cylinder(4.0);
+    shaft.profile =
+        vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.9 }, ProfileKnot { z_mm: 0.0, radius_mm: 2.1 }];
+    let scene = Scene::new(&bench, shaft).unwrap();
+    let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
+    let twin = Renderer::new(BackendChoice::Cpu).unwrap();
+    let dark = |scene: &Scene| -> Vec<f64> {
+        let frame = twin.render(scene, &request, None).unwrap();
+        let Pixels::F32(pixels) = frame.view().pixels() else { panic!("not f32") };
+        let levels = scene.levels(PixelFormat::F32);
+        let shade = |v: f32| (levels.bright - f64::from(v)) / (levels.bright - levels.shadow);
+        (0..300).map(|c| (0..200).map(|r| shade(pixels[r * 300 + c])).sum()).collect()
+    };
+    let (filmed, wiped) = (dark(&scene), dark(&scene.clone().wiped()));
+    let lift: Vec<f64> = filmed.iter().zip(&wiped).map(|(a, b)| a - b).collect();
+    println!("lift of the upper edge about the shoulder: {:.3?}", &lift[140..160]);
+    // The shoulder stands at column 149.5, profiles of their own have the columns up to some 9 px to either side.
+    assert!(lift[130..170].iter().all(|l| *l > 0.1), "no film where it is looked for: {lift:.3?}");
+    assert!(lift.windows(3).all(|w| (w[0] - 2.0 * w[1] + w[2]).abs() < 0.03), "{lift:.3?}");
 }
 
 #[test]

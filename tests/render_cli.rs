@@ -168,6 +168,39 @@ fn a_device_lost_on_the_way_does_not_end_the_run() {
     }
 }
 
+/// Frames beyond the adapter's buffers are drawn by the CPU twin, which says so; no format is refused, as images are plain words.
+#[test]
+fn a_frame_or_a_format_that_the_adapter_refuses_is_drawn_by_the_twin() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(folder.path(), "");
+    for (limit, format) in [("20000", "png16"), ("none", "png8"), ("none", "tiff16"), ("none", "f32")] {
+        let out = folder.path().join(format!("{limit}_{format}"));
+        let mut command = shadowgauge();
+        command.arg("render").arg(&config).args(["--out", out.to_str().unwrap(), "--frames", "2"]);
+        command.args(["--backend", "vulkan", "--format", format]);
+        if limit != "none" {
+            command.env("SHADOWGAUGE_LARGEST_BUFFER", limit);
+        }
+        let output = command.output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        if stderr.contains("no Vulkan adapter") {
+            assert!(std::env::var("REQUIRE_VULKAN").as_deref() != Ok("1"), "{stderr}");
+            println!("SKIPPED (no Vulkan adapter): {stderr}");
+            return;
+        }
+        assert_eq!(output.status.code(), Some(0), "{format}: {stderr}");
+        let said = stderr.matches("are drawn by the CPU twin").count();
+        assert_eq!(said, usize::from(limit != "none"), "{format}: {stderr}");
+        assert!(said == 0 || stderr.contains("the adapter's largest has 20000"), "{stderr}");
+        if limit != "none" {
+            let twin = folder.path().join("twin");
+            assert_eq!(run(&["--frames", "2", "--format", format], &config, &twin).0, 0);
+            let read = |folder: &Path| std::fs::read(folder.join("frames/000001.png")).unwrap();
+            assert_eq!(read(&out), read(&twin));
+        }
+    }
+}
+
 #[test]
 fn contamination_writes_its_mask_and_presets_fill_in_a_sensor() {
     let folder = tempfile::tempdir().unwrap();

@@ -105,7 +105,11 @@ fn host_and_shader_agree_on_every_struct() {
         field,
         sag,
         half_diagonals,
-        axis
+        axis,
+        dark_from,
+        dark_steps,
+        counts_per_electron,
+        padding
     );
     same_layout!(&module, "Edge", Edge, whole, part, across, along, table, blend);
     same_layout!(&module, "Column", Column, top, bottom);
@@ -125,7 +129,10 @@ fn twin_has_every_function_of_the_shader() {
     let twin = include_str!("../src/render/shadowgraph.rs");
     for (_, function) in shadowgraph().functions.iter() {
         let name = function.name.as_deref().unwrap();
-        let twin_name = name.replace("flat_pixel", "flat_pixels").replace("fill_word", "fill_block");
+        let twin_name = name
+            .replace("flat_pixel", "flat_pixels")
+            .replace("fill_word", "fill_block")
+            .replace("even_word", "fill_block");
         assert!(twin.contains(&format!("fn {twin_name}")), "{name} has no twin");
     }
 }

@@ -75,6 +75,19 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
     }
 }
 
+/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a droplet fits so badly that the
+/// misfit stated comes to pixels, where a part's faintest edge has a tenth of one.
+const VAGUE_PX: f64 = 0.5;
+
+/// Refuses edges that are known no better than to half a pixel.
+pub(crate) fn refuse_vague(line: &mut [Edge]) {
+    for edge in line.iter_mut() {
+        if edge.is_usable() && !(edge.u_px() <= VAGUE_PX) {
+            edge.state = EdgeState::Gap(Reason::Residual);
+        }
+    }
+}
+
 /// Medians of the usable edges in groups of neighbours, as (column, row).
 fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
     out.clear();

@@ -433,6 +433,7 @@ impl SideState {
         if settings.rejection == Rejection::Off {
             return;
         }
+        gate::refuse_vague(line);
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }

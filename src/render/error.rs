@@ -36,6 +36,12 @@ pub enum RenderError {
         /// What the driver answered.
         why: String,
     },
+    /// The adapter cannot hold a frame of this size.
+    #[error("{what}")]
+    TooLarge {
+        /// What it asks for and what the adapter has.
+        what: String,
+    },
     /// The device refused or was lost.
     #[error("the rendering device failed: {what}")]
     Device {

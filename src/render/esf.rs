@@ -9,7 +9,7 @@
 //! with F over the perpendicular distance d into the light, so that one table serves every slope. The integral is a
 //! Gauss-Legendre product whose order follows from the blur; its error stays below 1e-6 of the contrast.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::error::RenderError;
 use super::esf_families::quadrature::gauss_legendre;
@@ -85,12 +85,26 @@ pub struct EsfTable {
     pub sharp_px: f64,
     /// Whether extra blur just widens the scale (true for the Gaussian only).
     pub widens: bool,
+    /// Whether the light is already integrated over a pixel: for edges along the rows.
+    pub over_pixel: bool,
     focus: Focus,
     /// Radii of reflecting surfaces that have tables of their own, ascending; empty without reflection.
     radii_mm: Vec<f64>,
     /// The tables in f64, µm on the object; empty for the plain Gaussian.
     sources: Arc<[EdgeSpread]>,
     pixel_mm: f64,
+    folded: Folded,
+}
+
+/// The same tables integrated over a pixel, made when first asked for; nothing where that fails.
+#[derive(Clone, Debug, Default)]
+struct Folded(OnceLock<Option<Box<EsfTable>>>);
+
+impl PartialEq for Folded {
+    /// It follows from the rest.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Tables already made for a bench: a partially coherent one takes tenths of a second, and every pose of a part asks for it.
@@ -170,20 +184,48 @@ impl EsfTable {
         Self::from_tables(tables, focus, radii_mm, extent.pixel_mm)
     }
 
+    /// The tables with a pixel's height folded in: what a pixel gets past an edge along its rows, so that one place of a table
+    /// replaces the quadrature. `None` where they cannot be had.
+    pub fn over_pixel(&self) -> Option<&Self> {
+        let made = || {
+            if self.sources.is_empty() {
+                let focus = self.focus;
+                return Some(Box::new(Self {
+                    focus,
+                    ..Self::gaussian_over(self.scale_px, 0.0, self.pixel_mm, true)
+                }));
+            }
+            let over = |t: &EdgeSpread| t.averaged(self.pixel_mm * 1e3, TOLERANCE);
+            let tables = self.sources.iter().map(over).collect::<Result<Vec<_>, _>>().ok()?;
+            let folded = Self::from_tables(tables, self.focus, self.radii_mm.clone(), self.pixel_mm).ok()?;
+            Some(Box::new(Self { over_pixel: true, ..folded }))
+        };
+        self.folded.0.get_or_init(made).as_deref()
+    }
+
     fn gaussian(sigma_px: f64, na: f64, pixel_mm: f64) -> Self {
-        let count = (2.0 * GAUSSIAN_REACH * KNOTS_PER_SIGMA).ceil();
-        let step = 2.0 * GAUSSIAN_REACH / count;
+        Self::gaussian_over(sigma_px, na, pixel_mm, false)
+    }
+
+    fn gaussian_over(sigma_px: f64, na: f64, pixel_mm: f64, over_pixel: bool) -> Self {
+        let half = if over_pixel { 0.5 / sigma_px } else { 0.0 };
+        let reach = GAUSSIAN_REACH + half;
+        let count = (2.0 * reach * KNOTS_PER_SIGMA).ceil();
+        let step = 2.0 * reach / count;
+        let knot = |u: f64| if over_pixel { boxed_gaussian(u, half) } else { gaussian(u) };
         let segments: Vec<_> = (0..count as usize)
             .map(|i| {
-                let (a, da) = gaussian(-GAUSSIAN_REACH + i as f64 * step);
-                let (b, db) = gaussian(-GAUSSIAN_REACH + (i + 1) as f64 * step);
+                let (a, da) = knot(-reach + i as f64 * step);
+                let (b, db) = knot(-reach + (i + 1) as f64 * step);
                 hermite(a, da * step, b, db * step)
             })
             .collect();
         Self {
             per_table: segments.len() as u32,
             segments,
-            reach: GAUSSIAN_REACH as f32,
+            reach: reach as f32,
+            over_pixel,
+            folded: Folded::default(),
             per_unit: (1.0 / step) as f32,
             scale_px: sigma_px,
             blur_px: sigma_px,
@@ -225,6 +267,8 @@ impl EsfTable {
             blur_px: width / WIDTH_10_90 / pixel_um,
             sharp_px: sharp_um / pixel_um,
             widens: false,
+            over_pixel: false,
+            folded: Folded::default(),
             focus,
             radii_mm,
             sources: tables.into(),
@@ -404,6 +448,13 @@ fn over_radii(
 pub(super) fn gaussian(u: f64) -> (f64, f64) {
     let density = (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
     (statrs::function::erf::erfc(-u / std::f64::consts::SQRT_2) * 0.5, density)
+}
+
+/// Φ averaged over u ± half, and its derivative.
+fn boxed_gaussian(u: f64, half: f64) -> (f64, f64) {
+    let ((high, dense_high), (low, dense_low)) = (gaussian(u + half), gaussian(u - half));
+    let integral = (u + half) * high + dense_high - (u - half) * low - dense_low;
+    (integral / (2.0 * half), (high - low) / (2.0 * half))
 }
 
 fn hermite(a: f64, da: f64, b: f64, db: f64) -> [f32; 4] {

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::columns::ColumnEdges;
+use super::contamination::Rise;
 use super::error::RenderError;
 use super::params::Window;
 use super::scene::{FrameRequest, Scene};
@@ -22,6 +23,19 @@ pub(super) struct Instant<'a> {
     pub field_z_mm: f64,
     /// Edges of every column of the window and its halo, in rows of the window.
     pub edges: Vec<ColumnEdges>,
+    /// What films raise these edges by; empty where there are none.
+    pub rises: Vec<Rise>,
+}
+
+impl Instant<'_> {
+    /// The rise at a fractional place among the columns, linear between two: films are wide against a pixel.
+    pub(super) fn rise_at(&self, place: f64) -> Rise {
+        let Some(last) = self.rises.len().checked_sub(1) else { return Rise::default() };
+        let place = place.clamp(0.0, last as f64);
+        let (a, b) = (self.rises[place as usize], self.rises[(place as usize + 1).min(last)]);
+        let between = |a: f64, b: f64| a + place.fract() * (b - a);
+        Rise { top_px: between(a.top_px, b.top_px), bottom_px: between(a.bottom_px, b.bottom_px) }
+    }
 }
 
 /// The instants of a request's exposure; a single one where nothing moves.
@@ -52,7 +66,7 @@ pub(super) fn instants<'a>(
         };
         check_field(scene, &edges[halo..edges.len() - halo], window)?;
         before = Some((angle, z, lift_px));
-        instants.push(Instant { weight: pose.weight, turned, field_z_mm: z, edges });
+        instants.push(Instant { weight: pose.weight, turned, field_z_mm: z, edges, rises: Vec::new() });
     }
     Ok(instants)
 }

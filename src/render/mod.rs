@@ -6,6 +6,7 @@
 mod bench;
 pub mod columns;
 pub mod contamination;
+mod edge_cells;
 mod error;
 pub mod esf;
 pub mod esf_families;

@@ -6,6 +6,9 @@ use super::shadowgraph::shaped;
 use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node};
 use crate::frame::PixelFormat;
 
+/// Rows that an invocation of the kernel `fill` writes, as in the shader.
+pub const FILL_ROWS: u32 = 16;
+
 /// Uniforms of `shaders/shadowgraph.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -82,6 +85,14 @@ pub struct Params {
     pub half_diagonals: f32,
     /// Sensor column and row of the optical axis.
     pub axis: [f32; 2],
+    /// First of the steps of 16 rows that lie in the shadow over all columns.
+    pub dark_from: u32,
+    /// Number of these steps.
+    pub dark_steps: u32,
+    /// Counts an electron.
+    pub counts_per_electron: f32,
+    /// Fills up 16 bytes.
+    pub padding: u32,
 }
 
 /// Levels and noise of a sensor, in counts of one format.
@@ -233,6 +244,7 @@ impl Params {
             contrast: (levels.bright - levels.shadow) as f32,
             black: levels.black as f32,
             electrons_per_count: levels.electrons_per_count as f32,
+            counts_per_electron: (1.0 / levels.electrons_per_count) as f32,
             read_variance: (levels.read_noise_e * levels.read_noise_e) as f32,
             noise: f32::from(u8::from(noise)),
             most: format.full_scale().map_or(i32::from(i16::MAX), i32::from),
@@ -248,5 +260,13 @@ impl Params {
         params.flat_bright = shaped(&params, params.shadow + params.contrast);
         params.flat_shadow = shaped(&params, params.shadow);
         params
+    }
+
+    /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light to work out.
+    pub fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
+        let step = |row: i32| row.clamp(0, self.rows as i32) as u32;
+        let (from, to) = (step(rows.start).div_ceil(FILL_ROWS), step(rows.end) / FILL_ROWS);
+        let steps = if self.light != 0 { to.saturating_sub(from) } else { 0 };
+        (self.dark_from, self.dark_steps) = (from, steps);
     }
 }

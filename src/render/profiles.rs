@@ -6,7 +6,8 @@
 //! I(x, y) = ∫ K(x - x') B(e(x') - y) dx',   K = box ∗ g_σ along the row,   B = box ∗ Φ down the column
 //! ```
 //!
-//! integrated between the outline's corners with four Gauss nodes a panel of half a σ (a thread's crests, whose corners are not
+//! integrated between the outline's corners with four Gauss nodes a panel of half a σ, on steep faces one in which the edge climbs by
+//! σ; beneath a leaning shoulder's overhang there is light again (a thread's crests, whose corners are not
 //! known beforehand, with panels of an eighth of a pixel: an angle of tan 60° then errs by 1e-4 px). Other families have
 //! no such form: there a point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact along
 //! every straight edge; at a corner of 90° it errs by up to .27 of full intensity in light of one colour from a point, where
@@ -46,6 +47,18 @@ struct Point {
     column: f64,
     weight: f64,
     rows: [f64; 2],
+    /// Upper and lower row of the light beneath an overhang.
+    gaps: [Option<[f64; 2]>; 2],
+}
+
+impl Point {
+    /// Rows of one side at which light above (`true` for the upper edge) begins or, counted back, ends again.
+    fn borders(&self, side: usize) -> impl Iterator<Item = (f64, f64)> {
+        let [upper, lower] = self.gaps[side].unwrap_or_default();
+        let (begins, ends) = if side == 0 { (lower, upper) } else { (upper, lower) };
+        let gap = self.gaps[side].map(|_| [(begins, 1.0), (ends, -1.0)]);
+        std::iter::once((self.rows[side], 1.0)).chain(gap.into_iter().flatten())
+    }
 }
 
 /// Light of the rows of one column past one edge.
@@ -63,6 +76,8 @@ pub(super) struct Profiles<'a> {
     pub instants: &'a [Instant<'a>],
     pub depth: &'a [Depth],
     pub quadrature: &'a [Node],
+    /// Segments of the tables that the kernel reads: the profiles come behind them.
+    pub kernel_segments: usize,
 }
 
 impl Profiles<'_> {
@@ -96,7 +111,7 @@ impl Profiles<'_> {
         wanted: &[usize],
         lines: Vec<[Option<Line>; 2]>,
     ) -> Vec<[f32; 4]> {
-        let start = 4 * self.esf.segments.len();
+        let start = 4 * self.kernel_segments;
         let mut light: Vec<f32> = Vec::new();
         for (&c, pair) in wanted.iter().zip(lines) {
             for (side, line) in pair.into_iter().enumerate() {
@@ -150,19 +165,41 @@ impl Profiles<'_> {
             let low = low.max(covered);
             let high = f64::from(self.window.column) + (end - 1) as f64 + reach;
             let (corners, known) = self.scene.corners(instant, low, high);
-            let panel = if known { PANEL_SIGMA * sigma } else { PANEL_FINE_PX.min(PANEL_SIGMA * sigma) };
-            nodes.extend(panels(low, high, &corners, panel, &rule));
+            if known {
+                let inner = corners.into_iter().filter(|c| *c > low && *c < high);
+                let ends: Vec<f64> = std::iter::once(low).chain(inner).chain([high]).collect();
+                for piece in ends.windows(2) {
+                    let panel = sigma * PANEL_SIGMA.min(1.0 / self.steepness(instant, piece[0], piece[1]));
+                    nodes.extend(panels(piece[0], piece[1], &[], panel, &rule));
+                }
+            } else {
+                nodes.extend(panels(low, high, &corners, PANEL_FINE_PX.min(PANEL_SIGMA * sigma), &rule));
+            }
             covered = high;
             c = end;
         }
+        nodes.par_iter().map(|&(column, weight)| self.point(instant, column, weight)).collect()
+    }
+
+    fn point(&self, instant: &Instant<'_>, column: f64, weight: f64) -> Point {
         let row0 = f64::from(self.window.row);
-        nodes
-            .par_iter()
-            .map(|&(column, weight)| {
-                let e = self.scene.edges_at(&instant.turned, instant.field_z_mm, column);
-                Point { column, weight, rows: [e.top_px - row0, e.bottom_px - row0] }
-            })
-            .collect()
+        let e = self.scene.edges_at(&instant.turned, instant.field_z_mm, column);
+        let gaps = self.scene.gaps_at(&instant.turned, instant.field_z_mm, column);
+        let gaps = gaps.map(|gap| gap.map(|rows| rows.map(|r| r - row0)));
+        let rise = instant.rise_at(column - f64::from(self.window.column) + self.halo as f64);
+        let rows = [e.top_px - rise.top_px - row0, e.bottom_px + rise.bottom_px - row0];
+        Point { column, weight, rows, gaps }
+    }
+
+    /// Rows a column by which the outline rises or falls between two corners: many on the face of a leaning shoulder.
+    fn steepness(&self, instant: &Instant<'_>, low: f64, high: f64) -> f64 {
+        let within = 1e-6 * (high - low);
+        let [a, b] = [low + within, high - within].map(|column| self.point(instant, column, 0.0));
+        let rise = |side: usize| {
+            let pairs = a.borders(side).zip(b.borders(side));
+            pairs.map(|((from, _), (to, _))| (to - from).abs()).fold(0.0, f64::max)
+        };
+        rise(0).max(rise(1)) / (high - low).max(f64::MIN_POSITIVE)
     }
 
     fn line(&self, column: usize, side: usize, outlines: Option<&Vec<Vec<Point>>>) -> Option<Line> {
@@ -223,7 +260,8 @@ impl Profiles<'_> {
         let range = windows
             .iter()
             .flat_map(|w| w.iter())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.rows[side]), b.max(p.rows[side])));
+            .flat_map(|p| p.borders(side))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (row, _)| (a.min(row), b.max(row)));
         let blurred =
             if self.esf.widens { reach } else { f64::from(self.esf.reach) * self.esf.scale_px + 0.5 };
         let (first, count) = self.rows(range, blurred)?;
@@ -256,10 +294,10 @@ impl Image<'_> {
         let weights: Vec<(f64, f64)> = self
             .points
             .iter()
-            .map(|p| {
+            .flat_map(|p| {
                 let t = self.at - p.column;
                 let along = gaussian((t + 0.5) / self.sigma).0 - gaussian((t - 0.5) / self.sigma).0;
-                (p.rows[self.side], weight * p.weight * along)
+                p.borders(self.side).map(move |(row, share)| (row, share * weight * p.weight * along))
             })
             .collect();
         for (r, light) in light.iter_mut().enumerate() {
@@ -297,11 +335,14 @@ impl Image<'_> {
         let step = |u: f64| gaussian(u / self.sigma).0;
         let (mut lit, mut dark) = (0.0, 0.0);
         for (p, w) in self.points.iter().zip(weights) {
-            let u = sign * (p.rows[self.side] - y);
-            lit += w * step(u);
-            dark += w * step(-u);
+            let u = |row: f64| sign * (row - y);
+            let beneath: f64 = p.borders(self.side).skip(1).map(|(row, sense)| sense * step(u(row))).sum();
+            let (share, hidden) =
+                (step(u(p.rows[self.side])) + beneath, step(-u(p.rows[self.side])) - beneath);
+            lit += w * share;
+            dark += w * hidden;
         }
-        let share = lit.min(dark) / total;
+        let share = lit.min(dark).max(0.0) / total;
         if share > LEAST_SHARE {
             let u = std::f64::consts::SQRT_2 * statrs::function::erf::erfc_inv(2.0 * share);
             return if lit < dark { -u * self.sigma } else { u * self.sigma };

@@ -30,6 +30,7 @@ pub struct Renderer {
     backend: String,
     adapter: String,
     lost: OnceLock<Loss>,
+    refused: OnceLock<()>,
     strict: bool,
 }
 
@@ -42,6 +43,9 @@ struct Loss {
 
 /// Fault injection: the device is lost after so many frames.
 const LOSE_DEVICE_AFTER: &str = "SHADOWGAUGE_LOSE_DEVICE_AFTER";
+
+/// Fault injection: the adapter's largest buffer, bytes.
+const LARGEST_BUFFER: &str = "SHADOWGAUGE_LARGEST_BUFFER";
 
 #[derive(Debug)]
 enum Engine {
@@ -56,7 +60,9 @@ impl Renderer {
     /// When Vulkan or GL is asked for and offers no adapter. `auto` then takes the CPU twin and says so.
     ///
     /// A device that fails later does not end the run: it goes on with the CPU twin, says so once and in
-    /// [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys the device after N frames.
+    /// [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys the device after N frames. Frames larger
+    /// than the adapter's buffers are drawn by the twin, which is said once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to try it). No
+    /// pixel format is beyond an adapter: images are plain buffers of packed words.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
         let api = match choice {
             BackendChoice::Auto => Api::Any,
@@ -82,6 +88,7 @@ impl Renderer {
             backend: "cpu".into(),
             adapter: "CPU twin".into(),
             lost: OnceLock::new(),
+            refused: OnceLock::new(),
             strict: false,
         }
     }
@@ -91,8 +98,11 @@ impl Renderer {
         if let Some(frames) = std::env::var(LOSE_DEVICE_AFTER).ok().and_then(|n| n.parse().ok()) {
             gpu.lose_after(frames);
         }
+        if let Some(bytes) = std::env::var(LARGEST_BUFFER).ok().and_then(|n| n.parse().ok()) {
+            gpu.limit_buffers(bytes);
+        }
         let engine = Engine::Device(Box::new(Mutex::new(gpu)));
-        Self { engine, backend, adapter, lost: OnceLock::new(), strict: false }
+        Self { engine, backend, adapter, lost: OnceLock::new(), refused: OnceLock::new(), strict: false }
     }
 
     /// The same renderer, for which a device that fails is an error: for comparisons of the device with the twin.
@@ -123,6 +133,15 @@ impl Renderer {
             return Ok(false);
         }
         let mut gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Err(e) = gpu.holds(job) {
+            if self.strict {
+                return Err(e);
+            }
+            if self.refused.set(()).is_ok() {
+                tracing::warn!("{e}: frames of this size are drawn by the CPU twin");
+            }
+            return Ok(false);
+        }
         match gpu.run(job, work, |words| unpack(job, words, buffer)) {
             Ok(()) => Ok(true),
             Err(e) if self.strict => Err(e),
@@ -148,7 +167,7 @@ impl Renderer {
         request: &FrameRequest,
         reuse: Option<Frame>,
     ) -> Result<Frame, RenderError> {
-        Ok(self.render_masked(scene, request, reuse)?.0)
+        Ok(self.frame(scene, request, reuse, false)?.0)
     }
 
     /// [`Self::render`] with the truth of the contamination: bits of [`super::contamination::mask`] for every pixel of
@@ -162,7 +181,17 @@ impl Renderer {
         request: &FrameRequest,
         reuse: Option<Frame>,
     ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
-        let mut job = scene.job(request)?;
+        self.frame(scene, request, reuse, true)
+    }
+
+    fn frame(
+        &self,
+        scene: &Scene,
+        request: &FrameRequest,
+        reuse: Option<Frame>,
+        with_mask: bool,
+    ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
+        let mut job = scene.job_with(request, with_mask)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
         let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
         let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request))

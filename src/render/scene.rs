@@ -7,16 +7,16 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
 use super::bench::OpticalBench;
-use super::columns::{ColumnEdges, Depth, RowBlur, Straight, bands, kernel_columns, steepest};
+use super::columns::{ColumnEdges, Depth, RowBlur, Straight, bands, fold_pixel, kernel_columns, steepest};
 use super::error::RenderError;
-use super::esf::{EsfTable, Extent, pixel_quadrature};
+use super::esf::{EsfTable, Extent, Node, pixel_quadrature};
 use super::esf_families::EdgeSpread;
 use super::exposure::{self, Instant};
 use super::light_map::LightMap;
 use super::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
 use super::profiles::Profiles;
 use super::silhouette::{Outline, Turned, View};
-use super::veil;
+use super::veil::{self, Seen};
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::shaft::Shaft;
 
@@ -237,6 +237,24 @@ impl Scene {
         ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
     }
 
+    /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
+    pub(super) fn gaps_at(
+        &self,
+        turned: &Turned<'_>,
+        field_z_mm: f64,
+        sensor_column: f64,
+    ) -> [Option<[f64; 2]>; 2] {
+        if !(self.is_straight() && self.bench.nominal.optics.distortion.is_none()) {
+            return [None; 2];
+        }
+        let z = self.bench.column_z_mm(field_z_mm, sensor_column);
+        let rows = |ends: [f64; 2]| {
+            let [a, b] = ends.map(|x| self.bench.row_of_x(x));
+            [a.min(b), a.max(b)]
+        };
+        [true, false].map(|top| turned.gap(z, top).map(rows))
+    }
+
     /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
     pub(super) fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
         let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
@@ -337,44 +355,63 @@ impl Scene {
     /// # Errors
     /// As [`Self::geometric_edges`].
     pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
+        self.job_with(request, true)
+    }
+
+    /// [`Self::job`], the truth of the contamination only where it is asked for.
+    ///
+    /// # Errors
+    /// As [`Self::job`].
+    pub fn job_with(&self, request: &FrameRequest, with_mask: bool) -> Result<Job<'_>, RenderError> {
         let windows = self.windows(request)?;
         let window = windows.span();
         let format = self.format(request);
         let halo = self.blur.reach();
         let mut instants = exposure::instants(self, request, window, halo)?;
-        let mut rises = Vec::new();
         if !self.wiped {
             for instant in &mut instants {
                 let edges = &mut instant.edges;
-                rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
+                instant.rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
             }
         }
         let edges = exposure::mean(&instants);
         let mut stacked = edges.clone();
         stack(&mut stacked, windows)?;
         let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
-        let contamination = veil::contamination(
-            &self.bench,
-            request,
-            windows,
-            &stacked[seen(stacked.len())],
-            &rises[seen(rises.len())],
-            self.esf.blur_px,
-        )?;
         let depth = self.depth(&instants[0], window);
         let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
-        let quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
+        let mut quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
+        let folded = fold_pixel(&self.esf, &mut columns);
+        let esf = folded.unwrap_or(&self.esf);
         let profiles = if instants.len() > 1 || self.outline.has_breaks() {
-            let (scene, esf, instants) = (self, &self.esf, &instants[..]);
-            let frame =
-                Profiles { scene, esf, window, halo, instants, depth: &depth, quadrature: &quadrature };
+            let frame = Profiles {
+                scene: self,
+                esf: &self.esf,
+                window,
+                halo,
+                instants: &instants,
+                depth: &depth,
+                quadrature: &quadrature,
+                kernel_segments: esf.segments.len(),
+            };
             frame.add(&mut columns)
         } else {
             Vec::new()
         };
+        if folded.is_some() {
+            quadrature = vec![Node { along: 0.0, down: 0.0, weight: 1.0, padding: 0.0 }];
+        }
         // Whole rows: the lower edges keep their places to the last bit.
         columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
-        let bands = bands(&columns, pixels_per_word(format) as usize, &self.esf);
+        let bands = bands(&columns, pixels_per_word(format) as usize, esf);
+        let rises = instants.last().map_or(&[][..], |i| &i.rises);
+        let seen = Seen {
+            edges: &stacked[seen(stacked.len())],
+            rises: &rises[seen(rises.len())],
+            blur_px: self.esf.blur_px,
+            dark: bands.dark.clone(),
+        };
+        let contamination = veil::contamination(&self.bench, request, windows, &seen, with_mask)?;
         let keys = FrameKeys {
             seed: request.seed,
             frame_id: request.frame_id,
@@ -384,17 +421,18 @@ impl Scene {
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
         params.overlap = u32::from(bands.overlap);
-        params.esf_segments = self.esf.per_table;
-        params.esf_reach = self.esf.reach;
-        params.esf_per_unit = self.esf.per_unit;
+        params.esf_segments = esf.per_table;
+        params.esf_reach = esf.reach;
+        params.esf_per_unit = esf.per_unit;
         self.light_params(&mut params, contamination.as_ref());
+        params.set_dark(&bands.dark);
         Ok(Job {
             params,
             format,
             columns,
             bands,
             contamination,
-            esf: &self.esf,
+            esf,
             quadrature,
             stacked: self.esf.is_stacked(),
             profiles,
@@ -412,6 +450,13 @@ impl Scene {
         params.sag = light.sag as f32;
         params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
         params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
+    }
+
+    /// Takes a job's memory back for the next frame.
+    pub fn give_back(&self, job: Job<'_>) {
+        if let Some(map) = job.contamination {
+            self.recycle(map);
+        }
     }
 
     /// Takes a frame's contamination back for its memory and gives out its mask.

@@ -7,6 +7,8 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::columns::{Edge, PROFILE};
+use super::edge_cells::{CELL, EdgeCell, edge_cells};
+use super::light_map::LightMap;
 use super::noise::{DENOMINATOR, NUMERATOR};
 use super::params::{Job, Params};
 
@@ -14,7 +16,7 @@ use super::params::{Job, Params};
 const BLOCK: usize = 256;
 
 /// Rows a task of the thread pool.
-const TASK_ROWS: usize = 32;
+const TASK_ROWS: usize = 16;
 
 /// Row of the sensor that a row of the frame shows: a second window may follow the first.
 #[inline(always)]
@@ -54,16 +56,31 @@ pub fn standard_normal(bits: u32) -> f32 {
     x * (p / q)
 }
 
+/// The larger one; that of f32 minds NaN, which costs three instructions.
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> u32 {
+    let rounded = x + 8_388_608.0;
+    let over = u32::from(rounded - 8_388_608.0 > x);
+    (rounded.to_bits() & 0x007f_ffff) - over
+}
+
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
 #[inline(always)]
 pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
-    let electrons = ((mean - params.black) * params.electrons_per_count).max(0.0);
-    let variance = (params.read_variance + electrons).max(1e-6);
-    let sd = params.noise * variance.sqrt() / params.electrons_per_count;
-    let ratio = electrons / variance;
-    let kurtosis = ratio / variance;
+    let electrons = most((mean - params.black) * params.electrons_per_count, 0.0);
+    let variance = most(params.read_variance + electrons, 1e-6);
+    let inverse = 1.0 / variance;
+    let sd = params.noise * variance.sqrt() * params.counts_per_electron;
+    let ratio = electrons * inverse;
+    let kurtosis = ratio * inverse;
     let skew2 = ratio * kurtosis;
-    let k2 = params.noise * ratio / (6.0 * params.electrons_per_count);
+    let k2 = params.noise * params.counts_per_electron * 0.166_666_67 * ratio;
     let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_9);
     let k3 = sd * (kurtosis * 0.041_666_668 - skew2 * 0.055_555_556);
     [mean - k2, k1, k2, k3]
@@ -117,7 +134,7 @@ fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
 
 /// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
 #[inline(always)]
-fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
+pub(super) fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     if edge.table >= PROFILE {
         return profile(job, edge, row);
     }
@@ -142,24 +159,6 @@ fn field_light(params: &Params, row: u32, column: u32) -> f32 {
     let r2 = u * u + v * v;
     let lens = 1.0 - r2 * (params.field[0] + r2 * params.field[1]);
     lens * (1.0 + params.field[2] * u + params.field[3] * v - params.sag * r2)
-}
-
-/// What contamination leaves of the light of a pixel of the frame.
-#[inline(always)]
-fn clear_light(params: &Params, words: &[u32], row: u32, column: u32) -> f32 {
-    let word = words[(row * params.light_words + (column >> 1)) as usize];
-    ((word >> ((column & 1) << 4)) & 0xffff) as f32 * 3.051_757_8e-5
-}
-
-/// Light of the bright field at a pixel of the frame, 1 where it is even and clear.
-#[inline(always)]
-fn field_factor(job: &Job<'_>, row: u32, column: u32) -> f32 {
-    let params = &job.params;
-    let factor = field_light(params, sensor_row(params, row), params.column0 + column);
-    match &job.contamination {
-        Some(map) if params.light > 1 => factor * clear_light(params, &map.words, row, column),
-        _ => factor,
-    }
 }
 
 /// How counts become pixels of a container.
@@ -199,13 +198,27 @@ fn deviates(key: [u32; 2], first: u32, z: &mut [f32; BLOCK]) {
 
 /// Counts of pixels far from the edges: one block of a row.
 #[inline(always)]
-fn flat_pixels(job: &Job<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
-    let (bright, shadow) = (job.params.flat_bright, job.params.flat_shadow);
-    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for ((out, z), c) in counts.iter_mut().zip(z).zip(columns) {
-        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        *out = sample(if inside { shadow } else { bright }, *z);
+fn flat_pixels(
+    params: &Params,
+    cells: &[[EdgeCell; 2]],
+    row: i32,
+    z: &[f32; BLOCK],
+    counts: &mut [f32; BLOCK],
+) {
+    let (bright, shadow) = (params.flat_bright, params.flat_shadow);
+    for ((out, z), cells) in counts.chunks_exact_mut(CELL).zip(z.chunks_exact(CELL)).zip(cells) {
+        let inside = between(cells, row);
+        for i in 0..CELL {
+            let k = std::array::from_fn(|n| if inside[i] { shadow[n] } else { bright[n] });
+            out[i] = sample(k, z[i]);
+        }
     }
+}
+
+/// Which lanes of a row lie in the shadow.
+#[inline(always)]
+fn between([top, bottom]: &[EdgeCell; 2], row: i32) -> [bool; CELL] {
+    std::array::from_fn(|i| (row > top.whole[i]) & (row < bottom.whole[i]))
 }
 
 /// Counts where every column of the block is on the same side of its edges.
@@ -216,11 +229,11 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     }
 }
 
-/// The fixed pattern of a block of pixels of known means.
+/// The fixed pattern of neighbouring pixels of known means.
 #[inline(always)]
-fn pattern_pixels(params: &Params, at: At, means: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+fn pattern_pixels<const N: usize>(params: &Params, at: At, means: &[f32; N], counts: &mut [f32; N]) {
     let key = row_key(params.pattern_key, sensor_row(params, at.row as u32));
-    for i in 0..BLOCK {
+    for i in 0..N {
         let column = (params.column0 + at.column as u32).wrapping_add(i as u32);
         counts[i] += fixed_pattern(params, means[i], key, column);
     }
@@ -228,37 +241,62 @@ fn pattern_pixels(params: &Params, at: At, means: &[f32; BLOCK], counts: &mut [f
 
 /// Mean grey values of a block of flat pixels.
 #[inline(always)]
-fn flat_means(job: &Job<'_>, at: At, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
+fn flat_means(job: &Job<'_>, place: Place<'_>, row: i32, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
     let params = &job.params;
-    let columns = &job.columns[at.column..(at.column + BLOCK).min(job.columns.len())];
-    for ((mean, factor), c) in means.iter_mut().zip(factors).zip(columns) {
-        let inside = at.row > c.top.whole && at.row < c.bottom.whole;
-        *mean = params.shadow + if inside { 0.0 } else { params.contrast * factor };
+    match place.extent.even(row) {
+        Some(false) => means.fill(params.shadow),
+        Some(true) => {
+            for i in 0..BLOCK {
+                means[i] = params.shadow + params.contrast * factors[i];
+            }
+        }
+        None => {
+            let lanes = means.chunks_exact_mut(CELL).zip(factors.chunks_exact(CELL));
+            for ((means, factors), cells) in lanes.zip(place.cells) {
+                let inside = between(cells, row);
+                for i in 0..CELL {
+                    means[i] = params.shadow + if inside[i] { 0.0 } else { params.contrast * factors[i] };
+                }
+            }
+        }
     }
 }
 
-/// Light of the bright field over a block of a row.
+/// Light of the bright field over neighbouring pixels of a row, 1 where it is even and clear.
 #[inline(always)]
-fn field_factors(job: &Job<'_>, at: At, factors: &mut [f32; BLOCK]) {
+fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) {
     let params = &job.params;
     let row = sensor_row(params, at.row as u32);
-    let count = BLOCK.min(job.columns.len() - at.column);
-    for (i, factor) in factors[..count].iter_mut().enumerate() {
-        *factor = field_light(params, row, params.column0 + (at.column + i) as u32);
+    let count = N.min(job.columns.len() - at.column);
+    for (i, factor) in factors.iter_mut().enumerate() {
+        *factor = field_light(params, row, (params.column0 + at.column as u32).wrapping_add(i as u32));
     }
     let Some(map) = job.contamination.as_ref().filter(|_| params.light > 1) else { return };
-    let first = at.row as usize * params.light_words as usize + at.column / 2;
+    clear_light(job, map, at, &mut factors[..count]);
+}
+
+/// Multiplies by what contamination leaves of the light; cells that nothing touches are passed over.
+#[inline(always)]
+fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
+    let (row, count) = (at.row as usize, factors.len());
+    let first = row * job.params.light_words as usize + at.column / 2;
     let words = &map.words[first..first + count.div_ceil(2)];
-    for (pair, word) in factors.chunks_exact_mut(2).zip(words) {
-        pair[0] *= (word & 0xffff) as f32 * 3.051_757_8e-5;
-        pair[1] *= (word >> 16) as f32 * 3.051_757_8e-5;
+    for (i, (factors, words)) in factors.chunks_mut(CELL).zip(words.chunks(CELL / 2)).enumerate() {
+        if !map.is_touched(row, at.column + i * CELL) {
+            continue;
+        }
+        for (pair, word) in factors.chunks_mut(2).zip(words) {
+            for (i, factor) in pair.iter_mut().enumerate() {
+                *factor *= ((word >> (16 * i)) & 0xffff) as i32 as f32 * 3.051_757_8e-5;
+            }
+        }
     }
 }
 
-/// Counts of a block of flat pixels where the light is not even.
+/// Counts of neighbouring pixels, each of a mean of its own.
 #[inline(always)]
-fn lit_pixels(job: &Job<'_>, at: At, means: &[f32; BLOCK], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
-    for i in 0..BLOCK {
+fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N], counts: &mut [f32; N]) {
+    for i in 0..N {
         counts[i] = sample(shaped(&job.params, means[i]), z[i]);
     }
     if job.params.pattern != 0 {
@@ -268,59 +306,77 @@ fn lit_pixels(job: &Job<'_>, at: At, means: &[f32; BLOCK], z: &[f32; BLOCK], cou
 
 /// Counts of a block of a row, far from the edges.
 #[inline(always)]
-fn fill_block(job: &Job<'_>, extent: &BlockExtent, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     let params = &job.params;
-    if params.light != 0 && !extent.dark(at.row) {
+    let even = place.extent.even(at.row);
+    if params.light != 0 && even != Some(false) {
         let (mut factors, mut means) = ([1.0; BLOCK], [params.shadow; BLOCK]);
         field_factors(job, at, &mut factors);
-        flat_means(job, at, &factors, &mut means);
-        return lit_pixels(job, at, &means, z, counts);
+        flat_means(job, place, at.row, &factors, &mut means);
+        return pixels(job, at, &means, z, counts);
     }
-    match extent.even(params, at.row) {
-        Some(k) => even_pixels(k, z, counts),
-        None => flat_pixels(job, at, z, counts),
+    match even {
+        Some(lit) => even_pixels(if lit { params.flat_bright } else { params.flat_shadow }, z, counts),
+        None => flat_pixels(params, place.cells, at.row, z, counts),
     }
     if params.pattern != 0 {
         let mut means = [params.shadow; BLOCK];
-        flat_means(job, at, &[1.0; BLOCK], &mut means);
+        flat_means(job, place, at.row, &[1.0; BLOCK], &mut means);
         pattern_pixels(params, at, &means, counts);
     }
 }
 
-/// A pixel of a known mean, with noise and fixed pattern, in counts.
+/// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds light only where the two bands
+/// overlap.
 #[inline(always)]
-fn pixel(params: &Params, k: [f32; 4], mean: f32, key: [u32; 2], [row, column]: [u32; 2]) -> f32 {
-    let sensor_column = params.column0 + column;
-    let counts = sample(k, standard_normal(hash(key, sensor_column)));
-    if params.pattern == 0 {
-        return counts;
+fn edge_pixels(
+    job: &Job<'_>,
+    cells: &[EdgeCell; 2],
+    side: usize,
+    at: At,
+    z: &[f32; CELL],
+    counts: &mut [f32; CELL],
+) {
+    let params = &job.params;
+    let (mut light, mut means, mut near) = ([0.0; CELL], [0.0; CELL], [0.0; CELL]);
+    cells[side].light(job, (at.column, side), at.row, &mut light);
+    if params.overlap != 0 {
+        let mut other = [0.0; CELL];
+        cells[1 - side].light(job, (at.column, 1 - side), at.row, &mut other);
+        for i in 0..CELL {
+            light[i] += other[i];
+        }
     }
-    counts + fixed_pattern(params, mean, row_key(params.pattern_key, row), sensor_column)
+    if params.light != 0 {
+        let mut factors = [1.0; CELL];
+        field_factors(job, at, &mut factors);
+        for i in 0..CELL {
+            light[i] *= factors[i];
+        }
+    }
+    for i in 0..CELL {
+        means[i] = params.shadow + params.contrast * light[i];
+    }
+    pixels(job, at, &means, z, &mut near);
+    for i in 0..CELL {
+        if cells[side].in_band(i, at.row, params.band_rows) {
+            counts[i] = near[i];
+        }
+    }
 }
 
-/// Counts of a pixel near an edge; the other edge adds light only where the two bands overlap.
-#[inline(always)]
-fn edge_pixel(job: &Job<'_>, at: At, lower: bool) -> f32 {
-    let c = &job.columns[at.column];
-    let mut light = transmitted(job, if lower { &c.bottom } else { &c.top }, at.row);
-    if job.params.overlap != 0 {
-        light += transmitted(job, if lower { &c.top } else { &c.bottom }, at.row);
-    }
-    let (row, column) = (at.row as u32, at.column as u32);
-    if job.params.light != 0 {
-        light *= field_factor(job, row, column);
-    }
-    let mean = job.params.shadow + job.params.contrast * light;
-    let place = [sensor_row(&job.params, row), column];
-    pixel(&job.params, shaped(&job.params, mean), mean, at.key, place)
-}
-
-/// A place in the frame with its row's noise key.
+/// A place in the frame.
 #[derive(Clone, Copy)]
 struct At {
     row: i32,
     column: usize,
-    key: [u32; 2],
+}
+
+/// A block's edges.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    extent: &'a BlockExtent,
+    cells: &'a [[EdgeCell; 2]],
 }
 
 /// Where the edges of a block of columns lie: rows outside `clear` may hold an edge.
@@ -340,64 +396,67 @@ impl BlockExtent {
         extent
     }
 
-    /// Coefficients that serve the whole block in this row, where there are such.
-    fn even(&self, params: &Params, row: i32) -> Option<[f32; 4]> {
+    /// Whether the whole block lies in the light (`true`) or in the shadow in this row, where it does either.
+    fn even(&self, row: i32) -> Option<bool> {
         if row <= self.top.0 || row >= self.bottom.1 {
-            return Some(params.flat_bright);
+            return Some(true);
         }
-        self.dark(row).then_some(params.flat_shadow)
+        (row > self.top.1 && row < self.bottom.0).then_some(false)
     }
+}
 
-    /// Whether the whole block lies in the shadow in this row.
-    fn dark(&self, row: i32) -> bool {
-        row > self.top.1 && row < self.bottom.0
-    }
+/// What the blocks of a frame share over its rows.
+struct Blocks {
+    extents: Vec<BlockExtent>,
+    cells: Vec<[EdgeCell; 2]>,
 }
 
 /// Renders a frame into `out`, row-major, `rows * columns` pixels, on the current thread pool.
 pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     let columns = job.params.columns as usize;
-    let extents: Vec<BlockExtent> =
-        (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
+    let extents = (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
+    let blocks = Blocks { extents, cells: edge_cells(job) };
     out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
-        fill_rows(job, &extents, task * TASK_ROWS, rows);
+        fill_rows(job, &blocks, task * TASK_ROWS, rows);
     });
 }
 
 /// Rows `first..` of a frame, in the widest instruction set the machine has.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
-fn fill_rows<P: Pixel>(job: &Job<'_>, extents: &[BlockExtent], first: usize, out: &mut [P]) {
+#[multiversion(
+    targets("x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2", "aarch64+neon"),
+    dispatcher = "direct"
+)]
+fn fill_rows<P: Pixel>(job: &Job<'_>, blocks: &Blocks, first: usize, out: &mut [P]) {
     let columns = job.params.columns as usize;
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
         let row = (first + r) as i32;
         let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
-            let at = At { row, column: block * BLOCK, key };
+            let at = At { row, column: block * BLOCK };
+            let cells = &blocks.cells[at.column / CELL..];
+            let place =
+                Place { extent: &blocks.extents[block], cells: &cells[..cells.len().min(BLOCK / CELL)] };
             deviates(key, job.params.column0 + at.column as u32, &mut z);
-            fill_block(job, &extents[block], at, &z, &mut counts);
+            fill_block(job, place, at, &z, &mut counts);
+            fill_edges(job, place.cells, at, &z, &mut counts);
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
                 *pixel = P::from_counts(&job.params, *c);
             }
         }
     }
-    bands(job, first, out);
 }
 
-/// Overwrites the pixels that an edge touches.
+/// Overwrites the pixels of a block of a row that an edge touches.
 #[inline(always)]
-fn bands<P: Pixel>(job: &Job<'_>, first: usize, out: &mut [P]) {
-    let columns = job.params.columns as usize;
-    let group = columns.div_ceil(job.bands.start.len().max(1)).max(1);
-    let last = (first + out.len() / columns) as i32;
-    for column in 0..columns {
-        for (side, start) in job.bands.start[column / group].into_iter().enumerate() {
-            let rows = start.max(first as i32)..start.saturating_add(job.params.band_rows as i32).min(last);
-            for row in rows {
-                let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
-                let at = At { row, column, key };
-                let counts = edge_pixel(job, at, side == 1);
-                out[(row as usize - first) * columns + column] = P::from_counts(&job.params, counts);
+fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
+    let (z, _) = z.as_chunks::<CELL>();
+    let (counts, _) = counts.as_chunks_mut::<CELL>();
+    for (i, ((cells, z), counts)) in cells.iter().zip(z).zip(counts).enumerate() {
+        for side in 0..2 {
+            if cells[side].touches(at.row) {
+                let at = At { column: at.column + i * CELL, ..at };
+                edge_pixels(job, cells, side, at, z, counts);
             }
         }
     }

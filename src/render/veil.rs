@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::bench::OpticalBench;
 use super::columns::ColumnEdges;
-use super::contamination::{Rise, mark_rise};
+use super::contamination::{Asked, Rise, mark_rise};
 use super::error::RenderError;
 use super::light_map::LightMap;
 use super::params::{Window, Windows};
@@ -40,32 +40,48 @@ pub(super) fn raise_edges(
     Ok(edges.par_iter_mut().enumerate().map(raise).collect())
 }
 
+/// The window as contamination meets it.
+pub(super) struct Seen<'a> {
+    /// Its edges, raised by `rises`.
+    pub edges: &'a [ColumnEdges],
+    pub rises: &'a [Rise],
+    pub blur_px: f64,
+    /// Rows in the shadow over all columns.
+    pub dark: std::ops::Range<i32>,
+}
+
 /// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
 ///
-/// `edges` are the window's, raised by `rises`.
+/// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
 pub(super) fn contamination(
     bench: &OpticalBench,
     request: &FrameRequest,
     windows: Windows,
-    edges: &[ColumnEdges],
-    rises: &[Rise],
-    blur_px: f64,
+    seen: &Seen<'_>,
+    with_mask: bool,
 ) -> Result<Option<LightMap>, RenderError> {
     let Some(soiling) = &bench.soiling else { return Ok(None) };
     let frame = windows.frame();
     let size = [frame.rows as usize, frame.columns as usize];
     let mut map = LightMap::default();
+    // What is seen against the shadow is seen by the mask alone.
+    let unseen = if with_mask || windows.second.is_some() { 0..0 } else { seen.dark.clone() };
     if soiling.dims() {
         for part in windows.parts() {
             let [row, column, rows, columns] =
                 [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
-            let piece = soiling.transmission(request.frame_id, [row, column], [rows, columns])?;
+            let asked = Asked { size: [rows, columns], with_mask, unseen: unseen.clone() };
+            let piece = soiling.transmission(request.frame_id, [row, column], &asked)?;
             map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
         }
-    } else {
+    } else if with_mask {
         map.mask = vec![0; size[0] * size[1]];
     }
-    for (column, (e, rise)) in edges.iter().zip(rises).enumerate() {
+    if !with_mask {
+        return Ok(Some(map));
+    }
+    let blur_px = seen.blur_px;
+    for (column, (e, rise)) in seen.edges.iter().zip(seen.rises).enumerate() {
         mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);
         mark_rise(&mut map.mask, size[1], column, e.bottom_px - rise.bottom_px, rise.bottom_px, blur_px);
     }

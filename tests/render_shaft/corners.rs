@@ -113,26 +113,91 @@ fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
     }
 }
 
+/// The outline as a closed polygon of (column, row), turned by the tilt: plain geometry, none of the silhouette's code.
+fn polygon(scene: &Scene, tilt_mrad: f64) -> Vec<[f64; 2]> {
+    let bench = scene.bench();
+    let (sin, cos) = (1e-3 * tilt_mrad).sin_cos();
+    let place = |s: f64, x: f64| {
+        let (z, x) = (s * cos - x * sin, s * sin + x * cos);
+        [bench.centre_column() + z / bench.pixel_mm, bench.centre_row() - x / bench.pixel_mm]
+    };
+    let knots = &scene.outline().shaft().profile;
+    let upper = knots.iter().map(|k| place(k.z_mm, k.radius_mm));
+    upper.chain(knots.iter().rev().map(|k| place(k.z_mm, -k.radius_mm))).collect()
+}
+
+/// Shares of light of an opaque polygon blurred in both directions: Simpson's rule along the row between the corners,
+/// in steps in which no edge climbs by more than σ/12; every stretch of shadow down a column by itself.
+fn polygon_light(polygon: &[[f64; 2]], rows: usize, columns: usize, sigma: f64) -> Vec<f64> {
+    let cdf = |u: f64| 0.5 * libm::erfc(-u / (sigma * std::f64::consts::SQRT_2));
+    let step = |u: f64| {
+        u * cdf(u) + sigma * (-0.5 * (u / sigma).powi(2)).exp() / (2.0 * std::f64::consts::PI).sqrt()
+    };
+    let reach = 7.0 * sigma + 0.5;
+    let above =
+        |u: f64| if u.abs() > reach { f64::from(u8::from(u > 0.0)) } else { step(u + 0.5) - step(u - 0.5) };
+    let mut ends: Vec<f64> =
+        polygon.iter().map(|p| p[0]).filter(|c| *c > -reach && *c < columns as f64 + reach).collect();
+    ends.extend([-reach, columns as f64 + reach]);
+    ends.sort_by(f64::total_cmp);
+    let mut light = vec![1.0; rows * columns];
+    for piece in ends.windows(2).filter(|p| p[1] - p[0] > 1e-9) {
+        let steep = polygon_rows(polygon, piece[0] + 1e-7 * (piece[1] - piece[0]));
+        let other = polygon_rows(polygon, piece[1] - 1e-7 * (piece[1] - piece[0]));
+        let rise = steep.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(piece[1] - piece[0], f64::max);
+        let count = 2 * (6.0 * rise / sigma).ceil() as usize;
+        let h = (piece[1] - piece[0]) / count as f64;
+        for i in 0..=count {
+            let t = (i as f64).clamp(1e-7, count as f64 - 1e-7);
+            let x = piece[0] + t * h;
+            let weight = h / 3.0 * if i == 0 || i == count { 1.0 } else { [2.0, 4.0][i % 2] };
+            let crossings = polygon_rows(polygon, x);
+            let near = (x - reach).ceil().max(0.0) as usize
+                ..((x + reach).floor().max(-1.0) + 1.0).min(columns as f64) as usize;
+            let down: Vec<f64> = (0..rows)
+                .map(|y| {
+                    crossings.chunks_exact(2).map(|s| above(s[1] - y as f64) - above(s[0] - y as f64)).sum()
+                })
+                .collect();
+            for column in near {
+                let along = weight * (cdf(x - column as f64 + 0.5) - cdf(x - column as f64 - 0.5));
+                for (row, shadow) in down.iter().enumerate() {
+                    light[row * columns + column] -= along * shadow;
+                }
+            }
+        }
+    }
+    light
+}
+
+/// Rows at which a column crosses the polygon, ascending.
+fn polygon_rows(polygon: &[[f64; 2]], column: f64) -> Vec<f64> {
+    let mut rows: Vec<f64> = (0..polygon.len())
+        .filter_map(|i| {
+            let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+            ((a[0] > column) != (b[0] > column))
+                .then(|| a[1] + (b[1] - a[1]) * (column - a[0]) / (b[0] - a[0]))
+        })
+        .collect();
+    rows.sort_by(f64::total_cmp);
+    rows
+}
+
 #[test]
-#[ignore = "open: .10 px between the columns of a shoulder leaning by 60 mrad and the two-dimensional integral"]
 fn a_leaning_shoulder_meets_the_two_dimensional_integral() {
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let leaning = bench(200, 70, 1.2);
-    for tilt_mrad in [60.0, -60.0] {
+    for tilt_mrad in [60.0, -60.0, 5.0] {
         let mut shaft = stepped();
         shaft.pose = Pose { tilt_mrad, ..Pose::default() };
         let scene = Scene::new(&leaning, shaft).unwrap();
-        let (sin, cos) = (1e-3f64 * tilt_mrad).sin_cos();
-        let knots = scene.outline().shaft().profile.iter();
-        let mut corners: Vec<f64> = knots
-            .flat_map(|k| [1.0, -1.0].map(|side| k.z_mm * cos - side * k.radius_mm * sin))
-            .map(|z| leaning.centre_column() + z / leaning.pixel_mm)
-            .collect();
-        corners.sort_by(f64::total_cmp);
-        let (shift, pixel) =
-            apart(&scene, &twin, |r| r.frame_between(200, 70, &corners, exact(&scene, 0.0, 0.0)));
+        let truth = |r: &GaussianReference| {
+            let light = polygon_light(&polygon(&scene, tilt_mrad), 200, 70, r.sigma_px);
+            light.into_iter().map(|l| r.shadow + (r.bright - r.shadow) * l).collect()
+        };
+        let (shift, pixel) = apart(&scene, &twin, truth);
         println!("tilted by {tilt_mrad} mrad: {shift:.1e} px, {pixel:.1e}");
-        assert!(shift < 2e-2 && pixel < 3e-3, "{shift} {pixel}");
+        assert!(shift < 1e-4 && pixel < 1e-5, "{shift} {pixel}");
     }
 }
 

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, Poisson, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::lay::{CLOUD_REACH, Shade, lay_all};
+use super::lay::{CLOUD_REACH, Layers, Shade};
 use super::map::TransmissionMap;
 use super::mask;
 use super::settings::{Contamination, SizeDistribution};
@@ -155,7 +155,11 @@ impl ContaminationField {
         Ok(shades)
     }
 
-    fn draw_air(&self, frame_id: u64) -> Result<Vec<(u8, Shade)>, RenderError> {
+    /// What flies during frame `frame_id`.
+    ///
+    /// # Errors
+    /// Refuses more than a hundred thousand things of a kind.
+    pub(super) fn air(&self, frame_id: u64) -> Result<Vec<(u8, Shade)>, RenderError> {
         let (s, g) = (&self.settings, &self.geometry);
         let angle = s.acceptance_half_angle_deg.to_radians();
         // Frames are apart by an odd multiple of the golden ratio, so that none repeats another's seed.
@@ -203,34 +207,20 @@ impl ContaminationField {
             .collect()
     }
 
-    /// Lays the window's shades over a map whose first pixel is (`row0`, `column0`) of the sensor: once for a stream.
-    pub fn draw_on_window(&self, row0: usize, column0: usize, map: &mut TransmissionMap) {
-        lay_all(&self.window, [row0, column0], map);
+    /// The window's shades over a map whose first pixel is (`row0`, `column0`): the same for a stream.
+    pub(super) fn window_layers(&self, row0: usize, column0: usize) -> Layers<'_> {
+        Layers::new(&self.window, 1.0, [row0, column0])
     }
 
-    /// Lays what flies during frame `frame_id` over a map, on top of what it holds.
-    ///
-    /// # Errors
-    /// Refuses more than a hundred thousand things of a kind.
-    pub fn draw_in_air(
-        &self,
-        frame_id: u64,
-        row0: usize,
-        column0: usize,
-        map: &mut TransmissionMap,
-    ) -> Result<(), RenderError> {
-        let haze = (-self.settings.mist.haze_depth).exp();
-        if haze < 1.0 {
-            map.dim(mask::MIST, haze as f32);
-        }
-        lay_all(&self.draw_air(frame_id)?, [row0, column0], map);
-        Ok(())
+    /// Haze and what flies over a map whose first pixel is (`row0`, `column0`).
+    pub(super) fn air_layers<'a>(&self, air: &'a [(u8, Shade)], row0: usize, column0: usize) -> Layers<'a> {
+        Layers::new(air, (-self.settings.mist.haze_depth).exp() as f32, [row0, column0])
     }
 
     /// Window and air of a frame on a clean map.
     ///
     /// # Errors
-    /// As [`Self::draw_in_air`].
+    /// Refuses more than a hundred thousand things of a kind.
     pub fn frame(
         &self,
         frame_id: u64,
@@ -240,8 +230,8 @@ impl ContaminationField {
         columns: usize,
     ) -> Result<TransmissionMap, RenderError> {
         let mut map = TransmissionMap::new(rows, columns);
-        self.draw_on_window(row0, column0, &mut map);
-        self.draw_in_air(frame_id, row0, column0, &mut map)?;
+        map.lay(&self.window_layers(row0, column0));
+        map.lay(&self.air_layers(&self.air(frame_id)?, row0, column0));
         Ok(map)
     }
 }

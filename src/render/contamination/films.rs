@@ -101,6 +101,15 @@ impl AdheringFilms {
         self.films.iter().map(|f| f.height_mm(z_mm, theta_deg)).sum()
     }
 
+    /// The films over a z that reach within `within_deg` of a body angle.
+    fn facing(&self, z_mm: f64, theta_deg: f64, within_deg: f64) -> Self {
+        let reaches = |f: &&Film| {
+            let away = (theta_deg - f.theta_deg + 180.0).rem_euclid(360.0) - 180.0;
+            (z_mm - f.z_mm).abs() < f.half_length_mm && away.abs() <= f.half_width_deg + within_deg
+        };
+        Self { films: self.films.iter().filter(reaches).copied().collect() }
+    }
+
     /// How far the films raise the tangent at the top (direction x) over that of the clean circle of `radius_mm`, mm, at
     /// spindle angle `angle_deg`. The bottom edge is the top edge at `angle_deg + 180`.
     pub fn rise_mm(&self, radius_mm: f64, z_mm: f64, angle_deg: f64) -> f64 {
@@ -115,11 +124,15 @@ impl AdheringFilms {
         }
         // A point at δ from the top wins only if (R + t) cos δ ≥ R.
         let arc = (radius_mm / (radius_mm + thickest)).acos();
+        let step = 2.0 * arc / STEPS as f64;
+        let facing = self.facing(z_mm, -angle_deg, (arc + step).to_degrees());
+        if facing.films.is_empty() {
+            return 0.0;
+        }
         let rise = |delta: f64| {
-            let film = self.height_mm(z_mm, delta.to_degrees() - angle_deg);
+            let film = facing.height_mm(z_mm, delta.to_degrees() - angle_deg);
             (radius_mm + film) * delta.cos() - radius_mm
         };
-        let step = 2.0 * arc / STEPS as f64;
         let best = (0..=STEPS).map(|i| -arc + i as f64 * step).fold((0.0, 0.0), |best: (f64, f64), delta| {
             let height = rise(delta);
             if height > best.1 { (delta, height) } else { best }

@@ -1,6 +1,10 @@
-//! Lays shades over the pixels: row by row, tabulated where a shade is round.
+//! Lays shades over the pixels: row by row, tabulated where a shade is round. The optical depths of clouds are summed up
+//! before one exponential is taken.
 
-use super::map::{Thing, TransmissionMap};
+use multiversion::multiversion;
+
+use super::map::{Band, TILE};
+use super::mask::{MIST, THRESHOLD};
 use super::shapes::{disc, half_plane, into_polygon, line};
 
 /// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
@@ -25,11 +29,123 @@ pub(super) enum Shade {
     Line { from: [f64; 2], to: [f64; 2], width: f64, opacity: f64, blur: f64 },
 }
 
-/// Lays all shades over a map whose first pixel is `first` on the sensor.
-pub(super) fn lay_all(shades: &[(u8, Shade)], first: [usize; 2], map: &mut TransmissionMap) {
-    let first = [first[0] as f64, first[1] as f64];
-    let things: Vec<Ready<'_>> = shades.iter().map(|(kind, shade)| Ready::new(*kind, shade, first)).collect();
-    map.lay(&things);
+/// Shades made ready for a map.
+pub(super) struct Layers<'a> {
+    /// Haze over the whole field.
+    haze: f32,
+    clouds: Vec<Ready<'a>>,
+    things: Vec<Ready<'a>>,
+}
+
+impl<'a> Layers<'a> {
+    /// Shades over a map whose first pixel is `first` on the sensor, in a haze that leaves so much of the light.
+    pub(super) fn new(shades: &'a [(u8, Shade)], haze: f32, first: [usize; 2]) -> Self {
+        let first = [first[0] as f64, first[1] as f64];
+        let ready = shades.iter().map(|(kind, shade)| Ready::new(*kind, shade, first));
+        let (clouds, things) = ready.partition(|r| matches!(r.shade, Shade::Cloud { .. }));
+        Self { haze, clouds, things }
+    }
+
+    /// Multiplies a band by all factors.
+    pub(super) fn lay(&self, band: &mut Band<'_>) {
+        lay_band(self, band);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
+fn lay_band(layers: &Layers<'_>, band: &mut Band<'_>) {
+    let columns = band.columns;
+    let rows = band.first..band.first + (band.values.len() / columns) as i64;
+    if layers.haze < 1.0 {
+        haze(layers.haze, band);
+    }
+    let mut factors = vec![0.0f32; columns];
+    if layers.clouds.iter().any(|c| c.rows.start < rows.end && c.rows.end > rows.start) {
+        rows.clone().for_each(|row| mist(&layers.clouds, row, band, &mut factors));
+    }
+    for thing in &layers.things {
+        let (from, to) = (thing.columns.start.max(0), thing.columns.end.min(columns as i64));
+        if from >= to {
+            continue;
+        }
+        let factors = &mut factors[..(to - from) as usize];
+        for row in thing.rows.start.max(rows.start)..thing.rows.end.min(rows.end) {
+            thing.fill(row, from, factors);
+            let at = (row - rows.start) as usize * columns + from as usize;
+            multiply(band, at, factors, thing.kind);
+            touch(band.touched, from as usize, factors);
+        }
+    }
+}
+
+#[inline(always)]
+fn haze(factor: f32, band: &mut Band<'_>) {
+    band.values.iter_mut().for_each(|v| *v *= factor);
+    if let Some(mask) = band.mask.as_mut().filter(|_| (factor - 1.0).abs() > THRESHOLD) {
+        mask.iter_mut().for_each(|m| *m |= MIST);
+    }
+    band.touched.fill(true);
+}
+
+/// Dims a row by all clouds over it; every cloud marks the pixels that it changes by itself.
+#[inline(always)]
+fn mist(clouds: &[Ready<'_>], row: i64, band: &mut Band<'_>, depths: &mut [f32]) {
+    let at = (row - band.first) as usize * band.columns;
+    let mut deepest = 0.0;
+    depths.fill(0.0);
+    for cloud in clouds.iter().filter(|c| c.rows.contains(&row)) {
+        let (from, to) = (cloud.columns.start.max(0), cloud.columns.end.min(band.columns as i64));
+        let Shade::Cloud { at: middle, depth, sigma } = cloud.shade else { continue };
+        if from >= to {
+            continue;
+        }
+        let here = depth * (-0.5 * ((row as f64 + cloud.first[0] - middle[0]) / sigma).powi(2)).exp();
+        deepest += here;
+        let here = here as f32;
+        let (start, range) = ((from - cloud.columns.start) as usize, from as usize..to as usize);
+        let table = &cloud.table[start..start + range.len()];
+        for (d, g) in depths[range.clone()].iter_mut().zip(table) {
+            *d += here * g;
+        }
+        if let Some(mask) = &mut band.mask {
+            for (m, g) in mask[at + range.start..at + range.end].iter_mut().zip(table) {
+                *m |= if here * g > VISIBLE_DEPTH { cloud.kind } else { 0 };
+            }
+        }
+        band.touched[range.start / TILE..range.end.div_ceil(TILE)].fill(true);
+    }
+    if deepest > 0.0 {
+        attenuate(deepest, depths, &mut band.values[at..at + band.columns]);
+    }
+}
+
+/// Optical depth that takes away the mask's threshold: -ln(1 - .005).
+const VISIBLE_DEPTH: f32 = 0.005_012_542;
+
+#[inline(always)]
+fn multiply(band: &mut Band<'_>, at: usize, factors: &[f32], kind: u8) {
+    let range = at..at + factors.len();
+    for (v, f) in band.values[range.clone()].iter_mut().zip(factors) {
+        *v *= f;
+    }
+    if let Some(mask) = &mut band.mask {
+        for (m, f) in mask[range].iter_mut().zip(factors) {
+            *m |= if (f - 1.0).abs() > THRESHOLD { kind } else { 0 };
+        }
+    }
+}
+
+/// Notes the tiles in which a factor is not 1.
+#[inline(always)]
+fn touch(touched: &mut [bool], from: usize, factors: &[f32]) {
+    let mut column = from;
+    let mut rest = factors;
+    while !rest.is_empty() {
+        let (here, after) = rest.split_at((TILE - column % TILE).min(rest.len()));
+        touched[column / TILE] |= here.iter().any(|f| *f != 1.0);
+        column += here.len();
+        rest = after;
+    }
 }
 
 /// A shade with its extent on the map and its tables.
@@ -85,34 +201,20 @@ fn hull(points: &[[f64; 2]], margin: f64) -> ([f64; 2], [f64; 2]) {
     ([least(0), least(1)], [most(0), most(1)])
 }
 
-impl Thing for Ready<'_> {
-    fn kind(&self) -> u8 {
-        self.kind
-    }
-
-    fn rows(&self) -> std::ops::Range<i64> {
-        self.rows.clone()
-    }
-
-    fn columns(&self) -> std::ops::Range<i64> {
-        self.columns.clone()
-    }
-
+impl Ready<'_> {
+    /// Factors of a row's pixels from `column` on, all within its extent and the map; a cloud's come from [`mist`].
+    #[inline(always)]
     fn fill(&self, row: i64, column: i64, out: &mut [f32]) {
         let (y, x) = (row as f64 + self.first[0], column as f64 + self.first[1]);
         match self.shade {
-            Shade::Cloud { at, depth, sigma } => {
-                let start = (column - self.columns.start) as usize;
-                let here = depth * (-0.5 * ((y - at[0]) / sigma).powi(2)).exp();
-                attenuate(here, &self.table[start..start + out.len()], out);
-            }
+            Shade::Cloud { .. } => out.fill(1.0),
             Shade::Disc { at, .. } => {
                 let across2 = (y - at[0]).powi(2) as f32;
                 let from = (x - at[1]) as f32;
                 for (i, f) in out.iter_mut().enumerate() {
                     let along = from + i as f32;
                     let place = (across2 + along * along).sqrt() * PER_PIXEL as f32;
-                    let k = (place as usize).min(self.table.len() - 2);
+                    let k = (place as i32 as usize).min(self.table.len() - 2);
                     let t = (place - k as f32).min(1.0);
                     *f = self.table[k] + t * (self.table[k + 1] - self.table[k]);
                 }
@@ -138,17 +240,22 @@ impl Thing for Ready<'_> {
     }
 }
 
-/// exp(-depth·g) by five terms at a depth halved until it is shallow, then squared as often.
-fn attenuate(depth: f64, gaussian: &[f32], out: &mut [f32]) {
-    let halvings = (depth / SHALLOW).log2().ceil().clamp(0.0, 20.0) as i32;
-    let scale = (-depth * 0.5f64.powi(halvings)) as f32;
-    for (f, g) in out.iter_mut().zip(gaussian) {
-        let t = scale * g;
-        *f = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t / 120.0))));
+/// Multiplies by exp(-depth), every depth at most `deepest`: five terms at a depth halved until it is shallow, then squared as
+/// often.
+#[inline(always)]
+fn attenuate(deepest: f64, depths: &mut [f32], out: &mut [f32]) {
+    let halvings = (deepest / SHALLOW).log2().ceil().clamp(0.0, 20.0) as i32;
+    let scale = -(0.5f64.powi(halvings)) as f32;
+    for f in &mut *depths {
+        let t = scale * *f;
+        *f = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * (1.0 / 120.0)))));
     }
     for _ in 0..halvings {
-        for f in out.iter_mut() {
+        for f in &mut *depths {
             *f *= *f;
         }
+    }
+    for (v, f) in out.iter_mut().zip(depths) {
+        *v *= *f;
     }
 }

@@ -4,41 +4,23 @@
 
 use rayon::prelude::*;
 
-use super::mask::THRESHOLD;
-
-/// Something that dims a rectangle of pixels.
-pub(super) trait Thing: Sync {
-    /// Bit of the mask.
-    fn kind(&self) -> u8;
-    /// Rows of the map it touches; may leave the map.
-    fn rows(&self) -> std::ops::Range<i64>;
-    /// Columns of the map it touches; may leave the map.
-    fn columns(&self) -> std::ops::Range<i64>;
-    /// Factors of a row's pixels from `column` on, all within its extent and the map.
-    fn fill(&self, row: i64, column: i64, out: &mut [f32]);
-}
-
-fn multiply(values: &mut [f32], mask: &mut [u8], factors: &[f32], kind: u8) {
-    for ((v, m), f) in values.iter_mut().zip(mask).zip(factors) {
-        *v *= f;
-        *m |= if (f - 1.0).abs() > THRESHOLD { kind } else { 0 };
-    }
-}
-
-/// Notes the tiles in which a factor is not 1.
-fn touch(touched: &mut [bool], from: usize, factors: &[f32]) {
-    let mut column = from;
-    let mut rest = factors;
-    while !rest.is_empty() {
-        let (here, after) = rest.split_at((TILE - column % TILE).min(rest.len()));
-        touched[column / TILE] |= here.iter().any(|f| *f != 1.0);
-        column += here.len();
-        rest = after;
-    }
-}
+use super::lay::Layers;
 
 /// Side of a tile, pixels.
 pub const TILE: usize = 32;
+
+/// A row of tiles: some whole rows of a map, with what is asked for of it.
+pub(super) struct Band<'a> {
+    /// Its first row in the map.
+    pub first: i64,
+    pub columns: usize,
+    /// Factors, row-major.
+    pub values: &'a mut [f32],
+    /// Bits of what touches a pixel, where they are asked for.
+    pub mask: Option<&'a mut [u8]>,
+    /// Whether each tile may hold a factor other than 1.
+    pub touched: &'a mut [bool],
+}
 
 /// Factors that multiply the light of every pixel, row-major, and their mask.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,18 +75,9 @@ impl TransmissionMap {
         &self.touched
     }
 
-    /// Multiplies every pixel by one factor.
-    pub fn dim(&mut self, kind: u8, factor: f32) {
-        self.values.iter_mut().for_each(|v| *v *= factor);
-        if (factor - 1.0).abs() > THRESHOLD {
-            self.mask.iter_mut().for_each(|m| *m |= kind);
-        }
-        self.touched.fill(true);
-    }
-
-    /// Multiplies by the factors of all things, in their order. Bands of tiles are independent: the result does not
+    /// Multiplies by the factors of all layers, in their order. Bands of tiles are independent: the result does not
     /// depend on the number of threads.
-    pub(super) fn lay(&mut self, things: &[impl Thing]) {
+    pub(super) fn lay(&mut self, layers: &Layers<'_>) {
         let (columns, across) = (self.columns, self.tile_columns());
         if columns == 0 {
             return;
@@ -113,23 +86,7 @@ impl TransmissionMap {
         bands.zip(self.touched.par_chunks_mut(across)).enumerate().for_each(
             |(band, ((values, mask), touched))| {
                 let first = (band * TILE) as i64;
-                let last = first + (values.len() / columns) as i64;
-                let mut factors = vec![1.0; columns];
-                for thing in things {
-                    let (rows, along) = (thing.rows(), thing.columns());
-                    let (from, to) = (along.start.max(0), along.end.min(columns as i64));
-                    if from >= to {
-                        continue;
-                    }
-                    let factors = &mut factors[..(to - from) as usize];
-                    for row in rows.start.max(first)..rows.end.min(last) {
-                        thing.fill(row, from, factors);
-                        let at = (row - first) as usize * columns + from as usize;
-                        let range = at..at + factors.len();
-                        multiply(&mut values[range.clone()], &mut mask[range], factors, thing.kind());
-                        touch(touched, from as usize, factors);
-                    }
-                }
+                layers.lay(&mut Band { first, columns, values, mask: Some(mask), touched });
             },
         );
     }

@@ -10,6 +10,7 @@
 //! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
 //! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
 
+mod bands;
 mod field;
 mod films;
 mod lay;
@@ -25,4 +26,4 @@ pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
-pub use soiling::{Rise, Soiling, mark_rise};
+pub use soiling::{Asked, Rise, Soiling, mark_rise};

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use super::bands::{KeptTiles, lay_packed};
 use super::field::{ContaminationField, FieldGeometry};
 use super::films::{AdheringFilms, Film};
-use super::map::TransmissionMap;
 use super::mask;
 use super::settings::Contamination;
 use crate::render::error::RenderError;
@@ -28,15 +28,8 @@ pub struct Soiling {
     seed: u64,
     field: ContaminationField,
     /// The window over the full sensor, laid when the first frame asks for it.
-    window: OnceLock<TransmissionMap>,
-    spare: Mutex<Spare>,
-}
-
-/// Allocations that frames take turns in using.
-#[derive(Debug, Default)]
-struct Spare {
-    maps: Vec<TransmissionMap>,
-    packed: Vec<LightMap>,
+    window: OnceLock<KeptTiles>,
+    spare: Mutex<Option<LightMap>>,
 }
 
 impl PartialEq for Soiling {
@@ -54,6 +47,17 @@ pub struct Rise {
     pub bottom_px: f64,
 }
 
+/// What is wanted of a window's light.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// Whether the mask is wanted, too.
+    pub with_mask: bool,
+    /// Rows of the window whose light nobody reads.
+    pub unseen: Range<i32>,
+}
+
 impl Soiling {
     /// Draws what lies on the window; `None` where everything is clean.
     ///
@@ -68,7 +72,7 @@ impl Soiling {
         if settings.is_clean() {
             return Ok(None);
         }
-        let (window, spare) = (OnceLock::new(), Mutex::default());
+        let (window, spare) = (OnceLock::new(), Mutex::new(None));
         Ok(Some(Self { settings: settings.clone(), geometry, seed, field, window, spare }))
     }
 
@@ -77,8 +81,8 @@ impl Soiling {
         !self.settings.is_clear()
     }
 
-    /// What window and air leave of the light of frame `frame_id` over `rows` x `columns` pixels from
-    /// (`row`, `column`) of the sensor on. Hand it back with [`Self::recycle`].
+    /// What window and air leave of the light of frame `frame_id` over the pixels asked for, from (`row`, `column`) of the
+    /// sensor on. Hand it back with [`Self::recycle`].
     ///
     /// # Errors
     /// Refuses more than a hundred thousand things of a kind.
@@ -86,43 +90,27 @@ impl Soiling {
         &self,
         frame_id: u64,
         [row, column]: [usize; 2],
-        [rows, columns]: [usize; 2],
+        asked: &Asked,
     ) -> Result<LightMap, RenderError> {
-        let full = (rows, columns) == (self.geometry.rows, self.geometry.columns);
-        let (map, packed) = {
-            let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-            (spare.maps.pop(), spare.packed.pop())
-        };
-        let mut map = match map {
-            Some(map) if full && (map.rows(), map.columns()) == (rows, columns) => map,
-            _ => TransmissionMap::new(rows, columns),
-        };
-        if full {
-            map.copy_from(self.window.get_or_init(|| self.full_window()));
+        let whole = asked.size == [self.geometry.rows, self.geometry.columns];
+        let air = self.field.air(frame_id)?;
+        let flying = self.field.air_layers(&air, row, column);
+        let mut packed = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
+        if whole {
+            let kept = self.window.get_or_init(|| {
+                KeptTiles::new(&self.field.window_layers(0, 0), self.geometry.rows, self.geometry.columns)
+            });
+            lay_packed(Some(kept), &[flying], asked, &mut packed);
         } else {
-            self.field.draw_on_window(row, column, &mut map);
-        }
-        self.field.draw_in_air(frame_id, row, column, &mut map)?;
-        let mut packed = packed.unwrap_or_default();
-        packed.pack(&map);
-        if full {
-            self.spare.lock().unwrap_or_else(PoisonError::into_inner).maps.push(map);
+            let lying = self.field.window_layers(row, column);
+            lay_packed(None, &[lying, flying], asked, &mut packed);
         }
         Ok(packed)
     }
 
-    fn full_window(&self) -> TransmissionMap {
-        let mut map = TransmissionMap::new(self.geometry.rows, self.geometry.columns);
-        self.field.draw_on_window(0, 0, &mut map);
-        map
-    }
-
     /// Takes a frame's factors back, so that the next frame can use their memory.
     pub fn recycle(&self, packed: LightMap) {
-        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        if spare.packed.is_empty() {
-            spare.packed.push(packed);
-        }
+        *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(packed);
     }
 
     /// Films that reach into `z_mm`, on a shaft of mean radius `radius_mm`.

@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use bytemuck::cast_slice;
 
 use super::super::error::RenderError;
-use super::super::params::{Job, Params};
+use super::super::params::{FILL_ROWS, Job, Params};
 
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;
@@ -39,15 +39,33 @@ impl Size {
             bytes(ESF_UNIFORM_SEGMENTS, 16),
             bytes(job.esf.segments.len() + job.profiles.len(), 16),
             // Whole steps of `fill`, which writes rows beyond the last one too.
-            u64::from(job.params.words) * u64::from(job.params.rows.next_multiple_of(super::FILL_ROWS)) * 4,
+            u64::from(job.params.words) * u64::from(job.params.rows.next_multiple_of(FILL_ROWS)) * 4,
             bytes(light_words(job).len().max(4), 4),
         ])
     }
 }
 
+/// Bytes of the largest buffer that a job needs.
+pub(super) fn largest_bytes(job: &Job<'_>) -> u64 {
+    Size::of(job).0.into_iter().max().unwrap_or(0)
+}
+
 /// Factors of the contamination; none where nothing dims the light.
 fn light_words<'a>(job: &'a Job<'_>) -> &'a [u32] {
     job.contamination.as_ref().map_or(&[], |map| &map.words)
+}
+
+/// Rows whose factors the kernels read: those above and below the shadow.
+fn lit_rows(job: &Job<'_>) -> [std::ops::Range<u32>; 2] {
+    let p = &job.params;
+    if light_words(job).is_empty() {
+        return [0..0, 0..0];
+    }
+    let from = (p.dark_from * FILL_ROWS).min(p.rows);
+    if p.dark_steps == 0 {
+        return [0..p.rows, 0..0];
+    }
+    [0..from, from + p.dark_steps * FILL_ROWS..p.rows]
 }
 
 /// The bind-group layout: uniforms (parameters, quadrature, short tables), read-only buffers, the image.
@@ -137,9 +155,12 @@ impl Buffers {
                 queue.write_buffer(buffer, 0, bytes);
             }
         }
-        let light = light_words(job);
-        if !light.is_empty() {
-            queue.write_buffer(&self.light, 0, cast_slice(light));
+        for rows in lit_rows(job) {
+            let each = job.params.light_words as usize;
+            let words = &light_words(job)[rows.start as usize * each..rows.end as usize * each];
+            if !words.is_empty() {
+                queue.write_buffer(&self.light, 4 * u64::from(rows.start) * each as u64, cast_slice(words));
+            }
         }
         if !job.profiles.is_empty() {
             queue.write_buffer(

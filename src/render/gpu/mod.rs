@@ -10,7 +10,7 @@ pub use adapters::{AdapterReport, adapter_reports};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
-use super::params::{Job, pixels_per_word};
+use super::params::{FILL_ROWS, Job, pixels_per_word};
 
 /// The shader, one file for all kernels of a shadowgraph.
 pub const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");
@@ -40,10 +40,8 @@ pub struct Gpu {
     buffers: Option<Buffers>,
     failure: Arc<Mutex<Option<String>>>,
     frames_left: Option<u64>,
+    largest_bytes: u64,
 }
-
-/// Rows an invocation of `fill` writes, as in the shader.
-const FILL_ROWS: u32 = 16;
 
 /// What the kernels are compiled for, in the order of [`OVERRIDES`].
 type Variant = [u32; 8];
@@ -69,6 +67,7 @@ fn variant(job: &Job<'_>) -> Variant {
 }
 
 struct Pipelines {
+    shade: wgpu::ComputePipeline,
     fill: wgpu::ComputePipeline,
     band: wgpu::ComputePipeline,
     constant: wgpu::ComputePipeline,
@@ -139,7 +138,10 @@ impl Gpu {
             return Err(RenderError::Device { what: e.to_string() });
         }
         let (pipelines, buffers) = (BTreeMap::new(), None);
+        let limits = device.limits();
+        let largest_bytes = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         Ok(Self {
+            largest_bytes,
             info,
             device,
             queue,
@@ -162,6 +164,28 @@ impl Gpu {
     /// Fault injection: the device is destroyed after `frames` more frames.
     pub fn lose_after(&mut self, frames: u64) {
         self.frames_left = Some(frames);
+    }
+
+    /// Fault injection: the adapter has no buffer of more than `bytes`.
+    pub fn limit_buffers(&mut self, bytes: u64) {
+        self.largest_bytes = self.largest_bytes.min(bytes);
+    }
+
+    /// Whether the adapter can hold the job.
+    ///
+    /// # Errors
+    /// Names the size that it asks for and the adapter's limit.
+    pub fn holds(&self, job: &Job<'_>) -> Result<(), RenderError> {
+        let needed = buffers::largest_bytes(job);
+        if needed <= self.largest_bytes {
+            return Ok(());
+        }
+        let (rows, columns) = (job.params.rows, job.params.columns);
+        let most = self.largest_bytes;
+        let what = format!(
+            "a frame of {rows} x {columns} pixels needs a buffer of {needed} bytes, the adapter's largest has {most}"
+        );
+        Err(RenderError::TooLarge { what })
     }
 
     /// Runs the job's kernels and hands the packed words to `read`.
@@ -205,8 +229,13 @@ impl Gpu {
                 pass.dispatch_workgroups(groups, job.params.rows, 1);
             }
             Work::Frame => {
+                let dark = job.params.dark_steps;
+                if dark > 0 {
+                    pass.set_pipeline(&pipelines.shade);
+                    pass.dispatch_workgroups(groups, dark, 1);
+                }
                 pass.set_pipeline(&pipelines.fill);
-                pass.dispatch_workgroups(groups, job.params.rows.div_ceil(FILL_ROWS), 1);
+                pass.dispatch_workgroups(groups, job.params.rows.div_ceil(FILL_ROWS) - dark, 1);
                 pass.set_pipeline(&pipelines.band);
                 pass.dispatch_workgroups(groups, 2 * job.params.band_rows, 1);
             }
@@ -226,6 +255,7 @@ impl Gpu {
             self.buffers = Some(Buffers::new(&self.device, &self.bindings, job, self.mappable));
         }
         let pipelines = Pipelines {
+            shade: self.pipeline("shade", variant),
             fill: self.pipeline("fill", variant),
             band: self.pipeline("band", variant),
             constant: self.pipeline("constant", variant),

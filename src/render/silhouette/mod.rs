@@ -14,7 +14,7 @@
 //!
 //! A pose tilted by τ in the image plane turns the whole outline: z = s cos τ - X sin τ, x = x0 + s sin τ + X cos τ,
 //! with X(s) the outline over the body's own axis s. Slopes of bow and deflection (1e-4) are neglected there; where a
-//! shoulder leans over, the outermost edge counts. Threads, feed marks, flats and keyways divide the segments further
+//! shoulder leans over, the outermost edge counts, and the light beneath the overhang is a gap ([`Turned::gap`]). Threads, feed marks, flats and keyways divide the segments further
 //! ([`features`]); tilt towards the camera and perspective take the envelope over the slices ([`envelope`]).
 
 use std::f64::consts::{PI, TAU};
@@ -43,6 +43,10 @@ const SEGMENTS_PER_LOBE: usize = 13;
 /// which they end.
 const TILT_STEPS: usize = 40;
 const TILT_STILL_MM: f64 = 1e-11;
+
+/// Most steps of [`root`], and the residue (mm) at which it ends.
+const ROOT_STEPS: usize = 80;
+const ROOT_STILL_MM: f64 = 1e-13;
 
 /// Distance at which the two sides of a shoulder are told apart, mm.
 pub(super) const BESIDE_MM: f64 = 1e-9;
@@ -275,73 +279,77 @@ impl Turned<'_> {
         if outline.sin_tilt == 0.0 {
             return pose_x + self.over_axis(z_mm, top);
         }
-        let point = match self.shoulder(z_mm, top) {
-            Some(point) => point,
-            None => self.on_outline(z_mm, top, f64::NEG_INFINITY, f64::INFINITY),
+        let height = |point: DVec2| (outline.tilt * point).y;
+        let outer = |best: Option<f64>, x: f64| match best {
+            Some(b) if (b > x) == top => Some(b),
+            _ => Some(x),
         };
-        pose_x + (outline.tilt * point).y
+        let outermost = self.crossings(z_mm, top).into_iter().map(height).fold(None, outer);
+        pose_x + outermost.unwrap_or_else(|| height(self.on_outline(z_mm, top)))
     }
 
-    /// The outline's point (s, X) that a tilted body shows at z, with s kept within `low..=high`.
-    fn on_outline(&self, z_mm: f64, top: bool, low: f64, high: f64) -> DVec2 {
+    /// Light beneath the overhang of a leaning shoulder at z: its inner and outer end, mm above the optical axis.
+    pub fn gap(&self, z_mm: f64, top: bool) -> Option<[f64; 2]> {
+        let outline = self.outline;
+        if outline.sin_tilt == 0.0 {
+            return None;
+        }
+        let points = self.crossings(z_mm, top);
+        let mut heights: Vec<f64> = points.into_iter().map(|p| (outline.tilt * p).y).collect();
+        heights.sort_by(|a, b| if top { b.total_cmp(a) } else { a.total_cmp(b) });
+        let pose_x = outline.shaft.pose.x_mm;
+        (heights.len() > 2).then(|| [heights[2], heights[1]].map(|x| pose_x + x))
+    }
+
+    /// Every point (s, X) at which a tilted body's outline crosses z, where corners lie near; none where there are no corners.
+    fn crossings(&self, z_mm: f64, top: bool) -> Vec<DVec2> {
+        let outline = self.outline;
+        let (sin, cos) = (outline.sin_tilt, outline.cos_tilt);
+        let reach =
+            1.1 * (sin.abs() * outline.mean_radii_mm().1 + z_mm.abs() * (1.0 - cos)) / cos + BESIDE_MM;
+        let breaks = outline.breaks_mm(z_mm - reach, z_mm + reach);
+        let mut found = Vec::new();
+        if breaks.is_empty() {
+            return found;
+        }
+        let place = |s: f64| s * cos - self.over_axis(s, top) * sin - z_mm;
+        let mut low = (z_mm - reach, place(z_mm - reach));
+        for s in breaks.into_iter().map(Some).chain([None]) {
+            let end = s.map_or(z_mm + reach, |s| s - BESIDE_MM);
+            let high = (end, place(end));
+            if (low.1 <= 0.0) != (high.1 <= 0.0) {
+                let s = root(place, low, high);
+                found.push(DVec2::new(s, self.over_axis(s, top)));
+            }
+            let Some(s) = s else { break };
+            low = (s + BESIDE_MM, place(s + BESIDE_MM));
+            if (high.1 <= 0.0) != (low.1 <= 0.0) {
+                // On the face of the shoulder.
+                found.push(DVec2::new(s, (s * cos - z_mm) / sin));
+            }
+        }
+        found
+    }
+
+    /// The outline's point (s, X) that a tilted body shows at z, far from corners.
+    fn on_outline(&self, z_mm: f64, top: bool) -> DVec2 {
         let outline = self.outline;
         let radius = mean_radius(&outline.shaft.profile, z_mm);
         let mut point = DVec2::new(z_mm, if top { radius } else { -radius });
         for _ in 0..TILT_STEPS {
             let before = point.x;
-            point.x = ((z_mm + point.y * outline.sin_tilt) / outline.cos_tilt).clamp(low, high);
+            point.x = (z_mm + point.y * outline.sin_tilt) / outline.cos_tilt;
             point.y = self.over_axis(point.x, top);
             if (point.x - before).abs() < TILT_STILL_MM {
                 return point;
             }
         }
-        self.halved(z_mm, top, low, high)
-    }
-
-    /// [`Self::on_outline`] by halving, where a face is too steep for steps.
-    fn halved(&self, z_mm: f64, top: bool, low: f64, high: f64) -> DVec2 {
-        let outline = self.outline;
+        // A face too steep for steps.
+        let place = |s: f64| s * outline.cos_tilt - self.over_axis(s, top) * outline.sin_tilt - z_mm;
         let reach = 1.1 * outline.mean_radii_mm().1 * outline.sin_tilt.abs();
-        let (mut a, mut b) = ((z_mm - reach).max(low), (z_mm + reach).min(high));
-        for _ in 0..TILT_STEPS {
-            let middle = 0.5 * (a + b);
-            let place = middle * outline.cos_tilt - self.over_axis(middle, top) * outline.sin_tilt;
-            if place < z_mm {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
-        let s = 0.5 * (a + b);
+        let [low, high] = [z_mm - reach, z_mm + reach].map(|s| (s, place(s)));
+        let s = root(place, low, high);
         DVec2::new(s, self.over_axis(s, top))
-    }
-
-    /// The point of a tilted body at z where a shoulder decides it: on its face, or beside it.
-    fn shoulder(&self, z_mm: f64, top: bool) -> Option<DVec2> {
-        let outline = self.outline;
-        let reach =
-            outline.sin_tilt.abs() * 1.1 * outline.mean_radii_mm().1 + z_mm.abs() * (1.0 - outline.cos_tilt);
-        let first = outline.shoulders_mm.partition_point(|s| *s < z_mm - reach);
-        let near = outline.shoulders_mm[first..].iter().take_while(|s| **s <= z_mm + reach);
-        for &s in near {
-            let place = |x: f64| s * outline.cos_tilt - x * outline.sin_tilt - z_mm;
-            let (left, right) = (self.over_axis(s - BESIDE_MM, top), self.over_axis(s + BESIDE_MM, top));
-            let (before, behind) = (place(left), place(right));
-            if before <= 0.0 && behind >= 0.0 {
-                // On the face itself.
-                return Some(DVec2::new(s, (s * outline.cos_tilt - z_mm) / outline.sin_tilt));
-            }
-            if behind < 0.0 && before > 0.0 {
-                // Leaning over: of the points before and behind it the outermost.
-                let a = self.on_outline(z_mm, top, f64::NEG_INFINITY, s - BESIDE_MM);
-                let b = self.on_outline(z_mm, top, s + BESIDE_MM, f64::INFINITY);
-                return Some(if (a.y > b.y) == top { a } else { b });
-            }
-            if before > 0.0 && before < reach {
-                return Some(self.on_outline(z_mm, top, f64::NEG_INFINITY, s - BESIDE_MM));
-            }
-        }
-        None
     }
 
     /// Signed height X(s) of an edge over the axis of rotation.
@@ -387,6 +395,23 @@ impl Turned<'_> {
 /// z of every shoulder: two knots at the same z.
 fn shoulders(profile: &[ProfileKnot]) -> Vec<f64> {
     profile.windows(2).filter(|k| k[0].z_mm == k[1].z_mm).map(|k| k[0].z_mm).collect()
+}
+
+/// Zero of a function between two points at which it has different signs: false position, the end that stays counted half.
+fn root(f: impl Fn(f64) -> f64, mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
+    for _ in 0..ROOT_STEPS {
+        let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let value = f(s);
+        if !s.is_finite() || value.abs() < ROOT_STILL_MM || (high.0 - low.0).abs() < ROOT_STILL_MM {
+            return if s.is_finite() { s } else { 0.5 * (low.0 + high.0) };
+        }
+        if (value <= 0.0) == (low.1 <= 0.0) {
+            (low, high.1) = ((s, value), 0.5 * high.1);
+        } else {
+            (high, low.1) = ((s, value), 0.5 * low.1);
+        }
+    }
+    0.5 * (low.0 + high.0)
 }
 
 fn mean_radius(profile: &[ProfileKnot], z_mm: f64) -> f64 {
