@@ -37,7 +37,17 @@ done
 study edges cargo test --release --locked --test gauge_edges -- --nocapture --test-threads 1
 study render cargo test --release --locked --test render_frames --test render_noise -- --nocapture --test-threads 1
 study efficiency cargo test --release --locked --test gauge_edges every_cell -- --ignored --nocapture
+study reference_frames cargo test --release --locked --test gauge_stream sixteen -- --ignored --nocapture
+# 10^4 frames of 2048 x 2048 pixels, 12 bit, in memory: first frame, median, p99 on one thread and on two
+rm -rf "$out/gauge_frames"
+study gauge_frames "$bin" render configs/bench_2048.toml --frames 8 --backend cpu --out "$out/gauge_frames"
+for threads in 1 2; do
+  study "gauge_bench_$threads" "$bin" measure "$out/gauge_frames/frames" --um-per-px 15 --threads "$threads" --bench 10000 --json
+done
+study edge_peers sh benches/peers/run.sh
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+study uncertainty "$bin" study uncertainty --backend cpu
+study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
 if [ -n "${SHADOWGAUGE_WASHERS:-}" ]; then
   study washers_caliper cargo test --release --locked --test measure_washers -- --nocapture --test-threads 1

@@ -153,12 +153,9 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
 }
 
 /// Whether no edge of a line can be an outlier: every three neighbouring groups are complete and, about the line through the ends, span
-/// so little that nothing between their medians (nor half a group beyond them, at the ends) lies `limit_px` away.
+/// so little that nothing between their medians (nor beyond them, at the ends) lies `limit_px` away.
 fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
     let (Some(first), Some(last)) = (line.first(), line.last()) else { return true };
-    if !line.len().is_multiple_of(NEIGHBOURS) {
-        return false;
-    }
     let slope = (last.row_px - first.row_px) / line.len() as f64;
     let mut before = [(f64::INFINITY, f64::NEG_INFINITY); 2];
     for (index, group) in line.chunks(NEIGHBOURS).enumerate() {
@@ -171,8 +168,8 @@ fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
         }
         let lowest = before.iter().fold(low, |l, b| l.min(b.0));
         let highest = before.iter().fold(high, |h, b| h.max(b.1));
-        // An extrapolation reaches half as far again.
-        if !(usable && 1.5 * (highest - lowest) <= limit_px) {
+        // An extrapolation reaches half as far again, beyond a short last group a little farther.
+        if !(usable && 1.75 * (highest - lowest) <= limit_px) {
             return false;
         }
         before = [before[1], (low, high)];

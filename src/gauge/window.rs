@@ -211,10 +211,12 @@ impl Windows {
             return open;
         }
         // An edge off by one pixel, as most are at first, is centred within the tile.
-        let starts = [-1, 0, 1].map(|shift: isize| {
-            let begin = begin.wrapping_add_signed(shift);
-            group_start(&tile[begin..begin + width], lane, flat, self.centroid)
-        });
+        let (centroid, at) = (self.centroid, |begin: usize| &tile[begin..begin + width]);
+        let starts = [
+            group_start(at(begin - 1), lane, flat, centroid),
+            group_start(at(begin), lane, flat, centroid),
+            group_start(at(begin + 1), lane, flat, centroid),
+        ];
         let mut shifts = [0_usize; GROUP];
         for k in 0..GROUP {
             let [_, here, _] = &starts;

@@ -56,7 +56,7 @@ struct Drawn {
 
 /// Partially coherent light of one of five kinds (its tables are dear and kept): under a blur that hides its rings, or not.
 fn coherent(rings: bool, kind: f64) -> PartiallyCoherentEdge {
-    let (na, middle, extra_sigma_um) = if rings { (0.02, 0.6, 5.0) } else { (0.04, 1.0, 18.0) };
+    let (na, middle, extra_sigma_um) = if rings { (0.02, 0.6, 5.0) } else { (0.06, 1.0, 18.0) };
     PartiallyCoherentEdge {
         na,
         coherence_ratio: middle + 0.05 * kind,

@@ -1,6 +1,6 @@
 //! Edge points of grey PNGs by the crate subpixel-edge (Canny, then a parabola across the edge), on one thread.
 //!
-//! `peer-subpixel-edge OUT.csv FRAME.png…` writes `frame,row,column` and prints the least seconds a frame of three rounds.
+//! `peer-subpixel-edge OUT.csv FRAME.png…` writes `frame,row,column` and prints the least seconds a frame of ten rounds.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frames: Vec<_> = arguments.map(|path| Ok(image::open(path)?.to_luma8())).collect::<Result<_, image::ImageError>>()?;
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let (mut best, mut text) = (f64::INFINITY, String::from("frame,row,column\n"));
-    for round in 0..3 {
+    for round in 0..10 {
         let start = Instant::now();
         let found: Vec<_> = frames.iter().map(|frame| edges(frame, 20.0, 80.0, 0.6)).collect();
         best = best.min(start.elapsed().as_secs_f64() / frames.len() as f64);
