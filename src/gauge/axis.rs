@@ -488,12 +488,12 @@ impl AxisScratch {
     fn descend_from(&mut self, mut at: isize, step: isize, taper: f64) {
         for _ in 0..2 * GROWTH / DESCENT {
             let below = at + step * DESCENT as isize;
-            let (Some(here), Some(next)) =
-                (self.mean_width(at, step, taper), self.mean_width(below, step, taper))
-            else {
+            let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
-            if here - next < FLOOR_PX {
+            // Down by itself and against the part's taper: a step elsewhere in the field makes the taper's line too steep.
+            let (fall, tapered) = (here - next, taper * (DESCENT as isize * step) as f64);
+            if fall < FLOOR_PX || fall + tapered < FLOOR_PX {
                 return;
             }
             let (from, to) = (at.min(below - step), at.max(below - step));
@@ -502,14 +502,14 @@ impl AxisScratch {
         }
     }
 
-    /// Mean width of [`DESCENT`] columns from one on, the taper taken off; `None` where they leave the frame or few have one.
-    fn mean_width(&self, from: isize, step: isize, taper: f64) -> Option<f64> {
+    /// Mean width of [`DESCENT`] columns from one on; `None` where they leave the frame or few have one.
+    fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
         let last = from + step * (DESCENT as isize - 1);
         let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
         let widths = self.widths.get(low..=high)?;
         let (mut sum, mut count) = (0.0, 0.0);
-        for (k, width) in widths.iter().enumerate().filter(|(_, w)| w.is_finite()) {
-            (sum, count) = (sum + f64::from(*width) - taper * (low + k) as f64, count + 1.0);
+        for width in widths.iter().filter(|w| w.is_finite()) {
+            (sum, count) = (sum + f64::from(*width), count + 1.0);
         }
         (count >= 3.0).then(|| sum / count)
     }

@@ -76,10 +76,10 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
 }
 
 /// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a droplet fits so badly that the
-/// misfit stated comes to pixels, where a part's faintest edge has a tenth of one.
-const VAGUE_PX: f64 = 0.5;
+/// misfit stated comes to many pixels, where a part's faintest edge has a fraction of one.
+const VAGUE_PX: f64 = 2.0;
 
-/// Refuses edges that are known no better than to half a pixel.
+/// Refuses edges that are known no better than to two pixels.
 pub(crate) fn refuse_vague(line: &mut [Edge]) {
     for edge in line.iter_mut() {
         if edge.is_usable() && !(edge.u_px() <= VAGUE_PX) {
