@@ -8,10 +8,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::edges::{Edge, EdgeState};
+use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
 
-/// Columns of a block.
-const BLOCK: usize = 16;
 /// Fewest blocks that tell an axis from an excursion.
 const LEAST_BLOCKS: usize = 8;
 /// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
@@ -32,26 +31,47 @@ const SCALE: f64 = 1.4826;
 const TRIALS: usize = 160;
 /// Times that the axis is laid anew through what was not refused.
 const PASSES: usize = 3;
-/// Wander of an axis about its parabola (standard deviation of the blocks) and bend with it that are taken for the part's own, px.
-const WANDER_PX: f64 = 0.06;
-const BEND_OF_WANDER_PX: f64 = 0.1;
+/// Bend of an axis that is taken for the part's own, px.
+const BEND_OF_WANDER_PX: f64 = 0.03;
+/// Departures from the plain parabola up to which no other axis is looked for, px.
+const CALM_PX: f64 = 0.05;
+/// Columns whose mean widths are compared on the way down.
+const DESCENT: usize = 8;
 /// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
+/// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
+const LEAST_BULGE: f64 = 0.5;
+const MOST_BULGE: f64 = 1.6;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
+
+/// Sixteen columns.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// Its place among the frame's blocks.
+    index: usize,
+    /// Abscissa, −1 to 1 over the field.
+    x: f64,
+    /// Median of the middles of both edges, px.
+    middle: f64,
+    /// Median of the widths, px; NaN until they are measured.
+    width: f64,
+}
 
 /// Memory of [`refuse_one_sided`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AxisScratch {
     /// Middle of every column, NaN without both edges; then its departure from the axis.
     departures: Vec<f32>,
-    /// (abscissa in −1..1, median, columns) of the blocks.
-    blocks: Vec<(f64, f64)>,
+    /// Width of every column, NaN without both edges.
+    widths: Vec<f32>,
+    blocks: Vec<Block>,
     pool: Vec<f32>,
     sizes: Vec<f64>,
     refused: Vec<bool>,
+    ends: Vec<isize>,
 }
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
@@ -70,14 +90,29 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
 fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
     let usable = scratch.middles(top, bottom);
     if scratch.blocks.len() < LEAST_BLOCKS {
-        return 0.0;
+        if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
+            return 0.0;
+        }
+        // Too little of a wide field is left to tell an axis from: nothing vouches for it.
+        for edge in top.iter_mut().filter(|e| e.is_usable()) {
+            edge.state = EdgeState::Gap(Reason::Contaminated);
+        }
+        return 1.0;
     }
-    let Some(axis) = scratch.axis() else { return 0.0 };
+    let Some(plain) = scratch.plain() else { return 0.0 };
+    let calm = scratch.is_calm(&plain);
+    if !calm || usable < top.len() {
+        scratch.measure_widths(top, bottom);
+    }
+    let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
-    let refused = scratch.mark(column_sd, block_sd);
-    if refused == 0 {
+    let any = scratch.mark(column_sd, block_sd);
+    if !any && usable == top.len() {
         return 0.0;
     }
+    scratch.measure_widths(top, bottom);
+    scratch.descend();
+    let refused = scratch.refused_columns();
     for (column, refuse) in scratch.refused.iter().enumerate() {
         if *refuse && top[column].is_usable() && bottom[column].is_usable() {
             let outwards_above = scratch.departures[column] < 0.0;
@@ -86,6 +121,21 @@ fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch)
         }
     }
     refused as f64 / usable.max(1) as f64
+}
+
+/// Medians of eight whole blocks; `None` where a value is missing.
+fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
+    let blocks = chunk.as_chunks::<BLOCK>().0.first_chunk::<LANES>()?;
+    if !chunk.iter().fold(true, |all, value| all & value.is_finite()) {
+        return None;
+    }
+    let mut turned = [[0.0; LANES]; BLOCK];
+    for (lane, block) in blocks.iter().enumerate() {
+        for (row, value) in turned.iter_mut().zip(block) {
+            row[lane] = *value;
+        }
+    }
+    Some(medians(&mut turned))
 }
 
 /// Standard deviation from the agreeing share of departures.
@@ -102,11 +152,41 @@ fn basis(x: f64) -> Vector3<f64> {
     Vector3::new(1.0, x, x * x)
 }
 
+impl Block {
+    fn point(&self) -> (f64, f64) {
+        (self.x, self.middle)
+    }
+}
+
+/// Median and number of the finite values; `None` where there are none.
+fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f32, usize)> {
+    pool.clear();
+    pool.extend(values.iter().filter(|m| m.is_finite()));
+    let middle = pool.len() / 2;
+    let count = pool.len();
+    (count > 0).then(|| (*pool.select_nth_unstable_by(middle, f32::total_cmp).1, count))
+}
+
 impl AxisScratch {
+    /// Makes room for frames of so many columns, whatever they show.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        fn room<T>(values: &mut Vec<T>, length: usize) {
+            values.reserve(length.saturating_sub(values.len()));
+        }
+        room(&mut self.departures, columns);
+        room(&mut self.widths, columns);
+        room(&mut self.refused, columns);
+        room(&mut self.ends, columns);
+        room(&mut self.blocks, columns / BLOCK + 1);
+        room(&mut self.sizes, columns / BLOCK + 257);
+        room(&mut self.pool, BLOCK);
+    }
+
     /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
     fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
         let columns = top.len();
         self.departures.clear();
+        self.widths.clear();
         self.blocks.clear();
         // Rows relative to the first, so that f32 keeps 1e-5 px.
         let origin = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
@@ -116,31 +196,74 @@ impl AxisScratch {
             if both { (0.5 * (t.row_px + b.row_px) - origin) as f32 } else { f32::NAN }
         }));
         let mut usable = 0;
-        for (index, chunk) in self.departures.chunks(BLOCK).enumerate() {
-            self.pool.clear();
-            self.pool.extend(chunk.iter().filter(|m| m.is_finite()));
-            usable += self.pool.len();
-            if self.pool.len() >= BLOCK / 2 {
-                let middle = self.pool.len() / 2;
-                let (_, median, _) = self.pool.select_nth_unstable_by(middle, f32::total_cmp);
-                let at = index * BLOCK + chunk.len() / 2;
-                self.blocks.push((abscissa(at as f64, columns), f64::from(*median)));
+        let block = |index: usize, length: usize, middle: f32| Block {
+            index,
+            x: abscissa((index * BLOCK + length / 2) as f64, columns),
+            middle: f64::from(middle),
+            width: f64::NAN,
+        };
+        for (group, chunk) in self.departures.chunks(LANES * BLOCK).enumerate() {
+            let first = group * LANES;
+            if let Some(medians) = whole_medians(chunk) {
+                usable += chunk.len();
+                self.blocks.extend((first..).zip(medians).map(|(index, m)| block(index, BLOCK, m)));
+                continue;
+            }
+            for (index, chunk) in (first..).zip(chunk.chunks(BLOCK)) {
+                let Some((middle, count)) = median(chunk, &mut self.pool) else { continue };
+                usable += count;
+                if count >= BLOCK / 2 {
+                    self.blocks.push(block(index, chunk.len(), middle));
+                }
             }
         }
         usable
     }
 
-    /// The axis as a parabola: by least squares where all blocks agree with it and it hardly bends, else the one that half of the
-    /// blocks agree with best.
-    fn axis(&mut self) -> Option<Vector3<f64>> {
-        let plain = fit(self.blocks.iter(), true)?;
-        // An axis that wanders a little by itself is no matter: departures within its own scatter are left alone.
-        let spread = self.spread(&plain);
-        let limit = (3.0 * spread.min(WANDER_PX)).max(2.0 * FLOOR_PX);
-        if plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(&plain, limit, b)) {
-            return Some(plain);
+    /// Widths of the columns and of the blocks, px from the first one's; once a frame that is not calm.
+    fn measure_widths(&mut self, top: &[Edge], bottom: &[Edge]) {
+        if !self.widths.is_empty() {
+            return;
         }
-        let mut best = (self.cost(&plain), plain);
+        let first = top.iter().zip(bottom).find(|(t, b)| t.is_usable() && b.is_usable());
+        let origin = first.map_or(0.0, |(t, b)| b.row_px - t.row_px);
+        self.widths.extend(top.iter().zip(bottom).map(|(t, b)| {
+            let both = t.is_usable() && b.is_usable();
+            if both { (b.row_px - t.row_px - origin) as f32 } else { f32::NAN }
+        }));
+        for block in &mut self.blocks {
+            let from = block.index * BLOCK;
+            let widths = &self.widths[from..(from + BLOCK).min(top.len())];
+            block.width = median(widths, &mut self.pool).map_or(f64::NAN, |(width, _)| f64::from(width));
+        }
+    }
+
+    /// The parabola by least squares.
+    fn plain(&self) -> Option<Vector3<f64>> {
+        fit(self.blocks.iter().map(Block::point), true)
+    }
+
+    /// Whether all blocks agree with a parabola that hardly bends.
+    fn is_calm(&self, plain: &Vector3<f64>) -> bool {
+        plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
+    }
+
+    /// The axis of a frame that is not calm: what half of the blocks agree with best.
+    fn axis(&mut self, plain: Vector3<f64>) -> Option<Vector3<f64>> {
+        let mut found = self.candidates(&plain)?;
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, the axis
+        // itself wanders.
+        if let Some((_, axis)) = found.iter().find(|(cost, axis)| cost.is_finite() && self.bulges(axis)) {
+            return Some(*axis);
+        }
+        let wanders = found[0].0 > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
+        Some(if wanders { plain } else { found[0].1 })
+    }
+
+    /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
+    fn candidates(&mut self, plain: &Vector3<f64>) -> Option<[(f64, Vector3<f64>); 2]> {
+        let mut best = [(f64::INFINITY, *plain), (self.cost(plain), *plain)];
         let n = self.blocks.len();
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         let mut draw = |from: usize, to: usize| {
@@ -157,40 +280,100 @@ impl AxisScratch {
             if apart < n / 6 {
                 continue;
             }
-            let chosen = if bent { &three[..] } else { &[three[0], three[2]][..] };
-            let Some(axis) = fit(chosen.iter().map(|k| &self.blocks[*k]), bent) else { continue };
-            let cost = self.cost(&axis);
-            if cost < best.0 {
-                best = (cost, axis);
+            let axis = through(three.map(|k| self.blocks[k].point()), bent);
+            let (cost, kept) = &mut best[usize::from(bent)];
+            if self.is_cheaper(&axis, *cost) {
+                (*cost, *kept) = (self.cost(&axis), axis);
             }
         }
-        // Matter stands out against a straighter axis that half of the field agrees with far better; where there is none, the axis
-        // itself wanders.
-        if best.0 > BETTER * spread && plain[2].abs() < BEND_OF_PART_PX {
-            return Some(plain);
+        for (cost, axis) in best.iter_mut().filter(|(cost, _)| cost.is_finite()) {
+            *axis = self.refined(*axis)?;
+            *cost = cost.min(self.cost(axis));
         }
+        Some(best)
+    }
+
+    /// An axis by least squares through the blocks that agree with it.
+    fn refined(&mut self, mut axis: Vector3<f64>) -> Option<Vector3<f64>> {
         for _ in 0..3 {
-            let limit = (3.0 * self.spread(&best.1)).max(0.5 * FLOOR_PX);
-            let kept = || self.blocks.iter().filter(|b| !far(&best.1, limit, b));
+            let limit = (3.0 * self.spread(&axis)).max(0.5 * FLOOR_PX);
+            let kept = || self.blocks.iter().filter(|b| !far(&axis, limit, b)).map(Block::point);
             let bent = fit(kept(), true)?;
-            best.1 = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * best.1[2].abs()) {
+            axis = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * axis[2].abs()) {
                 bent
             } else {
                 fit(kept(), false)?
             };
         }
-        Some(best.1)
+        Some(axis)
+    }
+
+    /// Whether the blocks that leave an axis bulge: matter on one side widens the shadow by twice what it moves the middle by; an axis
+    /// that wanders moves both edges alike, texture dents as often as it bulges.
+    fn bulges(&mut self, axis: &Vector3<f64>) -> bool {
+        let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
+        let leaves = |b: &Block| far(axis, limit, b);
+        let within = self.blocks.iter().filter(|b| !leaves(b));
+        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return false };
+        let (mut bulging, mut all) = (0.0, 0.0);
+        let (mut from, n) = (0, self.blocks.len());
+        while from < n {
+            if !leaves(&self.blocks[from]) {
+                from += 1;
+                continue;
+            }
+            let to = (from..n).find(|k| !leaves(&self.blocks[*k])).unwrap_or(n);
+            let (widening, square) = self.widening(axis, &line, from..to);
+            all += square;
+            if widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
+                bulging += square;
+            }
+            from = to;
+        }
+        bulging > 0.5 * all && all > 0.0
+    }
+
+    /// Of a run of blocks: Σ twice the departure of the middle times the width over that of the neighbours, Σ (twice the departure)².
+    fn widening(&self, axis: &Vector3<f64>, line: &Vector3<f64>, run: std::ops::Range<usize>) -> (f64, f64) {
+        let over = |b: &Block| b.width - line.dot(&basis(b.x));
+        let before = run.start.checked_sub(1).map(|k| over(&self.blocks[k]));
+        let after = self.blocks.get(run.end).map(over);
+        let (mut widening, mut square) = (0.0, 0.0);
+        for (k, b) in self.blocks[run.clone()].iter().enumerate() {
+            let share = (k as f64 + 1.0) / (run.len() as f64 + 1.0);
+            let level = match (before, after) {
+                (Some(one), Some(two)) => one + share * (two - one),
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => 0.0,
+            };
+            let moved = 2.0 * (b.middle - axis.dot(&basis(b.x))).abs();
+            widening += moved * (over(b) - level);
+            square += moved * moved;
+        }
+        (widening, square)
     }
 
     /// Spread about an axis, dearer where it bends.
     fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
-        self.spread(axis) * (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+        self.spread(axis) * price(axis)
+    }
+
+    /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
+    fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
+        let limit = cost / (SCALE * price(axis));
+        let (a, b, c) = (axis[0], axis[1], axis[2]);
+        let near = |block: &Block| {
+            let (x, m) = block.point();
+            u32::from((m - (a + x * (b + x * c))).abs() < limit)
+        };
+        let agreeing: u32 = self.blocks.iter().map(near).sum();
+        agreeing as usize > (AGREEING * self.blocks.len() as f64) as usize
     }
 
     /// Robust standard deviation of the blocks about an axis, px.
     fn spread(&mut self, axis: &Vector3<f64>) -> f64 {
         self.sizes.clear();
-        self.sizes.extend(self.blocks.iter().map(|(x, m)| (m - axis.dot(&basis(*x))).abs()));
+        self.sizes.extend(self.blocks.iter().map(|b| (b.middle - axis.dot(&basis(b.x))).abs()));
         robust_sd(&mut self.sizes)
     }
 
@@ -210,8 +393,8 @@ impl AxisScratch {
         (column_sd, block_sd)
     }
 
-    /// Marks what departs, and what belongs to it; gives the number of columns marked.
-    fn mark(&mut self, column_sd: f64, block_sd: f64) -> usize {
+    /// Marks what departs, and what belongs to it; gives whether anything does.
+    fn mark(&mut self, column_sd: f64, block_sd: f64) -> bool {
         let columns = self.departures.len();
         let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
         let block_limit = (BLOCK_LIMIT * block_sd).max(FLOOR_PX) as f32;
@@ -235,23 +418,26 @@ impl AxisScratch {
                 any = true;
             }
         }
-        if !any {
-            return 0;
+        if any {
+            self.grow(grow);
         }
-        self.grow(grow);
+        any
+    }
+
+    /// Columns refused that had both edges.
+    fn refused_columns(&self) -> usize {
         self.refused.iter().zip(&self.departures).filter(|(r, d)| **r && d.is_finite()).count()
     }
 
     /// Extends refused stretches over neighbours that still depart to the same side, and a guard beyond.
     fn grow(&mut self, limit: f32) {
         let columns = self.departures.len() as isize;
-        let seeds: Vec<isize> = (0..columns).filter(|c| self.refused[*c as usize]).collect();
-        let ends = seeds.iter().filter(|c| {
-            let open = |n: isize| n >= 0 && n < columns && !self.refused[n as usize];
-            open(**c - 1) || open(**c + 1)
-        });
-        let ends: Vec<isize> = ends.copied().collect();
-        for seed in ends {
+        let refused = &self.refused;
+        let open = |n: isize| n >= 0 && n < columns && !refused[n as usize];
+        self.ends.clear();
+        self.ends.extend((0..columns).filter(|c| refused[*c as usize] && (open(c - 1) || open(c + 1))));
+        for index in 0..self.ends.len() {
+            let seed = self.ends[index];
             let sign = self.departures[seed as usize].signum();
             for step in [-1_isize, 1] {
                 let (mut at, mut quiet, mut last) = (seed, 0, seed);
@@ -275,18 +461,86 @@ impl AxisScratch {
     }
 }
 
+impl AxisScratch {
+    /// Whether a column has no width any more.
+    fn gone(&self, column: usize) -> bool {
+        self.refused[column] || !self.departures[column].is_finite()
+    }
+
+    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
+    /// middle alone, and what hides an edge darkens its neighbours.
+    fn descend(&mut self) {
+        let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
+        let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
+        let columns = self.departures.len() as isize;
+        for step in [1_isize, -1] {
+            for column in 0..columns {
+                let next = column + step;
+                let ends =
+                    next >= 0 && next < columns && self.gone(column as usize) && !self.gone(next as usize);
+                if ends {
+                    self.descend_from(next, step, taper);
+                }
+            }
+        }
+    }
+
+    fn descend_from(&mut self, mut at: isize, step: isize, taper: f64) {
+        for _ in 0..2 * GROWTH / DESCENT {
+            let below = at + step * DESCENT as isize;
+            let (Some(here), Some(next)) =
+                (self.mean_width(at, step, taper), self.mean_width(below, step, taper))
+            else {
+                return;
+            };
+            if here - next < FLOOR_PX {
+                return;
+            }
+            let (from, to) = (at.min(below - step), at.max(below - step));
+            self.refused[from as usize..=to as usize].fill(true);
+            at = below;
+        }
+    }
+
+    /// Mean width of [`DESCENT`] columns from one on, the taper taken off; `None` where they leave the frame or few have one.
+    fn mean_width(&self, from: isize, step: isize, taper: f64) -> Option<f64> {
+        let last = from + step * (DESCENT as isize - 1);
+        let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
+        let widths = self.widths.get(low..=high)?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (k, width) in widths.iter().enumerate().filter(|(_, w)| w.is_finite()) {
+            (sum, count) = (sum + f64::from(*width) - taper * (low + k) as f64, count + 1.0);
+        }
+        (count >= 3.0).then(|| sum / count)
+    }
+}
+
 /// Whether a block lies further than `limit` px from an axis.
-fn far(axis: &Vector3<f64>, limit: f64, block: &(f64, f64)) -> bool {
-    (block.1 - axis.dot(&basis(block.0))).abs() > limit
+fn far(axis: &Vector3<f64>, limit: f64, block: &Block) -> bool {
+    (block.middle - axis.dot(&basis(block.x))).abs() > limit
+}
+
+/// What an axis costs for its bend.
+fn price(axis: &Vector3<f64>) -> f64 {
+    (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+}
+
+/// The parabola through three points, or the line through the first and the last.
+fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = points;
+    let whole = (y2 - y0) / (x2 - x0);
+    let bend = if bent { ((y1 - y0) / (x1 - x0) - whole) / (x1 - x2) } else { 0.0 };
+    let slope = whole - bend * (x0 + x2);
+    Vector3::new(y0 - x0 * (slope + bend * x0), slope, bend)
 }
 
 /// Parabola or line by least squares; `None` where the points do not tell it.
-fn fit<'a>(points: impl Iterator<Item = &'a (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
+fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
     let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
     for (x, y) in points {
-        let b = if bent { basis(*x) } else { Vector3::new(1.0, *x, 0.0) };
+        let b = if bent { basis(x) } else { Vector3::new(1.0, x, 0.0) };
         normal += b * b.transpose();
-        right += b * *y;
+        right += b * y;
     }
     if !bent {
         normal[(2, 2)] = 1.0;

@@ -53,21 +53,27 @@ impl BlurEstimate {
 }
 
 /// Columns of a block that are looked at.
-pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
     let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
     let step = (to - from).div_ceil(PER_BLOCK).max(1);
     (from..to).step_by(step)
 }
 
-/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast.
-pub(crate) fn rough(windows: &Windows, columns: usize, pool: &mut Vec<f32>) -> Option<f64> {
+/// Columns of all blocks that are looked at.
+pub(crate) fn samples(columns: usize) -> impl Iterator<Item = usize> {
+    (0..BLOCKS).flat_map(move |block| sample(block, columns))
+}
+
+/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast. The windows are
+/// those of the columns looked at, one after the other.
+pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     pool.clear();
-    for column in (0..BLOCKS).flat_map(|b| sample(b, columns)) {
-        if windows.centre[column].is_err() {
+    for place in 0..windows.centre.len() {
+        if windows.centre[place].is_err() {
             continue;
         }
-        let (dark, light) = (windows.dark[column], windows.light[column]);
-        let window = windows.of(column);
+        let (dark, light) = (windows.dark[place], windows.light[place]);
+        let window = windows.of(place);
         let flat = windows.flat;
         let n = |m: &f32| (m - dark) / (light - dark);
         let spread = |part: &[f32]| part.iter().map(|m| n(m) * (1.0 - n(m))).sum::<f32>();
@@ -98,16 +104,30 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) relative_variance: f64,
 }
 
+/// Memory of [`refine`].
+#[derive(Clone, Debug)]
+pub(crate) struct BlurScratch {
+    table: Table,
+    normalised: Vec<f32>,
+}
+
+impl BlurScratch {
+    pub(crate) fn new() -> Self {
+        Self { table: Table::empty(), normalised: Vec::new() }
+    }
+}
+
 /// Refines the blur of one side from `start`, px.
-pub(crate) fn refine(context: &BlurContext<'_>, start: f64) -> BlurEstimate {
+pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> BlurEstimate {
     let columns = context.windows.centre.len();
     let mut sigma = start;
     let mut sums = [BlurSums::default(); BLOCKS];
-    let mut normalised = vec![0.0; context.windows.width];
+    let BlurScratch { table, normalised } = scratch;
+    normalised.resize(context.windows.width, 0.0);
     for _ in 0..8 {
-        let table = Table::new(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
         for (block, sum) in sums.iter_mut().enumerate() {
-            *sum = block_sums(context, &table, sample(block, columns), &mut normalised);
+            *sum = block_sums(context, table, sample(block, columns), normalised);
         }
         let score: f64 = sums.iter().map(|s| s.score).sum();
         let information: f64 = sums.iter().map(|s| s.information).sum();
@@ -177,7 +197,7 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
 fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
     let columns = context.windows.centre.len();
     let (mut sum, mut count) = (0.0, 0.0_f64);
-    for column in (0..BLOCKS).flat_map(|b| sample(b, columns)) {
+    for column in samples(columns) {
         let slope = f64::from(context.slope[column]);
         if slope.is_finite() && slope.abs() <= 0.3 {
             sum += slope * slope;

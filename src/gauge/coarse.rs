@@ -4,9 +4,9 @@
 //! separates its grey values best (Otsu), and its largest connected shadow is the part. Specks of dirt, holes and
 //! neighbours that peep in at the border are other components and never seen again.
 
-use image::{GrayImage, Luma};
-use imageproc::region_labelling::{Connectivity, connected_components};
+use wide::f32x4;
 
+use super::components::{Components, Span};
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
 use crate::profile::Reason;
@@ -23,16 +23,20 @@ const INWARDS: usize = 256;
 /// A whole-pixel edge: the shadow's outermost pixel, or why there is none.
 pub(crate) type CoarseEdge = Result<i32, Reason>;
 
-/// Whole-pixel edges of the part.
-#[derive(Clone, Debug)]
+/// Whole-pixel edges of the part, and what the search for them keeps from frame to frame.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Coarse {
     /// First shadow row of each column.
     pub(crate) top: Vec<CoarseEdge>,
     /// Last shadow row of each column.
     pub(crate) bottom: Vec<CoarseEdge>,
+    thinned: Thinned,
+    components: Components,
+    spans: Vec<Span>,
 }
 
-/// The thinned image: one cell stands for `step` rows x `step` columns.
+/// The thinned image: one cell stands for `row_step` rows x `column_step` columns.
+#[derive(Clone, Debug, Default)]
 struct Thinned {
     columns: usize,
     row_step: usize,
@@ -40,49 +44,69 @@ struct Thinned {
     values: Vec<f32>,
 }
 
-/// Finds the part.
-///
-/// # Errors
-/// The reason for which the frame shows no part.
-pub(crate) fn find_part<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Result<Coarse, Reason> {
-    let thinned = thin(plane, settings.min_diameter_px);
-    let levels = separate(&thinned.values).ok_or(Reason::LowContrast)?;
-    let spans = part_spans(&thinned, levels.threshold).ok_or(Reason::NoEdge)?;
-    let mut coarse = Coarse { top: Vec::new(), bottom: Vec::new() };
-    for column in 0..plane.columns {
-        let (top, bottom) = refine(plane, &thinned, &spans, levels.shadow, column, settings.min_diameter_px);
-        coarse.top.push(top);
-        coarse.bottom.push(bottom);
+impl Coarse {
+    /// Finds the part.
+    ///
+    /// # Errors
+    /// The reason for which the frame shows no part.
+    pub(crate) fn find_part<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        settings: &GaugeSettings,
+    ) -> Result<(), Reason> {
+        self.thinned.fill(plane, settings.min_diameter_px);
+        let thinned = &self.thinned;
+        let levels = separate(&thinned.values).ok_or(Reason::LowContrast)?;
+        if !self.components.largest(&thinned.values, thinned.columns, levels.threshold, &mut self.spans) {
+            return Err(Reason::NoEdge);
+        }
+        self.top.clear();
+        self.bottom.clear();
+        for column in 0..plane.columns {
+            let (top, bottom) =
+                refine(plane, thinned, &self.spans, levels.shadow, column, settings.min_diameter_px);
+            self.top.push(top);
+            self.bottom.push(bottom);
+        }
+        self.explain().map_or(Ok(()), Err)
     }
-    explain(&coarse).map_or(Ok(coarse), Err)
-}
 
-/// Why no column has both edges, if so.
-fn explain(coarse: &Coarse) -> Option<Reason> {
-    let pairs = || coarse.top.iter().zip(&coarse.bottom);
-    if pairs().any(|(t, b)| t.is_ok() && b.is_ok()) {
-        None
-    } else if pairs().any(|(t, b)| t.is_ok() != b.is_ok()) {
-        Some(Reason::OneEdge)
-    } else {
-        Some(Reason::NoEdge)
-    }
-}
-
-fn thin<T: Sample>(plane: &Plane<'_, T>, min_diameter_px: f64) -> Thinned {
-    let finest = (min_diameter_px / 3.0).max(1.0) as usize;
-    let step = |n: usize| n.div_ceil(CELLS).clamp(1, finest);
-    let (row_step, column_step) = (step(plane.rows), step(plane.columns));
-    let (rows, columns) = (plane.rows.div_ceil(row_step), plane.columns.div_ceil(column_step));
-    let mut values = Vec::with_capacity(rows * columns);
-    for row in 0..rows {
-        for column in 0..columns {
-            let (r, c) = (row * row_step, column * column_step);
-            let next = (c + 1).min(plane.columns - 1);
-            values.push(0.5 * (plane.at(r, c) + plane.at(r, next)));
+    /// Why no column has both edges, if so.
+    fn explain(&self) -> Option<Reason> {
+        let pairs = || self.top.iter().zip(&self.bottom);
+        if pairs().any(|(t, b)| t.is_ok() && b.is_ok()) {
+            None
+        } else if pairs().any(|(t, b)| t.is_ok() != b.is_ok()) {
+            Some(Reason::OneEdge)
+        } else {
+            Some(Reason::NoEdge)
         }
     }
-    Thinned { columns, row_step, column_step, values }
+}
+
+impl Thinned {
+    fn fill<T: Sample>(&mut self, plane: &Plane<'_, T>, min_diameter_px: f64) {
+        let finest = (min_diameter_px / 3.0).max(1.0) as usize;
+        let step = |n: usize| n.div_ceil(CELLS).clamp(1, finest);
+        (self.row_step, self.column_step) = (step(plane.rows), step(plane.columns));
+        self.columns = plane.columns.div_ceil(self.column_step);
+        self.values.clear();
+        let (stride, last) = (plane.column_stride, plane.columns - 1);
+        for row in (0..plane.rows).step_by(self.row_step) {
+            let line = &plane.pixels[row * plane.row_stride..][..last * stride + 1];
+            if stride == 1 && self.column_step > 1 {
+                self.values.extend(line.chunks(self.column_step).map(|cell| {
+                    let (a, b) = (cell[0], cell.get(1).copied().unwrap_or(cell[0]));
+                    plane.sign * 0.5 * (a.counts() + b.counts())
+                }));
+                continue;
+            }
+            self.values.extend((0..plane.columns).step_by(self.column_step).map(|column| {
+                let (a, b) = (line[column * stride], line[(column + 1).min(last) * stride]);
+                plane.sign * 0.5 * (a.counts() + b.counts())
+            }));
+        }
+    }
 }
 
 /// Two levels of grey.
@@ -100,15 +124,28 @@ const SHADOW: f64 = 0.35;
 /// The two levels, if the values fall into two at all.
 fn separate(values: &[f32]) -> Option<TwoLevels> {
     const BINS: usize = 1024;
-    let (low, high) =
-        values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let (low, high) = range(values);
     if !(high > low) {
         return None;
     }
     let scale = (BINS as f32 - 1.0) / (high - low);
+    // Four histograms: neighbours mostly fall into the same bin, and one count need not wait for the other.
+    let mut parts = [[0_u32; BINS]; 4];
+    let (fours, rest) = values.as_chunks::<4>();
+    for four in fours {
+        let bins = (f32x4::from(*four) - f32x4::splat(low)) * f32x4::splat(scale);
+        for (part, bin) in parts.iter_mut().zip(bins.fast_trunc_int().to_array()) {
+            part[bin as usize % BINS] += 1;
+        }
+    }
+    for v in rest {
+        parts[0][((v - low) * scale) as usize % BINS] += 1;
+    }
     let mut histogram = [0.0_f64; BINS];
-    for v in values {
-        histogram[((v - low) * scale) as usize] += 1.0;
+    for part in &parts {
+        for (sum, n) in histogram.iter_mut().zip(part) {
+            *sum += f64::from(*n);
+        }
     }
     let total = values.len() as f64;
     let moment = |f: fn(f64) -> f64| histogram.iter().enumerate().map(|(i, n)| n * f(i as f64)).sum::<f64>();
@@ -117,7 +154,7 @@ fn separate(values: &[f32]) -> Option<TwoLevels> {
     for (i, n) in histogram.iter().enumerate().take(BINS - 1) {
         count += n;
         partial += n * i as f64;
-        if count == 0.0 || count == total {
+        if *n == 0.0 || count == total {
             continue;
         }
         let (below, above) = (partial / count, (sum - partial) / (total - count));
@@ -136,36 +173,24 @@ fn separate(values: &[f32]) -> Option<TwoLevels> {
     })
 }
 
-/// First and last cell row of the largest shadow (four-connected) in each cell column; of two as large the first.
-fn part_spans(thinned: &Thinned, threshold: f32) -> Option<Vec<Option<(usize, usize)>>> {
-    let rows = thinned.values.len() / thinned.columns;
-    let dark = thinned.values.iter().map(|v| u8::from(*v < threshold)).collect();
-    let dark = GrayImage::from_raw(thinned.columns as u32, rows as u32, dark)?;
-    let labels = connected_components(&dark, Connectivity::Four, Luma([0]));
-    let largest = largest_label(labels.as_raw())?;
-    let mut spans: Vec<Option<(usize, usize)>> = vec![None; thinned.columns];
-    for (cell, _) in labels.as_raw().iter().enumerate().filter(|(_, label)| **label == largest) {
-        let (row, column) = (cell / thinned.columns, cell % thinned.columns);
-        let (first, last) = spans[column].unwrap_or((row, row));
-        spans[column] = Some((first.min(row), last.max(row)));
+/// Least and greatest of the values.
+fn range(values: &[f32]) -> (f32, f32) {
+    let (mut low, mut high) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
+    let (eights, rest) = values.as_chunks::<8>();
+    for eight in eights {
+        for (k, v) in eight.iter().enumerate() {
+            low[k] = if *v < low[k] { *v } else { low[k] };
+            high[k] = if *v > high[k] { *v } else { high[k] };
+        }
     }
-    Some(spans)
-}
-
-/// The label that most cells carry, the smallest of equals; 0 is no shadow.
-fn largest_label(labels: &[u32]) -> Option<u32> {
-    let mut sizes = vec![0_usize; labels.iter().max().map_or(0, |l| *l as usize) + 1];
-    for label in labels {
-        sizes[*label as usize] += 1;
-    }
-    let most = sizes.iter().skip(1).max()?;
-    sizes.iter().skip(1).position(|size| size == most).map(|index| index as u32 + 1)
+    let least = low.iter().chain(rest).fold(f32::INFINITY, |l, v| l.min(*v));
+    (least, high.iter().chain(rest).fold(f32::NEG_INFINITY, |h, v| h.max(*v)))
 }
 
 fn refine<T: Sample>(
     plane: &Plane<'_, T>,
     thinned: &Thinned,
-    spans: &[Option<(usize, usize)>],
+    spans: &[Span],
     threshold: f32,
     column: usize,
     min_diameter_px: f64,

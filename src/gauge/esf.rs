@@ -13,7 +13,7 @@
 
 use std::sync::Arc;
 
-use super::model::{EdgeSample, edge_samples};
+use super::model::{EdgeSample, border as gaussian_border, edge_samples};
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.3 px.
 const KNOTS_PER_PX: f64 = 32.0;
@@ -102,6 +102,14 @@ impl StepTable {
         (a + s * (da + s * (c2 + s * c3)), (da + s * (2.0 * c2 + 3.0 * s * c3)) / step)
     }
 
+    /// G, F and ∂G/∂σ at a border of pixels `u` px from the edge.
+    fn border(&self, u: f64, sigma: f64) -> [f64; 3] {
+        let scale = sigma / self.sigma;
+        let t = u / scale;
+        let (integral, value) = self.at(t);
+        [scale * integral, value, (integral - t * value) / self.sigma]
+    }
+
     /// σ₀, px.
     pub(crate) fn sigma(&self) -> f64 {
         self.sigma
@@ -122,21 +130,32 @@ impl EdgeShape {
     /// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`.
     pub(crate) fn samples(&self, first: f64, x0: f64, sigma: f64, out: &mut [EdgeSample]) {
         let Self::Table(table) = self else { return edge_samples(first, x0, sigma, out) };
-        let scale = sigma / table.sigma;
-        let border = |u: f64| {
-            let t = u / scale;
-            let (integral, value) = table.at(t);
-            (scale * integral, value, (integral - t * value) / table.sigma)
-        };
-        let mut left = border(first - 0.5 - x0);
+        let mut left = table.border(first - 0.5 - x0, sigma);
         for (k, sample) in out.iter_mut().enumerate() {
-            let right = border(first + k as f64 + 0.5 - x0);
-            *sample = EdgeSample {
-                value: right.0 - left.0,
-                by_position: left.1 - right.1,
-                by_sigma: right.2 - left.2,
-            };
+            let right = table.border(first + k as f64 + 0.5 - x0, sigma);
+            *sample = EdgeSample::between(&left, &right);
             left = right;
+        }
+    }
+
+    /// G, F and ∂G/∂σ at `count` equidistant borders of pixels, `per_px` to the pixel, the middle one of them on the edge.
+    pub(crate) fn borders(&self, sigma: f64, per_px: u32, count: usize, out: &mut Vec<[f64; 3]>) {
+        out.clear();
+        let middle = count / 2;
+        let u = |k: usize| (k as f64 - middle as f64) / f64::from(per_px);
+        match self {
+            Self::Table(table) => out.extend((0..count).map(|k| table.border(u(k), sigma))),
+            // Symmetric: one half follows from the other.
+            Self::Gaussian => {
+                out.resize(count, [0.0; 3]);
+                for k in middle..count {
+                    let [integral, value, by_sigma] = gaussian_border(u(k), sigma);
+                    out[k] = [integral, value, by_sigma];
+                    if let Some(mirrored) = (2 * middle).checked_sub(k) {
+                        out[mirrored] = [integral - u(k), 1.0 - value, by_sigma];
+                    }
+                }
+            }
         }
     }
 

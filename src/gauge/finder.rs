@@ -7,14 +7,14 @@
 
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
-use super::coarse::{CoarseEdge, find_part};
+use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
-use super::noise::{NoiseModel, variance_of_differences};
+use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
-use super::settings::{Blur, EsfModel, GaugeSettings, Polarity, Rejection};
-use super::side::SideState;
+use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
+use super::side::{Scale, SideState};
 use super::window::Side;
 use crate::frame::FrameView;
 use crate::profile::Reason;
@@ -26,8 +26,6 @@ const LEAST_COLUMNS: usize = 8;
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;
-/// Fraction of flat light pixels at full scale above which the light counts as clipped.
-const CLIPPED_FRACTION: f64 = 1e-3;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
@@ -48,8 +46,8 @@ pub struct EdgeStream {
     /// The edge-spread function of the settings.
     shape: EdgeShape,
     sides: [SideState; 2],
-    centres: [Vec<CoarseEdge>; 2],
-    differences: [Vec<f32>; 2],
+    /// Where the edges are looked for.
+    coarse: Coarse,
     axis: AxisScratch,
     one_sided: f64,
     last: Option<Last>,
@@ -64,16 +62,12 @@ struct Last {
     frames: u32,
 }
 
-/// What is known of the sensor before a frame is looked at.
-#[derive(Clone, Copy)]
-struct Scale {
-    clip: Option<f32>,
-    floor: f64,
-}
-
 /// What the frame says about itself.
 struct Scene {
     noise: NoiseModel,
+    /// Mean levels of both sides, counts.
+    dark: f64,
+    light: f64,
     clip: [Option<f32>; 2],
     quantised: bool,
 }
@@ -92,8 +86,7 @@ impl EdgeStream {
             shape,
             settings,
             sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
-            centres: [Vec::new(), Vec::new()],
-            differences: [Vec::new(), Vec::new()],
+            coarse: Coarse::default(),
             axis: AxisScratch::default(),
             one_sided: 0.0,
             last: None,
@@ -162,8 +155,10 @@ impl EdgeStream {
         }
         let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
         let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
-        self.fit(&scene, out);
-        let valid = out.valid() as f64;
+        if !self.fit(&scene, out, true) {
+            return false;
+        }
+        let valid = self.valid(out) as f64;
         let misfit = self.misfit();
         if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
             return false;
@@ -181,7 +176,16 @@ impl EdgeStream {
 
     /// Remembers where the edges are.
     fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
-        for (centres, line) in self.centres.iter_mut().zip([&out.top, &out.bottom]) {
+        let valid = self.valid(out);
+        let unbroken = self.is_unbroken();
+        let Coarse { top, bottom, .. } = &mut self.coarse;
+        for ((centres, line), side) in
+            [(top, &out.top), (bottom, &out.bottom)].into_iter().zip(&mut self.sides)
+        {
+            if unbroken {
+                std::mem::swap(centres, &mut side.rows);
+                continue;
+            }
             let mut nearest = Err(Reason::NoEdge);
             for (centre, edge) in centres.iter_mut().zip(line) {
                 // A gap looks where its neighbour was; where the coarse search saw nothing, nothing is looked for.
@@ -193,7 +197,17 @@ impl EdgeStream {
                 }
             }
         }
-        self.last = Some(Last { size, valid: out.valid(), misfit: self.misfit(), frames });
+        self.last = Some(Last { size, valid, misfit: self.misfit(), frames });
+    }
+
+    /// Whether neither line has a gap.
+    fn is_unbroken(&self) -> bool {
+        self.one_sided == 0.0 && self.sides.iter().all(|side| side.jump.is_finite())
+    }
+
+    /// Columns with both edges.
+    fn valid(&self, out: &FrameEdges) -> usize {
+        if self.is_unbroken() { out.columns() } else { out.valid() }
     }
 
     fn misfit(&self) -> f64 {
@@ -207,8 +221,9 @@ impl EdgeStream {
         scale: Scale,
         out: &mut FrameEdges,
     ) -> Result<(), FrameRefused> {
-        let coarse = find_part(plane, &self.settings).map_err(|reason| refused(reason, explain(reason)))?;
-        self.centres = [coarse.top, coarse.bottom];
+        let found = self.coarse.find_part(plane, &self.settings);
+        found.map_err(|reason| refused(reason, explain(reason)))?;
+        self.axis.reserve(plane.columns);
         self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),
@@ -219,17 +234,19 @@ impl EdgeStream {
             None => self.rough_blur(plane)?,
         };
         let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+        self.pool(&scene)?;
         if given.is_none() {
             self.refine_blur(&scene, sigma);
             let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
             if self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                self.pool(&scene)?;
             }
         } else {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
-        self.fit(&scene, out);
+        self.fit(&scene, out, false);
         if self.settings.esf == (EsfModel::Learnt {}) {
             self.learn(&scene, out);
         }
@@ -245,14 +262,14 @@ impl EdgeStream {
             if learnt == (false, false) {
                 return;
             }
-            self.fit(scene, out);
+            self.fit(scene, out, false);
         }
     }
 
     fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
         let (mut sum, mut count) = (0.0, 0.0);
         for widest in [4.0, 2.0, 0.8] {
-            for (side, centres) in self.sides.iter_mut().zip(&self.centres) {
+            for (side, centres) in self.sides.iter_mut().zip([&self.coarse.top, &self.coarse.bottom]) {
                 if let Some(sigma) = side.rough_blur(plane, centres, widest) {
                     (sum, count) = (sum + sigma, count + 1.0);
                 }
@@ -264,7 +281,7 @@ impl EdgeStream {
         Err(refused(Reason::Border, "no edge keeps clear of the border of the field".to_owned()))
     }
 
-    /// Reads all windows, then noise and levels. `centring`: the edges are only roughly known, and this is the steepest slope.
+    /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
     fn look<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -272,27 +289,26 @@ impl EdgeStream {
         sigma: f64,
         centring: Option<f64>,
     ) -> Result<Scene, FrameRefused> {
+        let estimate = matches!(self.settings.noise, Noise::Estimated {});
+        let look = |side: &mut SideState, centres| {
+            side.look(plane, centres, sigma, centring);
+            side.survey(scale, estimate);
+        };
         let [top, bottom] = &mut self.sides;
-        let [upper, lower] = &self.centres;
-        both(|| top.look(plane, upper, sigma, centring), || bottom.look(plane, lower, sigma, centring));
+        let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
+        both(|| look(top, upper), || look(bottom, lower));
         self.scene(scale)
     }
 
-    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
-        let none =
-            || refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned());
-        let sums = [self.sides[0].level_sums(), self.sides[1].level_sums()];
-        let count = sums[0].count + sums[1].count;
+    fn scene(&self, scale: Scale) -> Result<Scene, FrameRefused> {
+        let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
+        let count = top.levels.count + bottom.levels.count;
         if count == 0.0 {
-            return Err(none());
+            return Err(no_levels());
         }
-        let dark = (sums[0].dark + sums[1].dark) / count;
-        let light = (sums[0].light + sums[1].light) / count;
-        let is_clipped =
-            |side: &SideState| scale.clip.filter(|clip| side.clipped_fraction(*clip) > CLIPPED_FRACTION);
-        let clip = [is_clipped(&self.sides[0]), is_clipped(&self.sides[1])];
-        let floor = scale.floor.max((1e-4 * (light - dark)).powi(2)).max(1e-20);
-        let noise = self.noise(dark, light, clip, floor).ok_or_else(none)?;
+        let dark = (top.levels.dark + bottom.levels.dark) / count;
+        let light = (top.levels.light + bottom.levels.light) / count;
+        let noise = self.noise(dark, light, scale.floor(light - dark)).ok_or_else(no_levels)?;
         let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
         if !(snr >= self.settings.min_snr) {
             return Err(refused(
@@ -303,36 +319,28 @@ impl EdgeStream {
                 ),
             ));
         }
-        let levels = self.settings.levels;
-        let [top, bottom] = &mut self.sides;
-        let (a, b) = both(
-            || top.pool_levels(&noise, dark, light, levels),
-            || bottom.pool_levels(&noise, dark, light, levels),
-        );
-        if a && b { Ok(Scene { noise, clip, quantised: scale.floor > 0.0 }) } else { Err(none()) }
+        Ok(Scene { noise, dark, light, clip: [top.clip, bottom.clip], quantised: scale.floor > 0.0 })
     }
 
-    fn noise(&mut self, dark: f64, light: f64, clip: [Option<f32>; 2], floor: f64) -> Option<NoiseModel> {
+    fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
-        let least = floor.sqrt() as f32;
-        let sides = &self.sides;
-        let variance = |in_light: bool, differences: &mut Vec<f32>| {
-            differences.clear();
-            for (side, clip) in sides.iter().zip(clip) {
-                if !(in_light && clip.is_some()) {
-                    side.collect_differences(in_light, differences);
-                }
-            }
-            variance_of_differences(differences, least)
-        };
-        let [first, second] = &mut self.differences;
-        let (in_dark, in_light) = both(|| variance(false, first), || variance(true, second));
-        let in_dark = in_dark?;
-        let in_light = in_light.unwrap_or(in_dark);
+        let [top, bottom] = [&self.sides[0].survey.spread, &self.sides[1].survey.spread];
+        let in_dark = top[0].with(bottom[0]).variance()?;
+        let in_light = top[1].with(bottom[1]).variance().unwrap_or(in_dark);
         Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
+    }
+
+    /// Pools the levels of both sides.
+    fn pool(&mut self, scene: &Scene) -> Result<(), FrameRefused> {
+        let pool =
+            |side: &mut SideState, levels| side.pool_levels(&scene.noise, scene.dark, scene.light, levels);
+        let levels = self.settings.levels;
+        let [top, bottom] = &mut self.sides;
+        let (a, b) = both(|| pool(top, levels), || pool(bottom, levels));
+        if a && b { Ok(()) } else { Err(no_levels()) }
     }
 
     fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
@@ -344,14 +352,22 @@ impl EdgeStream {
         both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
     }
 
-    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges) {
+    /// Fits both sides, their levels pooled before where `pool`; false without levels.
+    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges, pool: bool) -> bool {
         let settings = &self.settings;
+        let fit = |side: &mut SideState, clip, line: &mut Vec<Edge>| {
+            let there = !pool || side.pool_levels(&scene.noise, scene.dark, scene.light, settings.levels);
+            if there {
+                side.fit(settings, &scene.noise, clip, line);
+            }
+            there
+        };
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&mut out.top, &mut out.bottom);
-        both(
-            || top.fit(settings, &scene.noise, scene.clip[0], upper),
-            || bottom.fit(settings, &scene.noise, scene.clip[1], lower),
-        );
+        let (a, b) = both(|| fit(top, scene.clip[0], upper), || fit(bottom, scene.clip[1], lower));
+        if !(a && b) {
+            return false;
+        }
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
         }
@@ -359,11 +375,12 @@ impl EdgeStream {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
+        true
     }
 
     /// Whether the frame as a whole is believable.
     fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
-        let valid = out.valid();
+        let valid = self.valid(out);
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
             return Err(refused(
@@ -375,7 +392,8 @@ impl EdgeStream {
             ));
         }
         let jump_px = self.settings.outlier_px + self.settings.max_slope;
-        if gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
+        let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
+        if !contours && gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
             let detail = "the edges of neighbouring columns do not join to contours".to_owned();
             return Err(refused(Reason::Outlier, detail));
         }
@@ -417,6 +435,10 @@ fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + 
     } else {
         (a(), b())
     }
+}
+
+fn no_levels() -> FrameRefused {
+    refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
 }
 
 fn refused(reason: Reason, detail: String) -> FrameRefused {

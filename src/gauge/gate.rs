@@ -75,6 +75,19 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
     }
 }
 
+/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a droplet fits so badly that the
+/// misfit stated comes to pixels, where a part's faintest edge has a tenth of one.
+const VAGUE_PX: f64 = 0.5;
+
+/// Refuses edges that are known no better than to half a pixel.
+pub(crate) fn refuse_vague(line: &mut [Edge]) {
+    for edge in line.iter_mut() {
+        if edge.is_usable() && !(edge.u_px() <= VAGUE_PX) {
+            edge.state = EdgeState::Gap(Reason::Residual);
+        }
+    }
+}
+
 /// Medians of the usable edges in groups of neighbours, as (column, row).
 fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
     out.clear();
@@ -101,9 +114,20 @@ pub(crate) struct OutlierScratch {
     medians: Vec<(f64, f64)>,
 }
 
+impl OutlierScratch {
+    /// Makes room for lines of so many columns.
+    pub(crate) fn reserve(&mut self, columns: usize) {
+        self.pool.reserve(NEIGHBOURS.saturating_sub(self.pool.len()));
+        self.medians.reserve((columns / NEIGHBOURS + 1).saturating_sub(self.medians.len()));
+    }
+}
+
 /// Refuses edges further than `limit_px` (and six standard uncertainties) from the line through the medians of their neighbourhood.
 /// Where the medians themselves bend, the bend is allowed on top.
 pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut OutlierScratch) {
+    if is_quiet(line, limit_px) {
+        return;
+    }
     medians(line, &mut scratch.pool, &mut scratch.medians);
     let knots = &scratch.medians;
     if knots.len() < 2 {
@@ -128,12 +152,53 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
     }
 }
 
+/// Whether no edge of a line can be an outlier: every three neighbouring groups are complete and, about the line through the ends, span
+/// so little that nothing between their medians (nor half a group beyond them, at the ends) lies `limit_px` away.
+fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
+    let (Some(first), Some(last)) = (line.first(), line.last()) else { return true };
+    if !line.len().is_multiple_of(NEIGHBOURS) {
+        return false;
+    }
+    let slope = (last.row_px - first.row_px) / line.len() as f64;
+    let mut before = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+    for (index, group) in line.chunks(NEIGHBOURS).enumerate() {
+        let (mut low, mut high, mut usable) = (f64::INFINITY, f64::NEG_INFINITY, true);
+        for (offset, edge) in group.iter().enumerate() {
+            let row = edge.row_px - slope * (index * NEIGHBOURS + offset) as f64;
+            low = if row < low { row } else { low };
+            high = if row > high { row } else { high };
+            usable &= edge.is_usable() & row.is_finite();
+        }
+        let lowest = before.iter().fold(low, |l, b| l.min(b.0));
+        let highest = before.iter().fold(high, |h, b| h.max(b.1));
+        // An extrapolation reaches half as far again.
+        if !(usable && 1.5 * (highest - lowest) <= limit_px) {
+            return false;
+        }
+        before = [before[1], (low, high)];
+    }
+    true
+}
+
 /// Half the largest second difference of the medians around an interval, px: what a line misses of an arc, at the ends too.
 fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     let second = |k: usize| (knots[k + 1].1 - 2.0 * knots[k].1 + knots[k - 1].1).abs();
     let before = if left >= 1 { second(left) } else { 0.0 };
     let after = if left + 2 < knots.len() { second(left + 1) } else { 0.0 };
     0.5 * before.max(after)
+}
+
+/// The largest step from one column to the next of a line without gaps, px; infinite where there is one.
+pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
+    let (mut most, mut whole) = (0.0_f64, true);
+    let mut last = line.first().map_or(f64::NAN, |edge| edge.row_px);
+    for edge in line {
+        let jump = (edge.row_px - last).abs();
+        most = if jump > most { jump } else { most };
+        whole &= edge.is_usable() & jump.is_finite();
+        last = edge.row_px;
+    }
+    if whole { most } else { f64::INFINITY }
 }
 
 /// Shortest run of columns that counts as a contour, and the gap that does not end one.

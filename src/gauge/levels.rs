@@ -47,6 +47,8 @@ impl LevelPool {
             return false;
         }
         let variance = f64::from(sd).powi(2).max(1e-12);
+        self.trial.reserve(max_knots);
+        self.best.reserve(max_knots);
         let mut least = f64::INFINITY;
         let (mut knots, mut worse) = (2, 0);
         // Twice as many knots that serve worse twice in a row end the search.
@@ -141,6 +143,7 @@ struct Fit {
     covariance: Vec<f64>,
     diagonal: Vec<f64>,
     off: Vec<f64>,
+    right: Vec<f64>,
 }
 
 fn reset(values: &mut Vec<f64>, length: usize) {
@@ -149,27 +152,39 @@ fn reset(values: &mut Vec<f64>, length: usize) {
 }
 
 impl Fit {
+    /// Makes room for so many knots.
+    fn reserve(&mut self, knots: usize) {
+        let Self { knots: values, variance, covariance, diagonal, off, right } = self;
+        for values in [values, variance, covariance, diagonal, off, right] {
+            values.reserve(knots.saturating_sub(values.len()));
+        }
+    }
+
     /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
     fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
         let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;
-        let hat = |at: f64| {
-            let place = at * per_spacing;
-            let left = (place as usize).min(knots - 2);
-            (left, place - left as f64)
-        };
         reset(&mut self.diagonal, knots);
         reset(&mut self.knots, knots);
         reset(&mut self.off, knots - 1);
-        let mut total = 0.0;
+        let (mut total, mut squares) = (0.0, 0.0);
+        // Means relative to the first: χ² is a small difference of large sums.
+        let origin = bins.mean[0];
+        let (mut left, mut end) = (0, 1.0 / per_spacing);
         for ((at, mean), count) in bins.at.iter().zip(&bins.mean).zip(&bins.count) {
-            let (left, t) = hat(*at);
-            let weight = count / variance;
-            total += weight;
-            self.diagonal[left] += weight * (1.0 - t) * (1.0 - t);
-            self.diagonal[left + 1] += weight * t * t;
-            self.off[left] += weight * t * (1.0 - t);
-            self.knots[left] += weight * (1.0 - t) * mean;
-            self.knots[left + 1] += weight * t * mean;
+            // Bins ascend: the interval is never behind.
+            while *at >= end && left + 2 < knots {
+                left += 1;
+                end = (left + 1) as f64 / per_spacing;
+            }
+            let t = at * per_spacing - left as f64;
+            let (s, mean) = (1.0 - t, mean - origin);
+            total += count;
+            squares += count * mean * mean;
+            self.diagonal[left] += count * s * s;
+            self.diagonal[left + 1] += count * t * t;
+            self.off[left] += count * t * s;
+            self.knots[left] += count * s * mean;
+            self.knots[left + 1] += count * t * mean;
         }
         // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
         let lean = 1e-6 * total / bins.at.len() as f64;
@@ -178,15 +193,20 @@ impl Fit {
             self.diagonal[k + 1] += lean;
             self.off[k] -= lean;
         }
+        // Only the weights' ratio matters to the knots; their covariance takes the variance.
+        self.right.clear();
+        self.right.extend_from_slice(&self.knots);
         if !self.solve() {
             return f64::INFINITY;
         }
-        let residual = |(at, mean): (&f64, &f64)| {
-            let (left, t) = hat(*at);
-            mean - self.knots[left] * (1.0 - t) - self.knots[left + 1] * t
-        };
-        let squares = bins.at.iter().zip(&bins.mean).map(residual).zip(&bins.count);
-        squares.map(|(r, count)| count * r * r).sum::<f64>() / variance
+        for value in self.variance.iter_mut().chain(&mut self.covariance) {
+            *value *= variance;
+        }
+        // Σ r² = Σ m² − kᵀb − kᵀLk, where L is what leans.
+        let explained: f64 = self.knots.iter().zip(&self.right).map(|(k, b)| k * b).sum();
+        let leaning: f64 = self.knots.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+        self.knots.iter_mut().for_each(|knot| *knot += origin);
+        (squares - explained - lean * leaning).max(0.0) / variance
     }
 
     /// Solves the symmetric tridiagonal system (right-hand side in `knots`) and gives the two central bands of its inverse

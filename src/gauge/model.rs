@@ -35,18 +35,27 @@ pub(crate) struct EdgeSample {
     pub(crate) by_sigma: f64,
 }
 
+impl EdgeSample {
+    /// The pixel between two borders, each with G, Φ and ∂G/∂σ.
+    #[inline(always)]
+    pub(crate) fn between(left: &[f64; 3], right: &[f64; 3]) -> Self {
+        Self { value: right[0] - left[0], by_position: left[1] - right[1], by_sigma: right[2] - left[2] }
+    }
+}
+
+/// G, Φ and φ = ∂G/∂σ at a border of pixels `u` px from the edge.
+pub(crate) fn border(u: f64, sigma: f64) -> [f64; 3] {
+    let t = u / sigma;
+    let (cdf, pdf) = (phi_cdf(t), phi_pdf(t));
+    [u * cdf + sigma * pdf, cdf, pdf]
+}
+
 /// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`, sharing the work at the pixels' borders.
 pub(crate) fn edge_samples(first: f64, x0: f64, sigma: f64, out: &mut [EdgeSample]) {
-    let border = |u: f64| {
-        let t = u / sigma;
-        let (cdf, pdf) = (phi_cdf(t), phi_pdf(t));
-        (u * cdf + sigma * pdf, cdf, pdf)
-    };
-    let mut left = border(first - 0.5 - x0);
+    let mut left = border(first - 0.5 - x0, sigma);
     for (k, sample) in out.iter_mut().enumerate() {
-        let right = border(first + k as f64 + 0.5 - x0);
-        *sample =
-            EdgeSample { value: right.0 - left.0, by_position: left.1 - right.1, by_sigma: right.2 - left.2 };
+        let right = border(first + k as f64 + 0.5 - x0, sigma);
+        *sample = EdgeSample::between(&left, &right);
         left = right;
     }
 }

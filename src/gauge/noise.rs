@@ -42,18 +42,64 @@ impl NoiseModel {
     }
 }
 
-/// Robust variance of one pixel from differences of two; `least` is the smallest scale taken seriously, counts.
-pub(crate) fn variance_of_differences(differences: &mut [f32], least: f32) -> Option<f64> {
-    if differences.len() < 16 {
-        return None;
+/// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this, counts.
+pub(crate) const LEAST_OF_COUNTS: f64 = 1.4826 * 0.5;
+
+/// Differences that the cut is told from.
+const MEDIAN_OF: usize = 512;
+
+/// Squares of the differences of two pixels, without the far ones.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spread {
+    squares: f64,
+    count: f64,
+    seen: usize,
+}
+
+impl Spread {
+    /// Of some differences; `least` is the smallest scale taken seriously, counts.
+    pub(crate) fn of(differences: &[f32], least: f32) -> Self {
+        // The median only sets the cut, far out: a sample of the differences tells it well enough.
+        let mut sample = [0.0_f32; MEDIAN_OF];
+        let step = differences.len().div_ceil(MEDIAN_OF).max(1);
+        let mut taken = 0;
+        for (place, difference) in sample.iter_mut().zip(differences.iter().step_by(step)) {
+            *place = difference.abs();
+            taken += 1;
+        }
+        if taken == 0 {
+            return Self::default();
+        }
+        let (_, median, _) = sample[..taken].select_nth_unstable_by(taken / 2, f32::total_cmp);
+        let cut = 6.0 * (1.4826 * *median).max(least);
+        let (mut squares, mut count) = ([0.0_f64; 4], [0.0_f64; 4]);
+        let (fours, rest) = differences.as_chunks::<4>();
+        for four in fours {
+            for lane in 0..4 {
+                let inside = if four[lane].abs() < cut { 1.0 } else { 0.0 };
+                let difference = f64::from(four[lane]);
+                squares[lane] += inside * difference * difference;
+                count[lane] += inside;
+            }
+        }
+        for difference in rest.iter().filter(|d| d.abs() < cut) {
+            squares[0] += f64::from(*difference).powi(2);
+            count[0] += 1.0;
+        }
+        Self { squares: squares.iter().sum(), count: count.iter().sum(), seen: differences.len() }
     }
-    let middle = differences.len() / 2;
-    let (_, median, _) = differences.select_nth_unstable_by(middle, |a, b| a.abs().total_cmp(&b.abs()));
-    let scale = (1.4826 * median.abs()).max(least);
-    let (mut sum, mut count) = (0.0, 0.0_f64);
-    for difference in differences.iter().filter(|d| d.abs() < 6.0 * scale) {
-        sum += f64::from(*difference).powi(2);
-        count += 1.0;
+
+    /// Both together.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            squares: self.squares + other.squares,
+            count: self.count + other.count,
+            seen: self.seen + other.seen,
+        }
     }
-    (count > 0.0).then_some(0.5 * sum / count)
+
+    /// Variance of one pixel; `None` from fewer than 16 differences.
+    pub(crate) fn variance(self) -> Option<f64> {
+        (self.seen >= 16 && self.count > 0.0).then_some(0.5 * self.squares / self.count)
+    }
 }

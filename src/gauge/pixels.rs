@@ -9,18 +9,21 @@ pub(crate) trait Sample: Copy + Send + Sync {
 }
 
 impl Sample for u8 {
+    #[inline(always)]
     fn counts(self) -> f32 {
         f32::from(self)
     }
 }
 
 impl Sample for u16 {
+    #[inline(always)]
     fn counts(self) -> f32 {
         f32::from(self)
     }
 }
 
 impl Sample for f32 {
+    #[inline(always)]
     fn counts(self) -> f32 {
         self
     }
@@ -56,10 +59,13 @@ impl<'a, T: Sample> Plane<'a, T> {
     }
 
     /// Reads neighbouring pixels of a row; columns must be contiguous.
-    pub(crate) fn read_row(&self, row: usize, from: usize, out: &mut [f32]) {
+    #[inline(always)]
+    pub(crate) fn read_tile_row<const N: usize>(&self, row: usize, from: usize, out: &mut [f32; N]) {
         let start = row * self.row_stride + from;
-        for (value, pixel) in out.iter_mut().zip(&self.pixels[start..]) {
-            *value = self.sign * pixel.counts();
+        if let Some(pixels) = self.pixels[start..].first_chunk::<N>() {
+            for (value, pixel) in out.iter_mut().zip(pixels) {
+                *value = self.sign * pixel.counts();
+            }
         }
     }
 

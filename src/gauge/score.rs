@@ -2,7 +2,7 @@
 
 use wide::f32x4;
 
-use super::table::{PHASE_REACH, Phase, Table, half};
+use super::table::{CorePhase, PHASE_REACH, Phase, Table, half};
 
 /// Steps after which an edge that still moves is given up.
 const MOST_STEPS: usize = 10;
@@ -55,11 +55,30 @@ impl Lanes {
         Self(f(self.0, other.0), f(self.1, other.1))
     }
 
+    /// Sums of the lanes i and i + 4.
+    #[inline(always)]
+    fn halves(self) -> f32x4 {
+        self.0 + self.1
+    }
+
     #[inline(always)]
     fn total(self) -> f32 {
-        let four = (self.0 + self.1).to_array();
-        (four[0] + four[2]) + (four[1] + four[3])
+        total(self.halves())
     }
+}
+
+/// Sum of four parts.
+#[inline(always)]
+fn total(parts: f32x4) -> f32 {
+    let four = parts.to_array();
+    (four[0] + four[2]) + (four[1] + four[3])
+}
+
+/// [`total`] of four at once.
+#[inline(always)]
+fn totals(parts: [f32x4; 4]) -> f32x4 {
+    let [a, b, c, d] = f32x4::transpose(parts);
+    (a + c) + (b + d)
 }
 
 /// Sum of products.
@@ -113,6 +132,45 @@ fn shift_window(normalised: &mut [f32], shift: i32) {
     }
 }
 
+/// Grey values of a core to shadow 0, light 1; and the edge by the area of the light, in four parts.
+#[inline(always)]
+fn normalise_core<const C: usize>(window: &[[f32; 8]; C], dark: f32, scale: f32) -> ([Lanes; C], f32x4) {
+    let (dark, scale) = (f32x4::splat(dark), f32x4::splat(scale));
+    let (mut core, mut area) = ([Lanes::ZERO; C], Lanes::ZERO);
+    for (n, m) in core.iter_mut().zip(window) {
+        let m = Lanes::load(m);
+        *n = Lanes((m.0 - dark) * scale, (m.1 - dark) * scale);
+        area = area.with(*n, |s, n| s + n);
+    }
+    (core, area.halves())
+}
+
+/// Σ n·w over a core, in four parts.
+#[inline(always)]
+fn core_dot<const C: usize>(core: &[Lanes; C], weights: &[[f32; 8]; C]) -> f32x4 {
+    let mut sums = Lanes::ZERO;
+    for (n, w) in core.iter().zip(weights) {
+        sums = sums.with(n.with(Lanes::load(w), |n, w| n * w), |s, p| s + p);
+    }
+    sums.halves()
+}
+
+/// Σ (n − E)²·v_mid/v over a core, in four parts.
+#[inline(always)]
+fn core_square<const C: usize>(core: &[Lanes; C], phase: &CorePhase<C>) -> f32x4 {
+    let mut sums = Lanes::ZERO;
+    for ((n, e), v) in core.iter().zip(&phase.values).zip(&phase.inverse_variances) {
+        let r = n.with(Lanes::load(e), |n, e| n - e);
+        sums = sums.with(r.with(Lanes::load(v), |r, v| r * r * v), |s, p| s + p);
+    }
+    sums.halves()
+}
+
+/// Where the area of a core without light puts the edge, px.
+const fn empty_core<const C: usize>() -> f32 {
+    (4 * C + 1) as f32 - 0.5
+}
+
 /// Scores the core of a window, `C` eights of it, until the edge stays at its phase; `None` where it leaves the middle or
 /// does not settle at once: then [`locate`] has the whole window.
 #[inline(always)]
@@ -121,41 +179,93 @@ pub(crate) fn locate_core<const C: usize>(
     dark: f32,
     contrast: f32,
     table: &Table,
+    phases: &[CorePhase<C>],
 ) -> Option<Place> {
     let window = window.as_chunks::<8>().0.first_chunk::<C>()?;
-    let (scale, dark) = (f32x4::splat(1.0 / contrast), f32x4::splat(dark));
-    let mut normalised = [Lanes::ZERO; C];
-    let mut area = Lanes::ZERO;
-    for (n, m) in normalised.iter_mut().zip(window) {
-        let m = Lanes::load(m);
-        *n = Lanes((m.0 - dark) * scale, (m.1 - dark) * scale);
-        area = area.with(*n, |s, n| s + n);
-    }
-    let mut x = (4 * C + 1) as f32 - 0.5 - area.total() - table.centroid;
+    let (core, area) = normalise_core(window, dark, 1.0 / contrast);
+    let mut x = empty_core::<C>() - total(area) - table.centroid;
     for count in 0..4 {
         if !(x.abs() <= PHASE_REACH) {
             return None;
         }
         let index = table.index(x);
-        let scalars = table.scalars(index);
-        let mut sums = Lanes::ZERO;
-        for (n, w) in normalised.iter().zip(table.core_row::<C>(0, index)) {
-            sums = sums.with(n.with(Lanes::load(w), |n, w| n * w), |s, p| s + p);
-        }
-        let step = sums.total() - scalars.offset;
-        x = scalars.phase + step;
+        let phase = phases.get(index)?;
+        let step = total(core_dot(&core, &phase.weights)) - phase.scalars.offset;
+        x = phase.scalars.phase + step;
         if count > 0 && step.abs() * table.per_px <= SETTLED {
-            let mut squares = Lanes::ZERO;
-            let (values, inverses) = (table.core_row::<C>(1, index), table.core_row::<C>(2, index));
-            for ((n, e), v) in normalised.iter().zip(values).zip(inverses) {
-                let r = n.with(Lanes::load(e), |n, e| n - e);
-                squares = squares.with(r.with(Lanes::load(v), |r, v| r * r * v), |s, p| s + p);
-            }
-            let residual = (squares.total() - step * step * scalars.information).max(0.0);
+            let square = total(core_square(&core, phase));
+            let residual = (square - step * step * phase.scalars.information).max(0.0);
             return Some(Place { x, residual, index });
         }
     }
     None
+}
+
+/// Four located edges.
+pub(crate) struct Four<'a, const C: usize> {
+    /// Places, px from the central pixels.
+    pub(crate) x: f32x4,
+    /// Residuals Σ r²·v_mid/v, in units of contrast².
+    pub(crate) residual: f32x4,
+    /// The phases of the last step.
+    pub(crate) phases: [&'a CorePhase<C>; 4],
+}
+
+/// [`locate_core`] of four neighbouring windows (each `width` long, its core from `skip` on) with the same operations a lane; `None`
+/// unless all of them settle.
+#[inline(always)]
+pub(crate) fn locate_four<'a, const C: usize>(
+    windows: &[f32],
+    (skip, width): (usize, usize),
+    dark: f32x4,
+    contrast: f32x4,
+    table: &Table,
+    phases: &'a [CorePhase<C>],
+) -> Option<Four<'a, C>> {
+    let (dark, scale) = (dark.to_array(), (f32x4::ONE / contrast).to_array());
+    let mut cores = [[Lanes::ZERO; C]; 4];
+    let mut parts = [f32x4::ZERO; 4];
+    for k in 0..4 {
+        let window = windows.get(k * width + skip..)?.as_chunks::<8>().0.first_chunk::<C>()?;
+        (cores[k], parts[k]) = normalise_core(window, dark[k], scale[k]);
+    }
+    let mut x = f32x4::splat(empty_core::<C>()) - totals(parts) - f32x4::splat(table.centroid);
+    let (mut step, mut phase, mut settled) = (f32x4::ZERO, f32x4::ZERO, f32x4::ZERO);
+    let mut chosen = [phases.first()?; 4];
+    for count in 0..4 {
+        if !x.abs().simd_le(f32x4::splat(PHASE_REACH)).all() {
+            return None;
+        }
+        // A settled lane stays at its phase, and so at its place.
+        let at = settled.select(phase, x);
+        let place = (at + f32x4::splat(PHASE_REACH)) * f32x4::splat(table.per_px) + f32x4::splat(0.5);
+        for (k, index) in place.fast_trunc_int().to_array().into_iter().enumerate() {
+            chosen[k] = phases.get(index as usize)?;
+            parts[k] = core_dot(&cores[k], &chosen[k].weights);
+        }
+        let [a, b, c, d] = chosen;
+        let (a, b, c, d) = (&a.scalars, &b.scalars, &c.scalars, &d.scalars);
+        step = totals(parts) - f32x4::from([a.offset, b.offset, c.offset, d.offset]);
+        phase = f32x4::from([a.phase, b.phase, c.phase, d.phase]);
+        x = phase + step;
+        if count > 0 {
+            settled = (step.abs() * f32x4::splat(table.per_px)).simd_le(f32x4::splat(SETTLED));
+            if settled.all() {
+                break;
+            }
+        }
+    }
+    if !settled.all() {
+        return None;
+    }
+    for k in 0..4 {
+        parts[k] = core_square(&cores[k], chosen[k]);
+    }
+    let [a, b, c, d] = chosen;
+    let (a, b, c, d) = (&a.scalars, &b.scalars, &c.scalars, &d.scalars);
+    let information = f32x4::from([a.information, b.information, c.information, d.information]);
+    let residual = (totals(parts) - step * step * information).fast_max(f32x4::ZERO);
+    Some(Four { x, residual, phases: chosen })
 }
 
 /// Scores until the edge stays at its phase; `None` where it leaves the window's middle or never settles.

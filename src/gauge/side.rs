@@ -1,21 +1,23 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
-use super::blur::{self, BLOCKS, BlurContext, BlurEstimate};
+use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
-use super::edges::{Edge, EdgeState};
+use super::columns::{ColumnJob, score_columns};
+use super::edges::Edge;
 use super::esf::EdgeShape;
 use super::gate::{self, OutlierScratch};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
-use super::noise::NoiseModel;
+use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
-use super::score::{Place, locate, locate_core, normalise};
 use super::settings::{GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
 use crate::profile::Reason;
 
+/// Fraction of flat light pixels at full scale above which the light counts as clipped.
+const CLIPPED_FRACTION: f64 = 1e-3;
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
 /// Tables kept; steep edges need many.
@@ -32,6 +34,11 @@ pub(crate) struct SideState {
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
+    pub(crate) survey: Survey,
+    /// Largest step between neighbouring edges, px; infinite with gaps.
+    pub(crate) jump: f64,
+    /// Rows of the edges, where there are no gaps.
+    pub(crate) rows: Vec<CoarseEdge>,
     /// The edge-spread function fitted.
     shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -39,8 +46,42 @@ pub(crate) struct SideState {
     tables: Vec<Table>,
     normalised: Vec<f32>,
     floats: Vec<f32>,
+    differences: Vec<f32>,
     outliers: OutlierScratch,
     pool: LevelPool,
+    blur_scratch: BlurScratch,
+}
+
+/// What is known of the sensor before a frame is looked at.
+#[derive(Clone, Copy)]
+pub(crate) struct Scale {
+    /// Full scale, where the light is the brighter end.
+    pub(crate) clip: Option<f32>,
+    /// Variance of quantisation, counts²; 0 for frames that are not quantised.
+    pub(crate) floor: f64,
+}
+
+impl Scale {
+    /// Smallest variance of a pixel that is taken seriously, counts².
+    pub(crate) fn floor(self, contrast: f64) -> f64 {
+        self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
+    }
+
+    /// Smallest scale of differences that is taken seriously, counts.
+    fn least(self, contrast: f64) -> f32 {
+        let least = self.floor(contrast).sqrt();
+        (if self.floor > 0.0 { least.max(LEAST_OF_COUNTS) } else { least }) as f32
+    }
+}
+
+/// What a side says of itself before the other one is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Survey {
+    pub(crate) levels: LevelSums,
+    /// Full scale, where the side's light stands at it.
+    pub(crate) clip: Option<f32>,
+    /// Noise in the shadow and in the light.
+    pub(crate) spread: [Spread; 2],
 }
 
 /// Level sums of a side before pooling.
@@ -60,13 +101,18 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
+            survey: Survey::default(),
+            jump: f64::INFINITY,
+            rows: Vec::new(),
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
             normalised: Vec::new(),
             floats: Vec::new(),
+            differences: Vec::new(),
             outliers: OutlierScratch::default(),
             pool: LevelPool::default(),
+            blur_scratch: BlurScratch::new(),
         }
     }
 
@@ -110,14 +156,14 @@ impl SideState {
     ) -> Option<f64> {
         let windows = &mut self.windows;
         windows.centre.clear();
-        windows.centre.resize(centres.len(), Err(Reason::NoEdge));
-        for column in (0..BLOCKS).flat_map(|b| blur::sample(b, centres.len())) {
-            windows.centre[column] = centres[column];
-        }
+        windows.centre.extend(blur::samples(centres.len()).map(|column| centres[column]));
+        windows.centred = false;
         let gaussian = EdgeShape::Gaussian;
-        windows.prepare(&gaussian, widest, window_width(&gaussian, widest), plane.columns);
-        windows.read(plane);
-        blur::rough(windows, plane.columns, &mut self.floats)
+        windows.prepare(&gaussian, widest, window_width(&gaussian, widest), windows.centre.len());
+        for (place, column) in blur::samples(centres.len()).enumerate() {
+            windows.read_one(plane, column, place);
+        }
+        blur::rough(windows, &mut self.floats)
     }
 
     /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
@@ -133,6 +179,7 @@ impl SideState {
         self.windows.centred = centring.is_none();
         self.laid_out = sigma;
         self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
+        self.outliers.reserve(plane.columns);
         self.windows.read(plane);
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
@@ -143,35 +190,68 @@ impl SideState {
         }
     }
 
-    pub(crate) fn level_sums(&self) -> LevelSums {
-        let mut sums = LevelSums::default();
-        for (dark, light) in self.windows.dark.iter().zip(&self.windows.light) {
-            if dark.is_finite() {
-                sums.dark += f64::from(*dark);
-                sums.light += f64::from(*light);
-                sums.count += 1.0;
+    /// What the windows say of levels and noise before the other side is known.
+    pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
+        let levels = self.level_sums();
+        let clip = scale.clip.filter(|clip| self.clipped_fraction(*clip) > CLIPPED_FRACTION);
+        let mut spread = [Spread::default(); 2];
+        if estimate_noise && levels.count > 0.0 {
+            let least = scale.least((levels.light - levels.dark) / levels.count);
+            for (in_light, spread) in [false, true].into_iter().zip(&mut spread) {
+                if !(in_light && clip.is_some()) {
+                    self.collect_differences(in_light);
+                    *spread = Spread::of(&self.differences, least);
+                }
             }
         }
-        sums
+        self.survey = Survey { levels, clip, spread };
+    }
+
+    fn level_sums(&self) -> LevelSums {
+        let (mut dark_sums, mut light_sums, mut counts) = ([0.0_f64; 4], [0.0_f64; 4], [0.0_f64; 4]);
+        let (darks, rest) = self.windows.dark.as_chunks::<4>();
+        let (lights, other) = self.windows.light.as_chunks::<4>();
+        for (dark, light) in darks.iter().zip(lights) {
+            for k in 0..4 {
+                let there = dark[k].is_finite();
+                dark_sums[k] += if there { f64::from(dark[k]) } else { 0.0 };
+                light_sums[k] += if there { f64::from(light[k]) } else { 0.0 };
+                counts[k] += if there { 1.0 } else { 0.0 };
+            }
+        }
+        for (dark, light) in rest.iter().zip(other).filter(|(dark, _)| dark.is_finite()) {
+            (dark_sums[0], light_sums[0]) =
+                (dark_sums[0] + f64::from(*dark), light_sums[0] + f64::from(*light));
+            counts[0] += 1.0;
+        }
+        LevelSums { dark: dark_sums.iter().sum(), light: light_sums.iter().sum(), count: counts.iter().sum() }
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
-    pub(crate) fn collect_differences(&self, in_light: bool, out: &mut Vec<f32>) {
-        let windows = &self.windows;
-        let columns = windows.centre.len();
-        let used = windows.width - 1;
-        let flat = if in_light { used - windows.flat..used } else { 0..windows.flat };
-        let step = (columns * windows.flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+    fn collect_differences(&mut self, in_light: bool) {
+        let (windows, out) = (&self.windows, &mut self.differences);
+        let (columns, flat, width) = (windows.centre.len(), windows.flat, windows.width);
+        let first = if in_light { width - 1 - flat } else { 0 };
+        let step = (columns * flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+        out.resize(columns.div_ceil(step) * flat, 0.0);
+        let mut places = out.chunks_exact_mut(flat);
+        let mut taken = 0;
         for column in (0..columns.saturating_sub(1)).step_by(step) {
-            if windows.centre[column].is_ok() && windows.centre[column + 1].is_ok() {
-                let (a, b) = (&windows.of(column)[flat.clone()], &windows.of(column + 1)[flat.clone()]);
-                out.extend(a.iter().zip(b).map(|(a, b)| a - b));
+            if windows.centre[column].is_err() || windows.centre[column + 1].is_err() {
+                continue;
             }
+            let (a, b) = windows.pixels[column * width..(column + 2) * width].split_at(width);
+            let Some(place) = places.next() else { break };
+            for ((difference, a), b) in place.iter_mut().zip(&a[first..]).zip(&b[first..]) {
+                *difference = a - b;
+            }
+            taken += flat;
         }
+        out.truncate(taken);
     }
 
     /// Fraction of the flat light pixels that stand at full scale.
-    pub(crate) fn clipped_fraction(&self, clip: f32) -> f64 {
+    fn clipped_fraction(&self, clip: f32) -> f64 {
         let windows = &self.windows;
         let (mut at_clip, mut all) = (0_u32, 0_u32);
         let used = windows.width - 1;
@@ -227,7 +307,7 @@ impl SideState {
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
-        self.blur = blur::refine(&context, start);
+        self.blur = blur::refine(&context, start, &mut self.blur_scratch);
     }
 
     /// Index of the table for a blur and noise slope, built where it is missing.
@@ -268,6 +348,11 @@ impl SideState {
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
+        self.jump = gate::largest_jump(line);
+        if self.jump.is_finite() {
+            self.rows.clear();
+            self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
+        }
     }
 
     fn fit_columns(&mut self, settings: &GaugeSettings, noise: &NoiseModel, line: &mut Vec<Edge>) -> f64 {
@@ -285,7 +370,9 @@ impl SideState {
             let table = &self.tables[index];
             freedom = f64::from(table.freedom);
             let job = ColumnJob {
-                side: self,
+                windows: &self.windows,
+                dark: &self.dark,
+                light: &self.light,
                 noise,
                 table,
                 min_snr: settings.min_snr as f32,
@@ -346,90 +433,9 @@ impl SideState {
         if settings.rejection == Rejection::Off {
             return;
         }
+        gate::refuse_vague(line);
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
-}
-
-/// Columns that share a table.
-struct ColumnJob<'a> {
-    side: &'a SideState,
-    noise: &'a NoiseModel,
-    table: &'a Table,
-    min_snr: f32,
-    reject: bool,
-    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
-    shadow: f32,
-    contrast: f32,
-}
-
-/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
-const LIT_SHADOW: f32 = 0.25;
-
-/// The inner loop.
-fn score_columns(
-    job: &ColumnJob<'_>,
-    columns: std::ops::Range<usize>,
-    normalised: &mut [f32],
-    line: &mut Vec<Edge>,
-) {
-    // Cores of constant length let the compiler unroll; these are those for σ up to 2.5 px.
-    match job.table.core().1 {
-        16 => line.extend(columns.map(|c| fit_column::<2>(job, c, normalised))),
-        24 => line.extend(columns.map(|c| fit_column::<3>(job, c, normalised))),
-        _ => line.extend(columns.map(|c| fit_column::<0>(job, c, normalised))),
-    }
-}
-
-#[inline(always)]
-fn fit_column<const C: usize>(job: &ColumnJob<'_>, column: usize, normalised: &mut [f32]) -> Edge {
-    let side = job.side;
-    let windows = &side.windows;
-    if let Err(reason) = windows.centre[column] {
-        return Edge::gap(reason);
-    }
-    let (dark, light) = (side.dark.level[column], side.light.level[column]);
-    let contrast = light - dark;
-    let variance = job.noise.variance(f64::from(0.5 * (dark + light))) as f32;
-    if !(contrast >= job.min_snr * variance.sqrt()) {
-        return Edge::gap(Reason::LowContrast);
-    }
-    let own = windows.light[column] - windows.dark[column];
-    let lit_shadow = windows.dark[column] - job.shadow > LIT_SHADOW * contrast.max(job.contrast);
-    if job.reject && (lit_shadow || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
-        return Edge::gap(Reason::Contaminated);
-    }
-    let window = windows.of(column);
-    let first = job.table.core().0;
-    let found = if C > 0 { locate_core::<C>(&window[first..], dark, contrast, job.table) } else { None };
-    let Some(found) = found.or_else(|| locate_in_whole(job, window, dark, contrast, normalised)) else {
-        return Edge::gap(Reason::Residual);
-    };
-    let relative = variance / (contrast * contrast);
-    let scalars = job.table.scalars(found.index);
-    // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
-    let by_light = scalars.offset / contrast * side.light.uncertainty[column];
-    let by_dark = (scalars.weight_sum - scalars.offset) / contrast * side.dark.uncertainty[column];
-    Edge {
-        row_px: windows.row(column, found.x),
-        u_own_px: scalars.unit_uncertainty * relative.sqrt(),
-        u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
-        chi2: found.residual / (relative * job.table.freedom),
-        state: EdgeState::Good,
-    }
-}
-
-/// An edge that is not where it was looked for, with all of its window.
-#[cold]
-fn locate_in_whole(
-    job: &ColumnJob<'_>,
-    window: &[f32],
-    dark: f32,
-    contrast: f32,
-    normalised: &mut [f32],
-) -> Option<Place> {
-    let start = normalise(window, dark, contrast, normalised) - job.table.centroid;
-    let found = locate(normalised, job.table, start)?;
-    Some(Place { x: found.x, residual: found.residual, index: job.table.index(found.phase.scalars.phase) })
 }
 
 /// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.

@@ -20,6 +20,8 @@ pub(crate) const FINE: u32 = 64;
 pub(crate) const COARSE: u32 = 16;
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
+/// Pixels of the longest window.
+const MOST_WIDTH: usize = 72;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
 
@@ -57,6 +59,30 @@ pub(crate) struct PhaseScalars {
     pub(crate) blur_information: f32,
 }
 
+/// One phase of a window's core, `C` eights of pixels, all in one place.
+#[derive(Clone, Debug)]
+pub(crate) struct CorePhase<const C: usize> {
+    /// Sums of the phase.
+    pub(crate) scalars: PhaseScalars,
+    /// Scoring weights, px.
+    pub(crate) weights: [[f32; 8]; C],
+    /// Model values E_k.
+    pub(crate) values: [[f32; 8]; C],
+    /// v_mid/v(E_k), zero outside the fitted pixels.
+    pub(crate) inverse_variances: [[f32; 8]; C],
+}
+
+/// The phases of the core in its constant length, which lets the compiler unroll: 16 pixels up to σ = 1.2 px, 24 up to 2.5 px.
+#[derive(Clone, Debug)]
+pub(crate) enum Cores {
+    /// 16 pixels.
+    Two(Vec<CorePhase<2>>),
+    /// 24 pixels.
+    Three(Vec<CorePhase<3>>),
+    /// Longer ones: the whole window serves.
+    Whole,
+}
+
 /// Scoring weights for one blur and one noise slope.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
@@ -73,10 +99,10 @@ pub(crate) struct Table {
     /// Where the area of the light puts the edge, px into the light from where it is.
     pub(crate) centroid: f32,
     core: usize,
-    /// Weights, model values and inverse variances of the core alone, in eights, phase after phase.
-    core_arrays: [Vec<[f32; 8]>; 3],
+    cores: Cores,
     arrays: Vec<f32>,
     scalars: Vec<PhaseScalars>,
+    borders: Vec<[f64; 3]>,
 }
 
 /// Index of a window's central pixel.
@@ -87,7 +113,7 @@ pub(crate) fn half(width: usize) -> usize {
 /// Width of the window for a blur: the edge itself and five flat pixels or more either side.
 pub(crate) fn window_width(shape: &EdgeShape, sigma: f64) -> usize {
     let half = (shape.reach(sigma) + 5.0 + f64::from(PHASE_REACH)).ceil() as usize;
-    (2 * half + 2).next_multiple_of(8).clamp(24, 72)
+    (2 * half + 2).next_multiple_of(8).clamp(24, MOST_WIDTH)
 }
 
 /// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
@@ -115,43 +141,94 @@ impl Table {
         free_levels: bool,
         per_px: u32,
     ) -> Self {
-        let steps = (PHASE_REACH * per_px as f32) as i32;
-        let count = (2 * steps + 1) as usize;
-        let mut table = Self {
-            sigma,
-            kappa,
-            width,
-            freedom: 0.0,
-            per_px: per_px as f32,
-            core: if free_levels { width } else { core_width(shape, sigma) },
-            centroid: shape.centroid(sigma) as f32,
-            core_arrays: [Vec::new(), Vec::new(), Vec::new()],
-            arrays: vec![0.0; count * ARRAYS * width],
-            scalars: Vec::with_capacity(count),
-        };
-        let mut samples = vec![EdgeSample::default(); width - 1];
-        let reach = if free_levels { width as f64 } else { shape.reach(sigma) };
-        for (index, step) in (-steps..=steps).enumerate() {
-            let phase = f64::from(step) / f64::from(per_px);
-            shape.samples(-(half(width) as f64), phase, sigma, &mut samples);
-            let rows = &mut table.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
-            let scalars = fill_phase(&samples, phase, kappa, reach, free_levels, rows, width);
-            table.scalars.push(scalars);
-        }
+        let mut table = Self::empty();
+        table.fill(shape, sigma, kappa, width, free_levels, per_px);
         table.fill_core();
-        let fitted = table.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
-        table.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
         table
     }
 
-    fn fill_core(&mut self) {
-        let (first, length) = self.core();
-        for (array, core) in self.core_arrays.iter_mut().enumerate() {
-            for index in 0..self.scalars.len() {
-                let row = &self.arrays[(index * ARRAYS + array) * self.width..][..self.width];
-                core.extend_from_slice(row[first..first + length].as_chunks::<8>().0);
-            }
+    /// An empty table, to be filled.
+    pub(crate) fn empty() -> Self {
+        Self {
+            sigma: 1.0,
+            kappa: 0.0,
+            width: 0,
+            freedom: 0.0,
+            per_px: 0.0,
+            centroid: 0.0,
+            core: 0,
+            cores: Cores::Whole,
+            arrays: Vec::new(),
+            scalars: Vec::new(),
+            borders: Vec::new(),
         }
+    }
+
+    /// Fills all but the core, which only the placing of edges needs.
+    pub(crate) fn fill(
+        &mut self,
+        shape: &EdgeShape,
+        sigma: f64,
+        kappa: f64,
+        width: usize,
+        free_levels: bool,
+        per_px: u32,
+    ) {
+        let steps = (PHASE_REACH * per_px as f32) as usize;
+        let count = 2 * steps + 1;
+        (self.sigma, self.kappa, self.width, self.per_px) = (sigma, kappa, width, per_px as f32);
+        self.core = if free_levels { width } else { core_width(shape, sigma) };
+        self.centroid = shape.centroid(sigma) as f32;
+        self.arrays.clear();
+        self.arrays.resize(count * ARRAYS * width, 0.0);
+        self.scalars.clear();
+        // Every border of every pixel at every phase lies on one grid.
+        let (pixel, reach) = (per_px as usize, if free_levels { width as f64 } else { shape.reach(sigma) });
+        let side = half(width) * pixel + pixel / 2 + steps;
+        let borders = &mut self.borders;
+        shape.borders(sigma, per_px, 2 * side + 1, borders);
+        let mut samples = [EdgeSample::default(); MOST_WIDTH];
+        let samples = &mut samples[..width - 1];
+        for index in 0..count {
+            let phase = (index as f64 - steps as f64) / f64::from(per_px);
+            let first = 2 * steps - index;
+            for (k, sample) in samples.iter_mut().enumerate() {
+                let left = first + k * pixel;
+                *sample = EdgeSample::between(&borders[left], &borders[left + pixel]);
+            }
+            let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
+            self.scalars.push(fill_phase(samples, phase, kappa, reach, free_levels, rows, width));
+        }
+        let fitted = self.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
+        self.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
+    }
+
+    fn fill_core(&mut self) {
+        self.cores = match self.core().1 {
+            16 => Cores::Two(self.core_phases()),
+            24 => Cores::Three(self.core_phases()),
+            _ => Cores::Whole,
+        };
+    }
+
+    fn core_phases<const C: usize>(&self) -> Vec<CorePhase<C>> {
+        let first = self.core().0;
+        let row = |index: usize, array: usize| {
+            let row = &self.arrays[(index * ARRAYS + array) * self.width..][..self.width];
+            row[first..].as_chunks::<8>().0.first_chunk::<C>().copied().unwrap_or([[0.0; 8]; C])
+        };
+        let phase = |(index, scalars): (usize, &PhaseScalars)| CorePhase {
+            scalars: *scalars,
+            weights: row(index, 0),
+            values: row(index, 1),
+            inverse_variances: row(index, 2),
+        };
+        self.scalars.iter().enumerate().map(phase).collect()
+    }
+
+    /// The phases of the core.
+    pub(crate) fn cores(&self) -> &Cores {
+        &self.cores
     }
 
     /// Index of the phase nearest to `x` px from the central pixel.
@@ -166,12 +243,6 @@ impl Table {
     #[inline(always)]
     pub(crate) fn scalars(&self, index: usize) -> &PhaseScalars {
         &self.scalars[index]
-    }
-
-    /// Weights, model values or inverse variances (0, 1, 2) of a phase in a core of `C` eights.
-    #[inline(always)]
-    pub(crate) fn core_row<const C: usize>(&self, array: usize, index: usize) -> &[[f32; 8]; C] {
-        &self.core_arrays[array].as_chunks::<C>().0[index]
     }
 
     /// The phase nearest to `x` px from the central pixel.
@@ -205,8 +276,10 @@ fn fill_phase(
     let (mut information, mut blur_position, mut blur_information) = (0.0, 0.0, 0.0);
     for (k, sample) in samples.iter().enumerate() {
         let iv = inverse_variance(k);
-        let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
-        fisher += gradient * gradient.transpose() * iv;
+        if free_levels {
+            let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
+            fisher += gradient * gradient.transpose() * iv;
+        }
         information += iv * sample.by_position * sample.by_position;
         blur_position += iv * sample.by_position * sample.by_sigma;
         blur_information += iv * sample.by_sigma * sample.by_sigma;
@@ -214,11 +287,11 @@ fn fill_phase(
         rows[2 * width + k] = iv as f32;
         rows[3 * width + k] = (iv * sample.by_sigma) as f32;
     }
+    fisher[(0, 0)] = information;
     let row = position_row(&fisher, free_levels);
     let (mut offset, mut sum) = (0.0, 0.0);
     for (k, sample) in samples.iter().enumerate() {
-        let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
-        let weight = row.dot(&gradient) * inverse_variance(k);
+        let weight = (row[0] * sample.by_position + row[1] + row[2] * sample.value) * inverse_variance(k);
         offset += weight * sample.value;
         sum += weight;
         rows[k] = weight as f32;

@@ -1,5 +1,8 @@
 //! Windows around the edges of one side: reading them, centring them, their flat ends.
 
+use multiversion::multiversion;
+use wide::f32x4;
+
 use super::coarse::CoarseEdge;
 use super::esf::EdgeShape;
 use super::pixels::{Plane, Sample};
@@ -12,9 +15,14 @@ const CENTRED: f32 = 0.65;
 /// What is left to the scoring where noise keeps a window hopping, px: its own shifts reach that far.
 const LATER: f32 = 2.5;
 
-/// Columns of a tile, and the most rows that its windows can span.
-const TILE: usize = 32;
-const TILE_ROWS: usize = 72 + 8;
+/// Columns of a tile: their pixels in a row fill one or two lines of the cache.
+const TILE: usize = 64;
+/// Most rows by which the edges in a tile may differ.
+const MOST_SPREAD: i32 = 8;
+/// The most rows that the windows of a tile can span, with one more either side.
+const TILE_ROWS: usize = 72 + MOST_SPREAD as usize + 2;
+/// Columns that are turned into windows together.
+const GROUP: usize = 8;
 
 /// Upper or lower edge. Windows always run from shadow to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,83 +107,126 @@ impl Windows {
 
     /// Reads all windows whose centre is known, and centres them.
     pub(crate) fn read<T: Sample>(&mut self, plane: &Plane<'_, T>) {
+        let mut tile = std::mem::take(&mut self.tile);
+        tile.resize(TILE_ROWS, [0.0; TILE]);
         for from in (0..plane.columns).step_by(TILE) {
             let to = (from + TILE).min(plane.columns);
-            if !self.read_tile(plane, from, to) {
-                for column in from..to {
-                    self.read_one(plane, column);
-                }
+            match self.tile_rows(plane, from, to) {
+                Some(rows) => read_tile(self, plane, from, rows, &mut tile),
+                None => (from..to).for_each(|column| self.read_one(plane, column, column)),
             }
         }
+        self.tile = tile;
     }
 
-    /// Reads a tile of neighbouring windows row by row, which the cache likes better than column by column. False where the
-    /// edge is too steep or broken, or near the border, for windows of one tile.
-    fn read_tile<T: Sample>(&mut self, plane: &Plane<'_, T>, from: usize, to: usize) -> bool {
+    /// First and last row that a tile's windows and their neighbours to be centred on reach; `None` where the edge is too steep or
+    /// broken, or near the border, for windows of one tile.
+    fn tile_rows<T: Sample>(&self, plane: &Plane<'_, T>, from: usize, to: usize) -> Option<(i32, i32)> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for centre in &self.centre[from..to] {
-            let Ok(row) = centre else { return false };
-            (low, high) = (low.min(*row), high.max(*row));
+            let row = centre.ok()?;
+            (low, high) = (low.min(row), high.max(row));
+        }
+        if high - low > MOST_SPREAD || to - from < TILE || plane.column_stride != 1 {
+            return None;
         }
         let (half, width) = (half(self.width) as i32, self.width as i32);
         let (before, after) =
             if self.side == Side::Bottom { (half, width - 1 - half) } else { (width - 1 - half, half) };
-        let (first, last) = (low - before, high + after);
-        let rows = (last - first + 1) as usize;
-        if high - low > 8
-            || first < 0
-            || last as usize >= plane.rows
-            || to - from < TILE
-            || plane.column_stride != 1
-        {
-            return false;
-        }
-        let mut tile = std::mem::take(&mut self.tile);
-        tile.resize(TILE_ROWS, [0.0; TILE]);
-        for (row, values) in tile[..rows].iter_mut().enumerate() {
-            plane.read_row(first as usize + row, from, values);
-        }
-        for column in from..to {
-            let Ok(centre) = self.centre[column] else { continue };
-            let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
-            let start = (centre - before - first) as usize;
-            let part = &tile[start..start + window.len()];
-            if self.side == Side::Bottom {
-                for (value, row) in window.iter_mut().zip(part) {
-                    *value = row[column - from];
-                }
-            } else {
-                for (value, row) in window.iter_mut().zip(part.iter().rev()) {
-                    *value = row[column - from];
-                }
-            }
-            if self.centred {
-                (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
-                continue;
-            }
-            let (dark, light, area) = area_start(window, self.flat);
-            let x = area - self.centroid;
-            if light > dark && x.abs() <= CENTRED {
-                self.start[column] = x;
-                self.dark[column] = dark;
-                self.light[column] = light;
-            } else {
-                self.read_one(plane, column);
-            }
-        }
-        self.tile = tile;
-        true
+        let hop = i32::from(!self.centred);
+        let (first, last) = (low - before - hop, high + after + hop);
+        (first >= 0 && (last as usize) < plane.rows).then_some((first, last))
     }
 
-    fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize) {
-        let Ok(mut centre) = self.centre[column] else { return };
+    /// Copies the window of a column out of a tile, in which it begins at `begin`.
+    #[inline(always)]
+    fn copy_out(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, begin: usize) {
+        let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
+        for (value, row) in window.iter_mut().zip(&tile[begin..]) {
+            *value = row[lane];
+        }
+    }
+
+    /// Takes one column out of a tile; false where its window has to be centred.
+    fn take_one(&mut self, tile: &[[f32; TILE]], lane: usize, column: usize, begin: usize) -> bool {
+        self.copy_out(tile, lane, column, begin);
+        let window = self.of(column);
+        if self.centred {
+            (self.dark[column], self.light[column]) = flat_ends(window, self.flat);
+            return true;
+        }
+        let (dark, light, area) = area_start(window, self.flat);
+        let x = area - self.centroid;
+        let central = is_central(dark, light, x);
+        if central {
+            (self.start[column], self.dark[column], self.light[column]) = (x, dark, light);
+        }
+        central
+    }
+
+    /// Takes eight columns out of a tile whose windows all begin at `begin`; gives those that are still to be centred.
+    #[inline(always)]
+    fn take_group(
+        &mut self,
+        tile: &[[f32; TILE]],
+        lane: usize,
+        column: usize,
+        begin: usize,
+    ) -> [bool; GROUP] {
+        let (width, flat, columns) = (self.width, self.flat, column..column + GROUP);
+        let part = &tile[begin..begin + width];
+        let out = &mut self.pixels[columns.start * width..columns.end * width];
+        let mut open = [false; GROUP];
+        if self.centred {
+            turn_group(part, lane, out);
+            let (dark, light) = group_ends(part, lane, flat);
+            self.dark[columns.clone()].copy_from_slice(&dark);
+            self.light[columns].copy_from_slice(&light);
+            return open;
+        }
+        // An edge off by one pixel, as most are at first, is centred within the tile.
+        let starts = [-1, 0, 1].map(|shift: isize| {
+            let begin = begin.wrapping_add_signed(shift);
+            group_start(&tile[begin..begin + width], lane, flat, self.centroid)
+        });
+        let mut shifts = [0_usize; GROUP];
+        for k in 0..GROUP {
+            let [_, here, _] = &starts;
+            let there = if is_central(here.dark[k], here.light[k], here.x[k]) {
+                1
+            } else if here.x[k] > 0.0 {
+                2
+            } else {
+                0
+            };
+            let start = &starts[there];
+            open[k] = !is_central(start.dark[k], start.light[k], start.x[k]);
+            shifts[k] = there;
+            if !open[k] {
+                self.start[column + k] = start.x[k];
+                (self.dark[column + k], self.light[column + k]) = (start.dark[k], start.light[k]);
+                let shift = self.side.sign() * (there as i32 - 1);
+                self.centre[column + k] = self.centre[column + k].map(|row| row + shift);
+            }
+        }
+        let common = shifts[0];
+        turn_group(&tile[begin + common - 1..begin + common - 1 + width], lane, out);
+        for k in (0..GROUP).filter(|k| shifts[*k] != common) {
+            self.copy_out(tile, lane + k, column + k, begin + shifts[k] - 1);
+        }
+        open
+    }
+
+    /// Reads and centres the window of a column into a place (the column's own, where all are read).
+    pub(crate) fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize, place: usize) {
+        let Ok(mut centre) = self.centre[place] else { return };
         let half = half(self.width) as i32;
         let down = self.side == Side::Bottom;
-        let window = &mut self.pixels[column * self.width..(column + 1) * self.width];
+        let window = &mut self.pixels[place * self.width..(place + 1) * self.width];
         for hop in 0..4 {
             let first = centre - self.side.sign() * half;
             if !plane.gather(first as isize, down, column, window) {
-                self.centre[column] = Err(Reason::Border);
+                self.centre[place] = Err(Reason::Border);
                 return;
             }
             let (dark, light, area) = area_start(window, self.flat);
@@ -185,16 +236,121 @@ impl Windows {
             }
             let shift = x.round();
             if x.abs() <= if hop < 3 { CENTRED } else { LATER } {
-                self.centre[column] = Ok(centre);
-                self.start[column] = x;
-                self.dark[column] = dark;
-                self.light[column] = light;
+                self.centre[place] = Ok(centre);
+                self.start[place] = x;
+                self.dark[place] = dark;
+                self.light[place] = light;
                 return;
             }
             centre += self.side.sign() * shift.clamp(-64.0, 64.0) as i32;
         }
-        self.centre[column] = Err(Reason::NoEdge);
+        self.centre[place] = Err(Reason::NoEdge);
     }
+}
+
+/// Reads a tile of neighbouring windows row by row, which the cache likes better than column by column, and turns it, eight
+/// columns at a time where their edges lie in the same row.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
+fn read_tile<T: Sample>(
+    windows: &mut Windows,
+    plane: &Plane<'_, T>,
+    from: usize,
+    (first, last): (i32, i32),
+    tile: &mut [[f32; TILE]],
+) {
+    let down = windows.side == Side::Bottom;
+    let rows = (last - first + 1) as usize;
+    for (k, values) in tile[..rows].iter_mut().enumerate() {
+        let row = if down { first as usize + k } else { last as usize - k };
+        plane.read_tile_row(row, from, values);
+    }
+    let half = half(windows.width) as i32;
+    let start = |row: i32| (if down { row - half - first } else { last - row - half }) as usize;
+    for group in (0..TILE).step_by(GROUP) {
+        let column = from + group;
+        let Ok(centre) = windows.centre[column] else { continue };
+        if windows.centre[column..column + GROUP].iter().all(|c| *c == Ok(centre)) {
+            let open = windows.take_group(tile, group, column, start(centre));
+            for k in (0..GROUP).filter(|k| open[*k]) {
+                windows.read_one(plane, column + k, column + k);
+            }
+            continue;
+        }
+        for lane in group..group + GROUP {
+            let column = from + lane;
+            let Ok(row) = windows.centre[column] else { continue };
+            if !windows.take_one(tile, lane, column, start(row)) {
+                windows.read_one(plane, column, column);
+            }
+        }
+    }
+}
+
+/// Turns the rows of eight columns of a tile into eight windows.
+#[inline(always)]
+fn turn_group(part: &[[f32; TILE]], lane: usize, out: &mut [f32]) {
+    let width = part.len();
+    for (block, rows) in part.as_chunks::<4>().0.iter().enumerate() {
+        for four in [0, 4] {
+            let load = |row: &[f32; TILE]| {
+                row[lane + four..].first_chunk::<4>().map_or(f32x4::ZERO, |v| f32x4::from(*v))
+            };
+            let turned = f32x4::transpose([load(&rows[0]), load(&rows[1]), load(&rows[2]), load(&rows[3])]);
+            for (k, values) in turned.into_iter().enumerate() {
+                let at = (four + k) * width + 4 * block;
+                out[at..at + 4].copy_from_slice(&values.to_array());
+            }
+        }
+    }
+}
+
+/// Sums of eight columns over rows of a tile.
+#[inline(always)]
+fn group_sums(rows: &[[f32; TILE]], lane: usize) -> [f32; GROUP] {
+    let mut sums = [0.0_f32; GROUP];
+    for row in rows {
+        if let Some(values) = row[lane..].first_chunk::<GROUP>() {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value;
+            }
+        }
+    }
+    sums
+}
+
+/// [`flat_ends`] of eight columns of a tile.
+#[inline(always)]
+fn group_ends(part: &[[f32; TILE]], lane: usize, flat: usize) -> ([f32; GROUP], [f32; GROUP]) {
+    let (used, scale) = (part.len() - 1, 1.0 / flat as f32);
+    let (mut dark, mut light) = (group_sums(&part[..flat], lane), group_sums(&part[used - flat..used], lane));
+    dark.iter_mut().chain(&mut light).for_each(|sum| *sum *= scale);
+    (dark, light)
+}
+
+/// [`area_start`] of eight columns of a tile, about the centroid.
+struct GroupStart {
+    dark: [f32; GROUP],
+    light: [f32; GROUP],
+    x: [f32; GROUP],
+}
+
+#[inline(always)]
+fn group_start(part: &[[f32; TILE]], lane: usize, flat: usize, centroid: f32) -> GroupStart {
+    let used = part.len() - 1;
+    let (dark, light) = group_ends(part, lane, flat);
+    let sums = group_sums(&part[..used], lane);
+    let none = used as f32 - 0.5 - half(part.len()) as f32 - centroid;
+    let mut x = [0.0; GROUP];
+    for k in 0..GROUP {
+        x[k] = none - (sums[k] - dark[k] * used as f32) / (light[k] - dark[k]);
+    }
+    GroupStart { dark, light, x }
+}
+
+/// Whether a window with these flat ends and this edge is centred.
+#[inline(always)]
+fn is_central(dark: f32, light: f32, x: f32) -> bool {
+    light > dark && x.abs() <= CENTRED
 }
 
 /// Means of the flat ends, in the shadow and in the light.
