@@ -19,7 +19,7 @@ use super::esf::{EsfTable, TablePlace, gaussian};
 use super::esf_families::LaserShadow;
 use super::esf_families::fresnel_integrals::fresnel;
 
-/// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings are 2 % of the light there.
+/// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the amplitude there.
 pub(super) const SEEN_UNITS: f64 = 10.0;
 
 /// Shoulders farther away than this, in √(λz/2), are left out.

@@ -271,6 +271,6 @@ fn a_shoulder_in_laser_light_is_the_product_of_amplitudes() {
         }
     }
     println!("laser corner: {near:.3} of full intensity at most, {along:.3} six units along the edge");
-    // What is left are the rings 10 units from the corner, where columns of their own end, and the far edge of the thin end.
-    assert!(near < 0.04 && along < 0.02, "{near} {along}");
+    // What is left are the rings 10 units from the corner, 2 % of the amplitude, where columns of their own end.
+    assert!(near < 0.06 && along < 0.02, "{near} {along}");
 }
