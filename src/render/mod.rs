@@ -13,6 +13,7 @@ pub mod esf_families;
 mod exposure;
 pub mod form;
 pub mod gpu;
+mod laser_shoulder;
 pub mod lens;
 pub mod light_map;
 pub mod motion;

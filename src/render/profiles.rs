@@ -10,9 +10,9 @@
 //! σ; beneath a leaning shoulder's overhang there is light again (a thread's crests, whose corners are not
 //! known beforehand, with panels of an eighth of a pixel: an angle of tan 60° then errs by 1e-4 px). Other families have
 //! no such form: there a point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact along
-//! every straight edge; at a corner of 90° it errs by up to .27 of full intensity in light of one colour from a point, where
-//! the rings of both edges cross (`tests/render_shaft/corners.rs` holds it against the Fresnel amplitudes). An edge in
-//! motion is the mean of its images.
+//! every straight edge; at a corner of 90° it would err by up to .27 of full intensity in light of one colour from a point, where
+//! the rings of both edges cross: there the shoulders of cylinders are drawn from the amplitudes ([`super::laser_shoulder`];
+//! `tests/render_shaft/corners.rs` holds them against the opaque quadrant). An edge in motion is the mean of its images.
 
 use std::sync::LazyLock;
 
@@ -20,8 +20,10 @@ use rayon::prelude::*;
 
 use super::columns::{Column, Depth, Edge, PROFILE, Straight};
 use super::esf::{EsfTable, Node, TablePlace, gaussian};
+use super::esf_families::LaserShadow;
 use super::esf_families::quadrature::{gauss_legendre, panels};
 use super::exposure::Instant;
+use super::laser_shoulder::{LaserShoulder, Pieces};
 use super::params::Window;
 use super::scene::Scene;
 
@@ -203,9 +205,10 @@ impl Profiles<'_> {
     }
 
     fn line(&self, column: usize, side: usize, outlines: Option<&Vec<Vec<Point>>>) -> Option<Line> {
-        match outlines {
-            Some(outlines) => self.broken_line(column, side, outlines),
-            None => self.straight_line(column, side),
+        match (outlines, self.scene.laser_shoulders()) {
+            (Some(_), Some(laser)) => self.laser_line(column, side, laser),
+            (Some(outlines), None) => self.broken_line(column, side, outlines),
+            (None, _) => self.straight_line(column, side),
         }
     }
 
@@ -240,6 +243,36 @@ impl Profiles<'_> {
                 };
                 *light += instant.weight * self.quadrature.iter().map(node).sum::<f64>();
             }
+        }
+        Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
+    }
+
+    /// The outline's level pieces about a column, each in the row that it has nearest to the column.
+    fn pieces(&self, instant: &Instant<'_>, laser: &LaserShoulder, at: f64, side: usize) -> Pieces {
+        let (low, high) = laser.about(at);
+        let (mut corners, _) = self.scene.corners(instant, low, high);
+        corners.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+        let ends = [&[f64::NEG_INFINITY][..], &corners, &[f64::INFINITY]].concat();
+        let row = |e: &[f64]| {
+            self.point(instant, at.clamp(e[0] + 1e-6, (e[1] - 1e-6).max(e[0] + 1e-6)), 0.0).rows[side]
+        };
+        let rows = ends.windows(2).map(row).collect();
+        Pieces { corners, rows, sign: if side == 0 { 1.0 } else { -1.0 } }
+    }
+
+    /// Mean over the instants of the images of shoulders in laser light.
+    fn laser_line(&self, column: usize, side: usize, laser: &LaserShadow) -> Option<Line> {
+        let at = f64::from(self.window.column) + column as f64;
+        let place = self.table(column, 0.0);
+        let laser = LaserShoulder::new(laser, self.scene.bench().pixel_mm * 1e3, place.scale_px);
+        let pieces: Vec<Pieces> = self.instants.iter().map(|i| self.pieces(i, &laser, at, side)).collect();
+        let seen = pieces.iter().flat_map(|p| laser.rows_seen(p, at));
+        let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| (a.min(row), b.max(row)));
+        let esf = self.esf.over_pixel().unwrap_or(self.esf);
+        let (first, count) = self.rows(range, f64::from(esf.reach) * place.scale_px + 0.5)?;
+        let mut light = vec![0.0; count];
+        for (instant, pieces) in self.instants.iter().zip(&pieces) {
+            laser.add(pieces, (esf, &place), (at, f64::from(first)), instant.weight, &mut light);
         }
         Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
     }

@@ -10,9 +10,11 @@ use super::bench::OpticalBench;
 use super::columns::{ColumnEdges, Depth, RowBlur, Straight, bands, fold_pixel, kernel_columns, steepest};
 use super::error::RenderError;
 use super::esf::{EsfTable, Extent, Node, pixel_quadrature};
-use super::esf_families::EdgeSpread;
+use super::esf_families::{EdgeSpread, LaserShadow};
 use super::exposure::{self, Instant};
+use super::laser_shoulder::SEEN_UNITS;
 use super::light_map::LightMap;
+use super::optics::Esf;
 use super::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
 use super::profiles::Profiles;
 use super::silhouette::{Outline, Turned, View};
@@ -266,12 +268,24 @@ impl Scene {
         if !self.outline.has_breaks() {
             return false;
         }
-        let reach_mm = (5.25 * self.largest_sigma_px + 1.0) * self.bench.pixel_mm + self.margin_mm;
+        let mut reach_px = 5.25 * self.largest_sigma_px + 1.0;
+        if let Some(laser) = self.laser_shoulders() {
+            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.bench.pixel_mm);
+        }
+        let reach_mm = reach_px * self.bench.pixel_mm + self.margin_mm;
         let column = f64::from(frame.window.column) + column as f64;
         frame.instants.iter().any(|i| {
             let z = self.bench.column_z_mm(i.field_z_mm, column);
             self.outline.is_broken(z - reach_mm, z + reach_mm)
         })
+    }
+
+    /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
+    pub(super) fn laser_shoulders(&self) -> Option<&LaserShadow> {
+        let Esf::Fresnel(laser) = &self.bench.esf else { return None };
+        let optics = &self.bench.nominal.optics;
+        let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
+        (plain && self.outline.is_stepped()).then_some(laser)
     }
 
     /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.

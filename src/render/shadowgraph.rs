@@ -453,6 +453,10 @@ fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], 
     let (z, _) = z.as_chunks::<CELL>();
     let (counts, _) = counts.as_chunks_mut::<CELL>();
     for (i, ((cells, z), counts)) in cells.iter().zip(z).zip(counts).enumerate() {
+        // What both sides share is moved before their loop: it must not be worked out where no edge is.
+        if !cells.iter().any(|c| c.touches(at.row)) {
+            continue;
+        }
         for side in 0..2 {
             if cells[side].touches(at.row) {
                 let at = At { column: at.column + i * CELL, ..at };

@@ -180,6 +180,14 @@ impl Outline {
         f64::from(lobes.max(cut).max(spindle))
     }
 
+    /// Whether the outline is made of level pieces and shoulders alone, up to form errors, upright before the camera.
+    pub fn is_stepped(&self) -> bool {
+        let (shaft, features) = (&self.shaft, &self.shaft.features);
+        let level = |k: &[ProfileKnot]| k[0].radius_mm == k[1].radius_mm || k[0].z_mm == k[1].z_mm;
+        let uncut = features.helices.is_empty() && features.flats.is_empty() && features.keyways.is_empty();
+        uncut && self.sin_tilt == 0.0 && shaft.profile.windows(2).all(level)
+    }
+
     /// Whether the outline has any corner, thread or end of a feature.
     pub fn has_breaks(&self) -> bool {
         !self.broken_mm.is_empty()
