@@ -43,6 +43,9 @@ const BEND_OF_PART_PX: f64 = 0.3;
 /// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
 const LEAST_BULGE: f64 = 0.5;
 const MOST_BULGE: f64 = 1.6;
+/// A stretch bulges where it stands out by so many times what tells it from the axis, and a frame where most of what leaves the axis does.
+const PROMINENT: f64 = 1.5;
+const BULGING: f64 = 0.75;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
@@ -324,13 +327,14 @@ impl AxisScratch {
             }
             let to = (from..n).find(|k| !leaves(&self.blocks[*k])).unwrap_or(n);
             let (widening, square) = self.widening(axis, &line, from..to);
+            let peak = self.blocks[from..to].iter().any(|b| far(axis, PROMINENT * limit, b));
             all += square;
-            if widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
+            if peak && widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
                 bulging += square;
             }
             from = to;
         }
-        bulging > 0.5 * all && all > 0.0
+        bulging > BULGING * all && all > 0.0
     }
 
     /// Of a run of blocks: Σ twice the departure of the middle times the width over that of the neighbours, Σ (twice the departure)².
@@ -485,19 +489,24 @@ impl AxisScratch {
         }
     }
 
-    fn descend_from(&mut self, mut at: isize, step: isize, taper: f64) {
+    /// Refuses the columns on the way down from one to where the width levels out; none where it does not: that is form.
+    fn descend_from(&mut self, from: isize, step: isize, taper: f64) {
+        let tapered = taper * (DESCENT as isize * step) as f64;
+        let mut at = from;
         for _ in 0..2 * GROWTH / DESCENT {
             let below = at + step * DESCENT as isize;
             let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
             // Down by itself and against the part's taper: a step elsewhere in the field makes the taper's line too steep.
-            let (fall, tapered) = (here - next, taper * (DESCENT as isize * step) as f64);
-            if fall < FLOOR_PX || fall + tapered < FLOOR_PX {
+            let fall = (here - next).min(here - next + tapered);
+            if fall < FLOOR_PX {
+                if at != from {
+                    let (low, high) = (from.min(at - step), from.max(at - step));
+                    self.refused[low as usize..=high as usize].fill(true);
+                }
                 return;
             }
-            let (from, to) = (at.min(below - step), at.max(below - step));
-            self.refused[from as usize..=to as usize].fill(true);
             at = below;
         }
     }
