@@ -75,14 +75,16 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
     }
 }
 
-/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a droplet fits so badly that the
-/// misfit stated comes to many pixels, where a part's faintest edge has a fraction of one.
-const VAGUE_PX: f64 = 2.0;
+/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a chip fits so badly that the misfit
+/// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light) may have more.
+const VAGUE_PX: f64 = 0.5;
+const VAGUE_IMPAIRED_PX: f64 = 2.0;
 
-/// Refuses edges that are known no better than to two pixels.
+/// Refuses edges that are known too badly to be the part's.
 pub(crate) fn refuse_vague(line: &mut [Edge]) {
     for edge in line.iter_mut() {
-        if edge.is_usable() && !(edge.u_px() <= VAGUE_PX) {
+        let limit = if edge.state == EdgeState::Good { VAGUE_PX } else { VAGUE_IMPAIRED_PX };
+        if edge.is_usable() && !(edge.u_px() <= limit) {
             edge.state = EdgeState::Gap(Reason::Residual);
         }
     }
