@@ -230,6 +230,28 @@ fn quadrant(vx: f64, vy: f64) -> f64 {
     re * re + im * im
 }
 
+/// Light, as a share of the bright field, on 900 x 200 pixels about the end of a shaft at column 99.5: a corner of the shadow, its far
+/// side out of reach.
+fn corner_light(esf: Esf, pixel_um: f64) -> (Vec<f64>, OpticalBench) {
+    let mut settings = shadowgauge::render::settings::BenchSettings {
+        departures: shadowgauge::render::settings::Departures::none(),
+        ..Default::default()
+    };
+    (settings.camera.rows, settings.camera.columns) = (900, 200);
+    (settings.camera.pixel_um, settings.optics.magnification) = (pixel_um, 1.0);
+    settings.light.bright_counts = 2000.0;
+    settings.optics.esf = esf;
+    let bench = OpticalBench::resolve(&settings, 0).unwrap();
+    let mut shaft = Shaft::cylinder(1.0);
+    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * bench.pixel_mm };
+    shaft.profile = vec![knot(330.0), knot(8.0)];
+    let scene = Scene::new(&bench, shaft).unwrap();
+    let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
+    let levels = scene.levels(PixelFormat::F32);
+    let light = frame.iter().map(|c| (c - levels.shadow) / (levels.bright - levels.shadow)).collect();
+    (light, bench)
+}
+
 #[test]
 fn a_shoulder_in_laser_light_is_the_product_of_amplitudes() {
     let laser = LaserShadow {
@@ -240,30 +262,14 @@ fn a_shoulder_in_laser_light_is_the_product_of_amplitudes() {
         ..Default::default()
     };
     let unit_px = laser.unit_um() / 3.0;
-    let mut settings = shadowgauge::render::settings::BenchSettings {
-        departures: shadowgauge::render::settings::Departures::none(),
-        ..Default::default()
-    };
-    (settings.camera.rows, settings.camera.columns) = (900, 200);
-    (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 1.0);
-    settings.light.bright_counts = 2000.0;
-    settings.optics.esf = Esf::Fresnel(laser);
-    let bench = OpticalBench::resolve(&settings, 0).unwrap();
-    // The shaft ends at column 99.5: a corner of the shadow, its far side out of reach.
-    let mut shaft = Shaft::cylinder(1.0);
-    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * bench.pixel_mm };
-    shaft.profile = vec![knot(330.0), knot(8.0)];
-    let scene = Scene::new(&bench, shaft).unwrap();
-    let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let (light, bench) = corner_light(Esf::Fresnel(laser), 3.0);
     let (mut near, mut along) = (0.0f64, 0.0f64);
     for row in 60..230usize {
         for column in 0..200usize {
             let v = |d: f64| d / unit_px;
             let (vx, vy) =
                 (v(column as f64 - bench.centre_column()), v(bench.centre_row() - 330.0 - row as f64));
-            let found = (frame[row * 200 + column] - levels.shadow) / (levels.bright - levels.shadow);
-            let difference = (found - quadrant(vx, vy)).abs();
+            let difference = (light[row * 200 + column] - quadrant(vx, vy)).abs();
             near = near.max(difference);
             if vx < -6.0 {
                 along = along.max(difference);
@@ -349,27 +355,13 @@ fn a_shoulder_in_partially_coherent_light_keeps_to_its_stated_error() {
         let difference = (abbe.at(step, -48) - table.value(d * edge.unit_um())).abs();
         assert!(difference < 6e-3, "{d}: {difference}");
     }
-    let mut settings = shadowgauge::render::settings::BenchSettings {
-        departures: shadowgauge::render::settings::Departures::none(),
-        ..Default::default()
-    };
-    (settings.camera.rows, settings.camera.columns) = (900, 200);
-    (settings.camera.pixel_um, settings.optics.magnification) = (edge.unit_um() / 8.0, 1.0);
-    settings.light.bright_counts = 2000.0;
-    settings.optics.esf = Esf::PartiallyCoherent(edge);
-    let bench = OpticalBench::resolve(&settings, 0).unwrap();
-    let mut shaft = Shaft::cylinder(1.0);
-    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * bench.pixel_mm };
-    shaft.profile = vec![knot(330.0), knot(8.0)];
-    let scene = Scene::new(&bench, shaft).unwrap();
-    let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
-    let levels = scene.levels(PixelFormat::F32);
+    let pixel_um = edge.unit_um() / 8.0;
+    let (light, _) = corner_light(Esf::PartiallyCoherent(edge), pixel_um);
     let (mut most, mut square, mut count) = (0.0f64, 0.0, 0.0);
     for (y, x) in (-40..40isize).flat_map(|y| (-40..40isize).map(move |x| (y, x))) {
         // Column 100 and row 119 lie half a pixel, .0625, beside the corner.
         let (row, column) = ((119 - 2 * y) as usize, (100 + 2 * x) as usize);
-        let found = (frame[row * 200 + column] - levels.shadow) / (levels.bright - levels.shadow);
-        let difference = (found - abbe.at(x, y)).abs();
+        let difference = (light[row * 200 + column] - abbe.at(x, y)).abs();
         most = most.max(difference);
         (square, count) = (square + difference * difference, count + 1.0);
     }
