@@ -16,6 +16,7 @@ mod curvature;
 mod diameter;
 mod edges;
 mod esf;
+mod falloff;
 mod finder;
 pub mod form;
 mod gate;

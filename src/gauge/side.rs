@@ -6,6 +6,7 @@ use super::coarse::CoarseEdge;
 use super::columns::{ColumnJob, score_columns};
 use super::edges::Edge;
 use super::esf::EdgeShape;
+use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
@@ -34,6 +35,7 @@ pub(crate) struct SideState {
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
+    falloff: Falloff,
     pub(crate) survey: Survey,
     /// Largest step between neighbouring edges, px; infinite with gaps.
     pub(crate) jump: f64,
@@ -101,6 +103,7 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
+            falloff: Falloff::default(),
             survey: Survey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),
@@ -181,6 +184,7 @@ impl SideState {
         self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
         self.outliers.reserve(plane.columns);
         self.windows.read(plane);
+        self.falloff.look(plane, &self.windows);
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
@@ -388,6 +392,10 @@ impl SideState {
             };
             score_columns(&job, from..to, &mut normalised, line);
             from = to;
+            if from >= columns {
+                let levels = (&self.dark, &self.light);
+                self.falloff.state(line, &self.windows, levels, (noise, table));
+            }
         }
         self.normalised = normalised;
         freedom
