@@ -54,8 +54,11 @@ impl Falloff {
                 }
             }
             let known = &mut changes[..count];
-            let change =
-                if count < LEAST { f32::NAN } else { *known.select_nth_unstable_by(count / 2, f32::total_cmp).1 };
+            let change = if count < LEAST {
+                f32::NAN
+            } else {
+                *known.select_nth_unstable_by(count / 2, f32::total_cmp).1
+            };
             self.tiles.push((change, count as u32));
         }
     }
@@ -73,7 +76,9 @@ impl Falloff {
         let shift = shift(table, windows.flat) / apart;
         for (tile, (edges, (change, count))) in line.chunks_mut(TILE).zip(&self.tiles).enumerate() {
             let middle = tile * TILE + edges.len() / 2;
-            let (Some(level), Some(ground)) = (light.level.get(middle), dark.level.get(middle)) else { continue };
+            let (Some(level), Some(ground)) = (light.level.get(middle), dark.level.get(middle)) else {
+                continue;
+            };
             let (level, contrast) = (f64::from(*level), f64::from(level - ground));
             let variance = noise.variance(level) * (1.0 / flat + 1.0 / FAR as f64) / f64::from(*count);
             let change = f64::from(change.abs());
@@ -116,13 +121,11 @@ mod tests {
             let mut samples = vec![EdgeSample::default(); width - 1];
             shape.samples(-middle, 0.0, sigma, &mut samples);
             let distance = (width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - middle;
-            let grey =
-                |k: usize| samples[k].value * (1.0 + gradient * (k as f64 - middle - distance));
+            let grey = |k: usize| samples[k].value * (1.0 + gradient * (k as f64 - middle - distance));
             let mut x = 0.0_f32;
             for _ in 0..20 {
                 let phase = table.phase(x);
-                let weighted: f64 =
-                    (0..width - 1).map(|k| f64::from(phase.weights[k]) * grey(k)).sum();
+                let weighted: f64 = (0..width - 1).map(|k| f64::from(phase.weights[k]) * grey(k)).sum();
                 x = phase.scalars.phase + (weighted as f32 - phase.scalars.offset);
             }
             let stated = gradient * shift(&table, flat);

@@ -247,6 +247,9 @@ impl EdgeStream {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
         self.fit(&scene, out, false);
+        if given.is_none() && self.settle_blur(&scene, out) {
+            self.fit(&scene, out, false);
+        }
         if self.settings.esf == (EsfModel::Learnt {}) {
             self.learn(&scene, out);
         }
@@ -350,6 +353,20 @@ impl EdgeStream {
         };
         let [top, bottom] = &mut self.sides;
         both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
+    }
+
+    /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
+    fn settle_blur(&mut self, scene: &Scene, out: &FrameEdges) -> bool {
+        if self.settings.rejection == Rejection::Off {
+            return false;
+        }
+        let [top, bottom] = &mut self.sides;
+        let settle = |side: &mut SideState, clip: Option<f32>, line: &[Edge]| {
+            clip.is_none() && side.settle_blur(&scene.noise, line)
+        };
+        let (a, b) =
+            both(|| settle(top, scene.clip[0], &out.top), || settle(bottom, scene.clip[1], &out.bottom));
+        a || b
     }
 
     /// Fits both sides, their levels pooled before where `pool`; false without levels.

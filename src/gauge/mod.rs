@@ -54,6 +54,7 @@ pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings,
 };
+pub(crate) use station::Seen;
 pub use station::StationAverager;
 
 use crate::frame::FrameView;

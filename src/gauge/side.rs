@@ -302,6 +302,27 @@ impl SideState {
 
     /// Refines the blur from `start`, px.
     pub(crate) fn refine_blur(&mut self, noise: &NoiseModel, start: f64) {
+        self.blur = self.refined_blur(noise, start, None);
+    }
+
+    /// Takes the blur anew from the columns that were not refused: what shades an edge is blurred otherwise. False where it does not change.
+    pub(crate) fn settle_blur(&mut self, noise: &NoiseModel, line: &[Edge]) -> bool {
+        let looked_for = self.windows.centre.iter().zip(line).filter(|(centre, _)| centre.is_ok());
+        let refused = looked_for.filter(|(_, edge)| !edge.is_usable()).count();
+        if refused <= line.len() / 100 {
+            return false;
+        }
+        let settled = self.refined_blur(noise, self.blur.mean(), Some(line));
+        let differs = |(one, other): (&f64, &f64)| (one / other).ln().abs() > SAME_BLUR;
+        let changed = settled.sigma.iter().zip(&self.blur.sigma).any(differs);
+        let fits = self.window_width(settled.mean()) <= self.windows.width;
+        if changed && fits {
+            self.blur = settled;
+        }
+        changed && fits
+    }
+
+    fn refined_blur(&mut self, noise: &NoiseModel, start: f64, line: Option<&[Edge]>) -> BlurEstimate {
         let (dark, light) = (self.dark.mean, self.light.mean);
         let context = BlurContext {
             windows: &self.windows,
@@ -309,10 +330,11 @@ impl SideState {
             dark: &self.dark,
             light: &self.light,
             slope: &self.slope,
+            line,
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
-        self.blur = blur::refine(&context, start, &mut self.blur_scratch);
+        blur::refine(&context, start, &mut self.blur_scratch)
     }
 
     /// Index of the table for a blur and noise slope, built where it is missing.
