@@ -46,6 +46,8 @@ for threads in 1 2; do
 done
 study edge_peers sh benches/peers/run.sh
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+# circles and lines of constructed cases (limit 1 nm) with their certificates; sizes and lobes over a turn
+study form cargo test --release --locked --test form_features --test form_turn -- --nocapture --test-threads 1
 study uncertainty "$bin" study uncertainty --backend cpu
 study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"
