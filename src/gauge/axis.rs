@@ -25,8 +25,8 @@ const FLOOR_PX: f64 = 0.04;
 /// A refused stretch grows over neighbours that depart to the same side by so many standard deviations, this far at most.
 const GROW_LIMIT: f64 = 1.5;
 const GROWTH: usize = 64;
-/// Neighbours of a refused stretch that go with it: half the width of an edge's window.
-const GUARD: usize = 3;
+/// Neighbours of a refused stretch that go with it: the foot of what rises too gently to be told.
+const GUARD: usize = 6;
 /// Share of the blocks that must agree with the axis, and the scale that turns that quantile of their departures into a standard deviation.
 /// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
 const AGREEING: f64 = 0.5;
@@ -130,7 +130,7 @@ fn refuse_once(
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
     let mut any = scratch.mark(column_sd, block_sd);
     if !calm {
-        any |= scratch.mark_local(&axis, column_sd);
+        any |= scratch.mark_local(&axis, column_sd, dirty);
     }
     if !any && usable == top.len() {
         return 0.0;
@@ -288,13 +288,16 @@ impl AxisScratch {
     fn axis(&mut self, plain: Vector3<f64>) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, the axis
-        // itself wanders.
-        if let Some((_, axis)) = found.iter().find(|(cost, axis)| cost.is_finite() && self.bulges(axis)) {
-            return Some(*axis);
+        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, or the rest would
+        // be dents, the axis itself wanders.
+        let shares = found.map(|(_, axis)| self.bulges(&axis));
+        for ((cost, axis), (bulging, _)) in found.iter().zip(shares) {
+            if cost.is_finite() && bulging > BULGING {
+                return Some(*axis);
+            }
         }
         let wanders = found[0].0 > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
-        Some(if wanders { plain } else { found[0].1 })
+        Some(if wanders || shares[0].1 > BULGING { plain } else { found[0].1 })
     }
 
     /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
@@ -344,14 +347,15 @@ impl AxisScratch {
         Some(axis)
     }
 
-    /// Whether the blocks that leave an axis bulge: matter on one side widens the shadow by twice what it moves the middle by; an axis
-    /// that wanders moves both edges alike, texture dents as often as it bulges.
-    fn bulges(&mut self, axis: &Vector3<f64>) -> bool {
+    /// Which share of what leaves an axis bulges, and which is dents: matter on one side widens the shadow by twice what it moves the
+    /// middle by; an axis that wanders moves both edges alike, texture dents as often as it bulges; a chip taken for the part leaves the
+    /// part a dent.
+    fn bulges(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
         let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
         let leaves = |b: &Block| far(axis, limit, b);
         let within = self.blocks.iter().filter(|b| !leaves(b));
-        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return false };
-        let (mut bulging, mut all) = (0.0, 0.0);
+        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return (0.0, 0.0) };
+        let (mut bulging, mut denting, mut all) = (0.0, 0.0, 0.0);
         let (mut from, n) = (0, self.blocks.len());
         while from < n {
             if !leaves(&self.blocks[from]) {
@@ -365,9 +369,12 @@ impl AxisScratch {
             if peak && widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
                 bulging += square;
             }
+            if widening < -LEAST_BULGE * square {
+                denting += square;
+            }
             from = to;
         }
-        bulging > BULGING * all && all > 0.0
+        if all > 0.0 { (bulging / all, denting / all) } else { (0.0, 0.0) }
     }
 
     /// Of a run of blocks: Σ a·b and Σ a² of twice the middle's departure a and the width b, both over what the run's neighbours say.

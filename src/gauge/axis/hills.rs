@@ -13,8 +13,11 @@ use super::{AxisScratch, Block, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MOST_BULGE, b
 /// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
 const REACHES: [usize; 3] = [2, 3, 5];
 /// Departures from the neighbourhood that are matter, in robust standard deviations of such departures at n places elsewhere, and px.
-/// A standard deviation from a few places is worth less: the limit is that much times 1 + 4/n.
+/// A standard deviation from a few places is worth less, so that the limit is 1 + FEW/n times higher; but in a field that is dirty anyhow
+/// matter is likelier, and the limit lower.
 const LOCAL_LIMIT: f64 = 4.0;
+const FEW: f64 = 4.0;
+const AMONG_MATTER: f64 = 0.85;
 const LOCAL_FLOOR_PX: f64 = 0.05;
 /// Places elsewhere that tell that standard deviation.
 const LEAST_PLACES: usize = 3;
@@ -37,11 +40,11 @@ pub(super) struct Hill {
 
 impl AxisScratch {
     /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
-    pub(super) fn mark_local(&mut self, axis: &Vector3<f64>, column_sd: f64) -> bool {
+    pub(super) fn mark_local(&mut self, axis: &Vector3<f64>, column_sd: f64, dirty: bool) -> bool {
         let mut any = false;
         for reach in REACHES {
             for border in [false, true] {
-                any |= self.mark_hills(axis, reach, border);
+                any |= self.mark_hills(axis, reach, border, dirty);
             }
         }
         if any {
@@ -52,7 +55,7 @@ impl AxisScratch {
 
     /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
     /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
-    fn mark_hills(&mut self, axis: &Vector3<f64>, reach: usize, border: bool) -> bool {
+    fn mark_hills(&mut self, axis: &Vector3<f64>, reach: usize, border: bool, dirty: bool) -> bool {
         self.suspects.clear();
         let mut any = false;
         while self.suspects.len() < HILLS {
@@ -62,7 +65,8 @@ impl AxisScratch {
             if places < LEAST_PLACES {
                 continue;
             }
-            let limit = LOCAL_LIMIT * (1.0 + 4.0 / places as f64) * (0.5 + 0.5 * self.suspects.len() as f64);
+            let few = if dirty { AMONG_MATTER } else { 1.0 + FEW / places as f64 };
+            let limit = LOCAL_LIMIT * few * (0.5 + 0.5 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
                 let hill = self.suspects[suspect];
                 if hill.peak.abs() > limit * sd {
