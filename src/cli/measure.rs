@@ -116,6 +116,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
     let gauge =
         Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+    let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
     let mut paths = Vec::new();
     for input in &args.input {
         paths.extend(list_images(input).map_err(Failure::fail)?);

@@ -165,7 +165,7 @@ fn block_sums(
         let lost = scalars.blur_position * scalars.blur_position / scalars.information.max(1e-9);
         sums.score += f64::from(score);
         sums.information += f64::from(scalars.blur_information - lost);
-        sums.residual += f64::from(found.residual) / f64::from(table.freedom);
+        sums.residual += f64::from(found.residual) / f64::from(scalars.freedom);
         sums.count += 1.0;
     }
     sums

@@ -110,7 +110,8 @@ fn fit_four<const C: usize>(
     let shared = (by_light * by_light + by_dark * by_dark).sqrt().to_array();
     let relative = variance / (contrast * contrast);
     let own = (f32x4::from(unit) * relative.sqrt()).to_array();
-    let chi2 = (found.residual / (relative * f32x4::splat(job.table.freedom))).to_array();
+    let freedom = f32x4::from([a.freedom, b.freedom, c.freedom, d.freedom]);
+    let chi2 = (found.residual / (relative * freedom)).to_array();
     let (sign, x) = (f64::from(job.windows.side.sign()), found.x.to_array());
     let mut edges = [Edge::gap(Reason::NoEdge); FOUR];
     for (k, edge) in edges.iter_mut().enumerate() {
@@ -160,7 +161,7 @@ fn fit_column<const C: usize>(
         row_px: windows.row(column, found.x),
         u_own_px: scalars.unit_uncertainty * relative.sqrt(),
         u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
-        chi2: found.residual / (relative * job.table.freedom),
+        chi2: found.residual / (relative * scalars.freedom),
         state: EdgeState::Good,
     }
 }

@@ -57,6 +57,8 @@ pub(crate) struct PhaseScalars {
     pub(crate) blur_position: f32,
     /// Σ (∂E/∂σ)² v_mid/v, per px².
     pub(crate) blur_information: f32,
+    /// Degrees of freedom of the residual: one pixel more or less lies within reach from phase to phase.
+    pub(crate) freedom: f32,
 }
 
 /// One phase of a window's core, `C` eights of pixels, all in one place.
@@ -92,7 +94,7 @@ pub(crate) struct Table {
     pub(crate) kappa: f64,
     /// Pixels of the window, a multiple of 8; the central one is `half`.
     pub(crate) width: usize,
-    /// Degrees of freedom of the residual.
+    /// Degrees of freedom of the residual, of an edge on a pixel's middle.
     pub(crate) freedom: f32,
     /// Phases per pixel.
     pub(crate) per_px: f32,
@@ -199,8 +201,7 @@ impl Table {
             let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             self.scalars.push(fill_phase(samples, phase, kappa, reach, free_levels, rows, width));
         }
-        let fitted = self.phase(0.0).inverse_variances.iter().filter(|v| **v > 0.0).count();
-        self.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
+        self.freedom = self.phase(0.0).scalars.freedom;
     }
 
     fn fill_core(&mut self) {
@@ -302,6 +303,8 @@ fn fill_phase(
     scalars.information = information as f32;
     scalars.blur_position = blur_position as f32;
     scalars.blur_information = blur_information as f32;
+    let fitted = rows[2 * width..3 * width].iter().filter(|v| **v > 0.0).count();
+    scalars.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
     scalars
 }
 
