@@ -1,7 +1,7 @@
 # Two commands do all the set-up on a fresh Debian machine with Rust:
 #   make demo    the main job: cut, render, measure, correct, cut again -> out/demo/report.html
 #   make test    formatting, lints, all tests, doc tests
-# Others:  make studies (long measurements -> out/studies)   make bench   make bless CASE=all
+# Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
@@ -30,7 +30,7 @@ test: vulkan
 	fi
 
 studies: vulkan build
-	sh scripts/studies.sh
+	ONLY="$(ONLY)" sh scripts/studies.sh
 
 bench:
 	$(CARGO) bench --locked

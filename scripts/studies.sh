@@ -1,24 +1,39 @@
 #!/bin/sh
 # Long measurements: everything the README quotes that the tests only sample. Writes out/studies/ with date and commit.
+# All of them take about an hour; ONLY="coverage edges" runs those whose names match a word of it and leaves the others' results.
 set -eu
 out=out/studies
-rm -rf "$out"
+only=${ONLY:-}
+[ -n "$only" ] || rm -rf "$out"
 mkdir -p "$out"
 {
   echo "date:   $(date -u +%Y-%m-%dT%H:%M:%SZ)"
   echo "commit: $(git rev-parse HEAD 2>/dev/null || echo unknown)"
   echo "cpu:    $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores"
-} > "$out/provenance.txt"
-cat "$out/provenance.txt"
+} | tee -a "$out/provenance.txt"
 bin=target/release/shadowgauge
 preset=configs/slender_shaft.toml
+
+# wanted NAME: whether the study is to be run: all of them, or those that match a word of ONLY (a shell pattern).
+wanted() {
+  [ -n "$only" ] || return 0
+  for word in $only; do
+    # shellcheck disable=SC2254 # the word is a pattern
+    case $1 in $word) return 0 ;; esac
+  done
+  return 1
+}
 
 # study NAME COMMAND…: prints and keeps what the command says; a study that ends red is said, and the others go on.
 study() {
   name=$1; shift
+  wanted "$name" || return 0
   echo; echo "== $name: $*"
+  rm -rf "${out:?}/$name"
+  began=$(date +%s)
   "$@" > "$out/$name.txt" 2> "$out/$name.log" || echo "(ended with exit code $?)" >> "$out/$name.txt"
   cat "$out/$name.txt"
+  echo "-- $name: $(($(date +%s) - began)) s" | tee -a "$out/provenance.txt"
 }
 
 # -- main job, controllers side by side
@@ -39,13 +54,14 @@ study render cargo test --release --locked --test render_frames --test render_no
 study efficiency cargo test --release --locked --test gauge_edges every_cell -- --ignored --nocapture
 study reference_frames cargo test --release --locked --test gauge_stream sixteen -- --ignored --nocapture
 # 10^4 frames of 2048 x 2048 pixels, 12 bit, in memory: first frame, median, p99 on one thread and on two
-rm -rf "$out/gauge_frames"
 study gauge_frames "$bin" render configs/bench_2048.toml --frames 8 --backend cpu --out "$out/gauge_frames"
 for threads in 1 2; do
   study "gauge_bench_$threads" "$bin" measure "$out/gauge_frames/frames" --um-per-px 15 --threads "$threads" --bench 10000 --json
 done
 study edge_peers sh benches/peers/run.sh
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1
+# circles and lines of constructed cases (limit 1 nm) with their certificates; sizes and lobes over a turn
+study form cargo test --release --locked --test form_features --test form_turn -- --nocapture --test-threads 1
 study uncertainty "$bin" study uncertainty --backend cpu
 study coverage "$bin" study coverage --scenes 10000
 study contamination "$bin" study contamination --frames 2300 --clean 10000 --out "$out/contamination"

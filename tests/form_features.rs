@@ -22,6 +22,31 @@ fn at(centre: DVec2, polar: impl IntoIterator<Item = (f64, f64)>) -> Vec<DVec2> 
     polar.into_iter().map(|(angle, r)| centre + DVec2::from_angle(angle) * r).collect()
 }
 
+/// The worst of some constructed cases.
+#[derive(Default)]
+struct Worst {
+    cases: usize,
+    error_mm: f64,
+    gap_mm: f64,
+}
+
+impl Worst {
+    fn see(&mut self, error_mm: f64, proof: &Certificate) {
+        self.cases += 1;
+        self.error_mm = self.error_mm.max(error_mm);
+        self.gap_mm = self.gap_mm.max(proof.gap);
+    }
+
+    fn print(&self, what: &str) {
+        let Self { cases, error_mm, gap_mm } = self;
+        println!(
+            "{what}: {cases} constructed cases, worst departure {:.1e} nm (limit 1), optimality certified to {:.1e} nm",
+            1e6 * error_mm,
+            1e6 * gap_mm
+        );
+    }
+}
+
 /// A case with four alternating contacts of an annulus and all else strictly inside it.
 fn annulus_case(random: &mut Pcg64, n: usize) -> (Vec<DVec2>, DVec2, f64, f64) {
     let centre = DVec2::new(random.random_range(-40.0..40.0), random.random_range(-40.0..40.0));
@@ -44,15 +69,21 @@ fn annulus_case(random: &mut Pcg64, n: usize) -> (Vec<DVec2>, DVec2, f64, f64) {
 #[test]
 fn minimum_zone_circle_of_constructed_cases_is_right_to_1_nm() {
     let mut random = Pcg64::seed_from_u64(1);
+    let mut worst = Worst::default();
     for case in 0..300 {
         let (points, centre, inner, outer) = annulus_case(&mut random, 4 + 3 * case);
         let fit = minimum_zone_circle(&points).unwrap();
         let error = fit.circle.centre.distance(centre);
         assert!(error < NM, "case {case}: centre off by {error:e}");
+        worst.see(
+            error.max((fit.inner_radius - inner).abs()).max((fit.outer_radius - outer).abs()),
+            &fit.certificate,
+        );
         assert!((fit.inner_radius - inner).abs() < NM && (fit.outer_radius - outer).abs() < NM);
         let proof = &fit.certificate;
         assert!(proof.is_proven() && proof.gap < 1e-8 && proof.contacts.len() >= 4, "case {case}: {proof:?}");
     }
+    worst.print("minimum-zone circle");
 }
 
 /// Three contacts at one radius that surround the centre; the rest on the other side of that circle.
@@ -73,17 +104,24 @@ fn three_contacts(random: &mut Pcg64, n: usize, side: f64) -> (Vec<DVec2>, DVec2
 #[test]
 fn inscribed_and_circumscribed_circles_of_constructed_cases_are_right_to_1_nm() {
     let mut random = Pcg64::seed_from_u64(2);
+    let mut worst = [Worst::default(), Worst::default()];
     for case in 0..300 {
         let n = 20 + 3 * case;
         let (points, centre, radius) = three_contacts(&mut random, n, 1.0);
         let fit = maximum_inscribed_circle(&points).unwrap();
         assert!(fit.circle.centre.distance(centre) < NM && (fit.circle.radius - radius).abs() < NM, "{case}");
         assert!(fit.certificate.is_proven() && fit.certificate.gap < 1e-8, "{case}: {:?}", fit.certificate);
+        let off = fit.circle.centre.distance(centre).max((fit.circle.radius - radius).abs());
+        worst[0].see(off, &fit.certificate);
         let (points, centre, radius) = three_contacts(&mut random, n, -1.0);
         let fit = minimum_circumscribed_circle(&points).unwrap();
         assert!(fit.circle.centre.distance(centre) < NM && (fit.circle.radius - radius).abs() < NM, "{case}");
         assert!(fit.certificate.proven_within == f64::INFINITY && fit.certificate.gap < 1e-8, "{case}");
+        let off = fit.circle.centre.distance(centre).max((fit.circle.radius - radius).abs());
+        worst[1].see(off, &fit.certificate);
     }
+    worst[0].print("maximum inscribed circle");
+    worst[1].print("minimum circumscribed circle");
 }
 
 #[test]
@@ -100,6 +138,7 @@ fn two_opposed_points_can_determine_the_circumscribed_circle() {
 fn least_squares_circle_of_even_lobes_is_the_nominal_one_to_1_nm() {
     // Σ cos(kθ)·u = 0 at even angles for k ≥ 2: the nominal circle is stationary, exactly.
     let centre = DVec2::new(812.5, -377.25);
+    let mut worst = Worst::default();
     for (lobes, amplitude) in [(2.0, 0.2), (3.0, 0.05), (17.0, 0.01), (50.0, 0.003)] {
         let polar = (0..720).map(|i| {
             let angle = TAU * f64::from(i) / 720.0;
@@ -111,7 +150,9 @@ fn least_squares_circle_of_even_lobes_is_the_nominal_one_to_1_nm() {
         assert!((ls.rms - amplitude / 2f64.sqrt()).abs() < NM);
         let proof = &ls.fit.certificate;
         assert!(proof.is_proven() && proof.gap < NM && proof.proven_within > 0.5, "{proof:?}");
+        worst.see(circle.centre.distance(centre).max((circle.radius - 25.0).abs()), proof);
     }
+    worst.print("least-squares circle");
 }
 
 #[test]
@@ -199,6 +240,7 @@ fn certificates_refuse_a_circle_moved_by_a_tenth_of_a_micrometre() {
 #[test]
 fn minimum_zone_line_of_constructed_cases_is_right_to_1_nm() {
     let mut random = Pcg64::seed_from_u64(6);
+    let mut worst = Worst::default();
     for case in 0..300 {
         let angle = random.random_range(-1.4..1.4);
         let (along, across) = (DVec2::from_angle(angle), DVec2::from_angle(angle).perp());
@@ -218,9 +260,11 @@ fn minimum_zone_line_of_constructed_cases_is_right_to_1_nm() {
         );
         let proof = &fit.certificate;
         assert!(proof.proven_within == f64::INFINITY && proof.gap < 1e-8, "case {case}: {proof:?}");
+        worst.see((fit.peak_to_valley() - 2.0 * half).abs().max(fit.line.deviation(point).abs()), proof);
         let turned = Line { direction: (fit.line.direction + across * 1e-6).normalize(), ..fit.line };
         assert!(!certify_minimum_zone_line(&points, turned).is_proven());
     }
+    worst.print("minimum-zone line");
 }
 
 #[test]
@@ -239,6 +283,9 @@ fn least_squares_line_is_the_principal_axis_and_beats_every_other_direction() {
     assert!(fit.line.deviation(origin).abs() < NM && fit.line.direction.perp_dot(along).abs() < 1e-9);
     let proof = &fit.certificate;
     assert!(proof.proven_within == f64::INFINITY && proof.gap < NM, "{proof:?}");
+    let mut worst = Worst::default();
+    worst.see(fit.line.deviation(origin).abs(), proof);
+    worst.print("least-squares line");
     let sum = |line: &Line| points.iter().map(|p| line.deviation(*p).powi(2)).sum::<f64>();
     for k in -1000..=1000 {
         let turned = Line { direction: DVec2::from_angle(0.4 + 1e-6 * f64::from(k)), ..fit.line };

@@ -84,7 +84,8 @@ impl Contribution {
 
 impl Budget {
     fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {
-        self.contributions.iter().filter(|c| wanted(c)).map(|c| c.u_mm * c.u_mm).sum::<f64>().sqrt()
+        // From +0: an empty sum of floats is −0.
+        self.contributions.iter().filter(|c| wanted(c)).fold(0.0, |sum, c| sum + c.u_mm * c.u_mm).sqrt()
     }
 
     /// Random standard uncertainty, mm.

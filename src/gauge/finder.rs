@@ -35,6 +35,8 @@ const MOST_MISFIT: f64 = 1.1;
 const LEAST_MISFIT: f64 = 2.0;
 /// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
 const SHARP_PX: f64 = 0.4;
+/// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
+const NOISY_AREA_PX: f64 = 0.05;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// Frames after which the part is searched anew, in case another has come in.
@@ -71,6 +73,14 @@ struct Scene {
     light: f64,
     clip: [Option<f32>; 2],
     quantised: bool,
+}
+
+impl Scene {
+    /// Whether noise moves the windows that the area of their light is to centre.
+    fn is_noisy(&self, width: usize) -> bool {
+        let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
+        self.clip == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
+    }
 }
 
 impl EdgeStream {
@@ -264,6 +274,10 @@ impl EdgeStream {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
         self.fit(&scene, out, false);
+        if scene.is_noisy(self.sides[0].windows.width) {
+            scene = self.look_again(plane, scale, out)?;
+            self.fit(&scene, out, true);
+        }
         if self.settings.esf == (EsfModel::Learnt {}) {
             self.learn(&scene, out);
         }
@@ -314,6 +328,23 @@ impl EdgeStream {
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
         both(|| look(top, upper), || look(bottom, lower));
+        self.scene(scale)
+    }
+
+    /// Reads all windows anew around the edges found.
+    fn look_again<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        found: &FrameEdges,
+    ) -> Result<Scene, FrameRefused> {
+        let estimate = matches!(self.settings.noise, Noise::Estimated {});
+        let look = |side: &mut SideState, line: &[Edge]| {
+            side.look_again(plane, line);
+            side.survey(scale, estimate);
+        };
+        let [top, bottom] = &mut self.sides;
+        both(|| look(top, &found.top), || look(bottom, &found.bottom));
         self.scene(scale)
     }
 

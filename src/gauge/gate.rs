@@ -38,11 +38,11 @@ pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     f64::from(*value) / chi2_ratio_limit(freedom, BEST_QUANTILE)
 }
 
-/// Standard deviations (√(2/νn) of a mean over n columns) by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a
-/// clean frame hardly ever does, and its u stays what the noise says.
+/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a clean frame hardly ever does, and its
+/// u stays what the noise says.
 const MISFIT_LIMIT: f32 = 5.0;
-/// Least excess of the mean χ² ratio that counts: noise is known no better than that from one frame.
-const LEAST_EXCESS: f32 = 0.1;
+/// Relative standard uncertainty of the noise variance that one frame tells.
+const NOISE_KNOWN_TO: f32 = 0.02;
 
 /// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of neighbours exceeds the noise by
 /// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
@@ -55,7 +55,8 @@ pub(crate) fn state_misfit(line: &mut [Edge], freedom: f64, left_px: f64, stated
         for edge in block.iter().filter(|e| e.is_usable()) {
             (sum, count, own) = (sum + edge.chi2, count + 1.0, own + edge.u_own_px * edge.u_own_px);
         }
-        let excess = (MISFIT_LIMIT * (2.0 / (freedom as f32 * count.max(1.0))).sqrt()).max(LEAST_EXCESS);
+        // √(2/νn): what a mean over n columns scatters by.
+        let excess = MISFIT_LIMIT * (2.0 / (freedom as f32 * count.max(1.0))).sqrt().hypot(NOISE_KNOWN_TO);
         let shown = sum > (1.0 + excess) * count;
         let hidden = if shown { freedom as f32 * (sum / count - 1.0) } else { 0.0 };
         let left = left_px as f32;

@@ -212,6 +212,18 @@ impl SideState {
         }
     }
 
+    /// Reads the windows anew around the edges in `line`. Where windows were centred by the area of their light, a pixel of noise far out
+    /// moved the window that it lies in, so that the flat ends, chosen after a look at them, are no fair sample of the levels. A fitted
+    /// edge owes nothing to the flat ends: centred on it they are.
+    pub(crate) fn look_again<T: Sample>(&mut self, plane: &Plane<'_, T>, line: &[Edge]) {
+        for (centre, edge) in self.windows.centre.iter_mut().zip(line).filter(|(_, e)| e.is_usable()) {
+            *centre = Ok((edge.row_px + 0.5).floor() as i32);
+        }
+        self.windows.centred = true;
+        self.windows.prepare(&self.shape, self.laid_out, self.windows.width, plane.columns);
+        self.windows.read(plane);
+    }
+
     /// What the windows say of levels and noise before the other side is known.
     pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
         let levels = self.level_sums();

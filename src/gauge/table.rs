@@ -57,7 +57,7 @@ pub(crate) struct PhaseScalars {
     pub(crate) blur_position: f32,
     /// Σ (∂E/∂σ)² v_mid/v, per px².
     pub(crate) blur_information: f32,
-    /// Degrees of freedom of the residual: one pixel more or less lies within reach from phase to phase.
+    /// Degrees of freedom of the residual: how many pixels lie within reach of the edge changes with the phase.
     pub(crate) freedom: f32,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct Table {
     pub(crate) kappa: f64,
     /// Pixels of the window, a multiple of 8; the central one is `half`.
     pub(crate) width: usize,
-    /// Degrees of freedom of the residual, of an edge on a pixel's middle.
+    /// Degrees of freedom of the residual, on the mean over the phases.
     pub(crate) freedom: f32,
     /// Phases per pixel.
     pub(crate) per_px: f32,
@@ -201,7 +201,14 @@ impl Table {
             let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
             self.scalars.push(fill_phase(samples, phase, kappa, reach, free_levels, rows, width));
         }
-        self.freedom = self.phase(0.0).scalars.freedom;
+        self.freedom = self.mean_freedom();
+    }
+
+    /// Mean freedom over the phases of one pixel.
+    fn mean_freedom(&self) -> f32 {
+        let pixel = self.scalars.iter().filter(|s| s.phase > -0.5 && s.phase <= 0.5);
+        let (sum, count) = pixel.fold((0.0, 0.0_f32), |(sum, count), s| (sum + s.freedom, count + 1.0));
+        sum / count.max(1.0)
     }
 
     fn fill_core(&mut self) {
@@ -275,8 +282,10 @@ fn fill_phase(
     let mut fisher = nalgebra::Matrix3::<f64>::zeros();
     let mut scalars = PhaseScalars { phase: phase as f32, ..PhaseScalars::default() };
     let (mut information, mut blur_position, mut blur_information) = (0.0, 0.0, 0.0);
+    let mut fitted = 0.0;
     for (k, sample) in samples.iter().enumerate() {
         let iv = inverse_variance(k);
+        fitted += if iv > 0.0 { 1.0 } else { 0.0 };
         if free_levels {
             let gradient = nalgebra::Vector3::new(sample.by_position, 1.0, sample.value);
             fisher += gradient * gradient.transpose() * iv;
@@ -303,8 +312,7 @@ fn fill_phase(
     scalars.information = information as f32;
     scalars.blur_position = blur_position as f32;
     scalars.blur_information = blur_information as f32;
-    let fitted = rows[2 * width..3 * width].iter().filter(|v| **v > 0.0).count();
-    scalars.freedom = fitted as f32 - if free_levels { 3.0 } else { 1.0 };
+    scalars.freedom = fitted - if free_levels { 3.0 } else { 1.0 };
     scalars
 }
 

@@ -263,7 +263,7 @@ impl Windows {
                 break;
             }
             let shift = x.round();
-            if x.abs() <= if hop < 3 { CENTRED } else { LATER } {
+            if x.abs() <= if hop < 3 && !self.centred { CENTRED } else { LATER } {
                 self.centre[place] = Ok(centre);
                 self.start[place] = x;
                 self.dark[place] = dark;
