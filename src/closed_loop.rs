@@ -3,6 +3,7 @@
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
 
 mod evidence;
+mod masters;
 mod pass_before;
 
 use std::time::{Duration, Instant};
@@ -17,8 +18,7 @@ use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
-    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterCertificate,
-    MasterMeasurement, StationAverager,
+    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
 };
 use crate::job::{Job, JobError};
 use crate::nc;
@@ -182,8 +182,9 @@ impl<'a> ClosedLoop<'a> {
         let gauge = Gauge::new(job.gauge.clone())?;
         let calibration = match calibration {
             Some(known) => known,
-            None => calibrate(job, cell.as_mut(), &gauge)?,
+            None => masters::calibrate(job, cell.as_mut(), &gauge)?,
         };
+        let gauge = gauge.expecting(calibration.misfit());
         let offset = DiameterOffset::zero(stations);
         Ok(Self {
             job,
@@ -474,32 +475,6 @@ impl<'a> ClosedLoop<'a> {
 }
 
 /// Measures every master pin and fits scale and edge offset.
-fn calibrate(job: &Job, cell: &mut dyn TurningCell, gauge: &Gauge) -> Result<Calibration, LoopError> {
-    let mut measurements = Vec::new();
-    for (index, pin) in job.masters.pins.iter().enumerate() {
-        let mut source = cell.scan_master(index, job.masters.frames_each)?;
-        let mut edges = Vec::new();
-        let mut why = "no frame arrived".to_owned();
-        while let Some(frame) = source.next_frame()? {
-            match gauge.edges(&frame.view()) {
-                Ok(found) => edges.push(found),
-                Err(refused) => why = refused.to_string(),
-            }
-            source.recycle(frame);
-        }
-        if edges.is_empty() {
-            return Err(LoopError::Master { pin: index + 1, why });
-        }
-        let certificate = MasterCertificate {
-            diameter_mm: pin.diameter_mm,
-            expanded_u_mm: pin.expanded_u_mm,
-            coverage_factor: pin.coverage_factor,
-        };
-        measurements.push(MasterMeasurement { certificate, frames: edges });
-    }
-    Ok(Calibration::fit(&measurements)?.with_optics_id(&job.name))
-}
-
 /// What is gathered while a pass is scanned.
 struct Measured<'c> {
     calibration: &'c Calibration,

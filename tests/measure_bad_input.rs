@@ -150,3 +150,20 @@ fn the_command_line_and_calibrations_are_checked() {
     refuse(&["--calibration", &broken.to_string_lossy()], 3);
     refuse(&["--edges", "/nonexistent/edges.csv"], 3);
 }
+
+#[test]
+fn a_bench_reports_its_times_and_beside_what_threads_gain_what_the_machine_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let frame = save(&folder, "a.png", 320, 200, |x, y| shadow(y).saturating_add((x * 7 % 5) as u8));
+    for threads in ["1", "2"] {
+        let args = ["--json", "--bench", "20", "--threads", threads].map(Path::new);
+        let output = measure(&[&[frame.as_path()], &args[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let bench = serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["bench"].clone();
+        let positive = |key: &str| bench[key].as_f64().is_some_and(|v| v > 0.0);
+        assert!(positive("ms_per_frame_median") && positive("first_frame_ms"), "{bench}");
+        for key in ["speedup", "speedup_of_independent_streams"] {
+            assert_eq!(positive(key), threads == "2", "{bench}");
+        }
+    }
+}

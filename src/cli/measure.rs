@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use serde_json::{Value, json};
 
 use super::esf_argument::esf_model;
+use super::measure_bench;
 use super::measure_judge::{Follower, JudgeArgs, turn_table};
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
@@ -73,7 +73,8 @@ pub struct MeasureArgs {
     /// Threads (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Measures N frames from memory, cycling through those given, and reports the time.
+    /// Measures N frames from memory, cycling through those given, and reports the time; with several threads also what they gain, beside
+    /// what streams gain that share nothing.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     bench: Option<u32>,
 }
@@ -116,6 +117,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
     let gauge =
         Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+    let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
     let mut paths = Vec::new();
     for input in &args.input {
         paths.extend(list_images(input).map_err(Failure::fail)?);
@@ -239,7 +241,10 @@ fn measure_all(
     if let Some(path) = &args.edges {
         write_edges(path, &results)?;
     }
-    let bench = args.bench.map(|count| bench(args, gauge, &frames, count));
+    let bench = args.bench.map(|count| {
+        let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
+        measure_bench::bench(gauge, &views, count)
+    });
     let mut follower = calibration.map(|c| Follower::new(&args.judge, c, conditions)).transpose()?;
     let mut out = serde_json::Map::new();
     let mut figures = Vec::new();
@@ -427,30 +432,4 @@ fn write_rows(path: &Path, results: &[Measured]) -> Result<(), Box<dyn std::erro
     }
     csv.flush()?;
     Ok(())
-}
-
-/// Times `count` frames in one stream that starts anew.
-fn bench(args: &MeasureArgs, gauge: &Gauge, frames: &[Frame], count: u32) -> Value {
-    let mut stream = gauge.stream();
-    let mut edges = FrameEdges::default();
-    let (mut times, mut found) = (Vec::with_capacity(count as usize), 0);
-    for frame in frames.iter().cycle().take(count as usize) {
-        let start = Instant::now();
-        let measured = stream.measure(&view(args, frame), &mut edges);
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-        if measured.is_ok() {
-            found = edges.top.iter().chain(&edges.bottom).filter(|e| e.is_usable()).count();
-        }
-    }
-    let first = times.first().copied();
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| times.get((times.len() as f64 * share) as usize).copied();
-    json!({
-        "ms_per_frame_min": times.first(),
-        "ms_per_frame_median": at(0.5),
-        "ms_per_frame_p99": at(0.99),
-        "first_frame_ms": first,
-        "edges": found,
-        "threads": rayon::current_num_threads(),
-    })
 }

@@ -11,6 +11,7 @@ mod frame_files;
 mod gallery_cases;
 mod label_font;
 mod measure;
+mod measure_bench;
 mod measure_judge;
 pub mod measure_ring;
 mod nc;

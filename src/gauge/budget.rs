@@ -190,8 +190,10 @@ pub struct WidthReading {
     pub u_noise_px: f64,
     /// Share of quantisation in that noise' variance: (1/12)/σ_n².
     pub quantisation_share: f64,
-    /// Standard uncertainty of the width by the levels of light and shadow and by what the residual may hide, px.
+    /// Standard uncertainty of the width by the levels of light and shadow, px.
     pub u_levels_px: f64,
+    /// Standard uncertainty of the width by what the residual may hide, beyond what the calibration's masters left, px.
+    pub u_misfit_px: f64,
     /// Standard uncertainty of the width by the blur's, px.
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
@@ -228,7 +230,8 @@ impl WidthReading {
             chord,
             u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: over.u_shared_px,
+            u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2)).max(0.0).sqrt(),
+            u_misfit_px: over.u_misfit_px,
             u_blur_px,
             u_sigma_px,
             u_form_px: (form - noise).max(0.0).sqrt(),
@@ -255,6 +258,8 @@ impl WidthReading {
         let noise = std::f64::consts::FRAC_PI_2 * own / n;
         let own_u = largest.u_own_px.powi(2);
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
+        let shared = (largest.u_px.powi(2) - own_u).max(0.0);
+        let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
         Some(Self {
             column_px: largest.column_px,
             column_variance_px2: 0.0,
@@ -262,7 +267,8 @@ impl WidthReading {
             chord: 1.0,
             u_noise_px: noise.min(own_u).sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: (largest.u_px.powi(2) - own_u).max(0.0).sqrt(),
+            u_levels_px: (shared - misfit).sqrt(),
+            u_misfit_px: misfit.sqrt(),
             u_blur_px,
             u_sigma_px,
             u_form_px: (own_u - noise).max(0.0).sqrt(),
@@ -283,7 +289,7 @@ impl WidthReading {
         };
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_random(&mut budget, scale * self.chord);
+        self.add_edges(&mut budget, scale * self.chord);
         match (&calibration.bench, by) {
             (Some(bench), Some(by)) => {
                 for part in &bench.parts {
@@ -296,7 +302,7 @@ impl WidthReading {
         budget
     }
 
-    fn add_random(&self, budget: &mut Budget, mm_per_px: f64) {
+    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64) {
         let share = self.quantisation_share.clamp(0.0, 1.0);
         let width = |u_px: f64| format!("{u_px:.5} px of width");
         let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
@@ -312,9 +318,18 @@ impl WidthReading {
         let (noise, quantisation) = (self.u_noise_px * (1.0 - share).sqrt(), self.u_noise_px * share.sqrt());
         random("noise of the edges", width(noise), noise, None);
         random("quantisation", width(quantisation), quantisation, None);
-        random("levels of light and shadow, misfit", width(self.u_levels_px), self.u_levels_px, None);
+        random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
         random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
         random("form, texture and sampling", width(self.u_form_px), self.u_form_px, Some(self.form_freedom));
+        // The same light falls on every frame: it does not average.
+        budget.push(Contribution {
+            source: "misfit of the edge model".to_owned(),
+            input: format!("{:.5} px beyond the masters'", self.u_misfit_px),
+            shape: Shape::Normal,
+            share: Share::Common,
+            freedom: None,
+            u_mm: mm_per_px * self.u_misfit_px,
+        });
     }
 }
 
@@ -472,6 +487,7 @@ mod tests {
             u_noise_px: 0.01,
             quantisation_share: 0.25,
             u_levels_px: 0.0,
+            u_misfit_px: 0.0,
             u_blur_px: 0.0,
             u_sigma_px: 0.0,
             u_form_px: 0.0,
@@ -481,6 +497,12 @@ mod tests {
         assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
         assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
         assert!(budget.to_table(2.0).contains("quantisation"));
+        assert!(!budget.to_table(2.0).contains("misfit"));
+        let misfitting =
+            WidthReading { u_misfit_px: 0.02, ..reading }.budget(&calibration, &Conditions::default());
+        let misfit_mm = 0.02 * calibration.scale_mm_per_px;
+        assert!((misfitting.u_common_mm() / budget.u_common_mm().hypot(misfit_mm) - 1.0).abs() < 1e-9);
+        assert!(misfitting.to_table(2.0).contains("misfit of the edge model"));
         assert!(budget.coverage_factor(0.95) > 1.9599 && budget.coverage_factor(0.95) < 1.9601);
     }
 }

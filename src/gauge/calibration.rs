@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
+use super::edge_misfit::EdgeMisfit;
 use super::edges::FrameEdges;
 
 /// Version of the file format.
@@ -179,6 +180,9 @@ pub struct Calibration {
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bench: Option<Box<BenchCalibration>>,
+    /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfit: Option<Box<EdgeMisfit>>,
 }
 
 impl Calibration {
@@ -223,6 +227,7 @@ impl Calibration {
             covariance: fit.covariance,
             masters: masters.to_vec(),
             bench: None,
+            misfit: None,
         })
     }
 
@@ -237,7 +242,19 @@ impl Calibration {
             covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
             masters,
             bench: Some(Box::new(bench)),
+            misfit: None,
         }
+    }
+
+    /// Keeps what the masters' edges left of the edge model.
+    #[must_use]
+    pub fn with_misfit(self, misfit: Option<EdgeMisfit>) -> Self {
+        Self { misfit: misfit.map(Box::new), ..self }
+    }
+
+    /// What the masters' edges left of the edge model, for [`super::Gauge::expecting`].
+    pub fn misfit(&self) -> Option<&EdgeMisfit> {
+        self.misfit.as_deref()
     }
 
     /// Names the optics it belongs to.
@@ -256,6 +273,7 @@ impl Calibration {
             covariance: [0.0; 3],
             masters: Vec::new(),
             bench: None,
+            misfit: None,
         }
     }
 
@@ -288,6 +306,9 @@ impl Calibration {
                 value: c,
                 right: "a positive semidefinite matrix",
             });
+        }
+        if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
+            return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_bench()?;
         Ok(calibration)
@@ -433,6 +454,15 @@ mod tests {
         let read = Calibration::read(text.as_bytes()).unwrap();
         assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);
         assert!((read.u_common_mm(1200.0) - good.u_common_mm(1200.0)).abs() < 1e-12);
+        assert!(!text.contains("misfit") && read.misfit().is_none());
+        let left = EdgeMisfit { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
+        let with = serde_json::to_string(&good.clone().with_misfit(Some(left.clone()))).unwrap();
+        assert_eq!(Calibration::read(with.as_bytes()).unwrap().misfit(), Some(&left));
+        let loud = with.replace("-0.02", "-2.0");
+        assert!(matches!(
+            Calibration::read(loud.as_bytes()),
+            Err(CalibrationError::Value { key: "misfit.residual", .. })
+        ));
         let newer = text.replace("\"version\":1", "\"version\":9");
         assert!(matches!(Calibration::read(newer.as_bytes()), Err(CalibrationError::Version { found: 9 })));
         assert!(Calibration::read(&b"{"[..]).is_err());

@@ -7,7 +7,12 @@
 //!
 //! Where most of the light is clipped, the flank alone cannot tell a higher light from a wider blur (real edges
 //! are not Gaussian in their feet, and the fit would wander by half a pixel between frames). Then the light is taken at
-//! 1.05 times the clip, and what the edge would move by at 1.5 times goes into the shared uncertainty.
+//! 1.05 times the clip, and what the edge would move by at 1.5 times goes into the shared uncertainty. The light is the same at both edges,
+//! so that their errors add up in a width: each states √2 of its own, whose root sum of squares is that sum. Light beyond that range moves
+//! widths by more than is stated (by 2.0 u at 1.6 times the clip, 2.5 u at 1.75, 3 u at 2, 4 u at 2.5, 5 to 7 u at 4, for blurs from 0.6 to
+//! 2 px): where light of 1.75, 2.5 or 4 times the clip explains the edges significantly better than 1.5 times does, the side is
+//! refused as saturated, and so it is where its flank seems sharper than a lens makes one. Then U (k = 2) of an accepted width holds up to 1.6
+//! times the clip, and next to nothing beyond is accepted.
 
 use nalgebra::{Matrix4, SMatrix, Vector4};
 
@@ -21,6 +26,13 @@ use crate::profile::Reason;
 const TEACHERS: usize = 64;
 /// The light is looked for up to this multiple of the clip.
 const BRIGHTEST: f64 = 1.5;
+/// Light, as multiples of the clip, that must not explain the edges better than [`BRIGHTEST`] does.
+const TOO_BRIGHT: [f64; 3] = [1.75, 2.5, 4.0];
+/// Blur under the light assumed below which the flank is too steep for a lens, px: light of 1.6 times the clip makes so much of a blur of
+/// 0.6 px, twice the clip of 0.8 px.
+const SHARP_PX: f64 = 0.4;
+/// Logarithm of the likelihood ratio from which it does: five standard deviations.
+const BETTER: f64 = 12.5;
 /// Light taken where the frame does not tell, as a multiple of the clip.
 const ASSUMED: f64 = 1.05;
 /// Fraction of clipped flat light pixels above which the frame does not tell the light: what is not clipped then is a
@@ -48,6 +60,8 @@ struct Score {
     chi2: f64,
     /// Expected number of pixels that tell a grey value.
     telling: f64,
+    /// Logarithm of the likelihood.
+    log_likelihood: f64,
 }
 
 impl Model {
@@ -58,8 +72,13 @@ impl Model {
         edge_samples(-(half(window.len()) as f64), x, sigma, samples);
         let s = self.variance.sqrt();
         let contrast = self.light - self.dark;
-        let mut score =
-            Score { gradient: Vector4::zeros(), information: Matrix4::zeros(), chi2: 0.0, telling: 0.0 };
+        let mut score = Score {
+            gradient: Vector4::zeros(),
+            information: Matrix4::zeros(),
+            chi2: 0.0,
+            telling: 0.0,
+            log_likelihood: 0.0,
+        };
         for (sample, m) in samples.iter().zip(window) {
             let mean = self.dark + contrast * sample.value;
             let alpha = (self.clip - 0.5 - mean) / s;
@@ -78,6 +97,10 @@ impl Model {
             score.information += by * by.transpose() * information;
             if f64::from(*m) < self.clip {
                 score.chi2 += residual * residual;
+                score.log_likelihood -= 0.5 * residual * residual + s.ln();
+            } else {
+                // P(above the clip) = φ/h.
+                score.log_likelihood += pdf.max(1e-300).ln() - hazard.max(1e-300).ln();
             }
             score.telling += cdf;
         }
@@ -106,7 +129,7 @@ impl Model {
 
     /// Levels, blur and noise from the teachers; their places, px from the central pixel.
     fn learn(&mut self, windows: &Windows, teachers: &[usize]) -> Vec<f64> {
-        let mut starts: Vec<f64> = teachers.iter().map(|c| f64::from(windows.start[*c])).collect();
+        let mut starts: Vec<f64> = teachers.iter().map(|c| start_of(windows, *c)).collect();
         for _ in 0..30 {
             match self.teach(windows, teachers, &mut starts) {
                 Some(change) if change > 1e-4 => {}
@@ -114,6 +137,12 @@ impl Model {
             }
         }
         starts
+    }
+
+    /// Logarithm of the likelihood of the teachers' grey values, clipped ones by their probability, at their places in `starts`.
+    fn log_likelihood(&self, windows: &Windows, teachers: &[usize], starts: &[f64]) -> f64 {
+        let of = |(column, x): (&usize, &f64)| self.score(windows.of(*column), *x, self.sigma).log_likelihood;
+        teachers.iter().zip(starts).map(of).sum()
     }
 
     /// One Gauss-Newton step of (dark, light, σ) over the teachers, their positions profiled out. The relative change of σ.
@@ -145,8 +174,10 @@ impl Model {
         let step = normal.try_inverse()? * right;
         let last = self.sigma;
         self.dark += step[0].clamp(-20.0, 20.0);
-        self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
-            .clamp(self.clip, BRIGHTEST * self.clip);
+        if self.free_light {
+            self.light = (self.light + step[1].clamp(-0.2 * self.light, 0.2 * self.light))
+                .clamp(self.clip, BRIGHTEST * self.clip);
+        }
         self.sigma = (self.sigma + step[2].clamp(-0.2 * last, 0.3 * last)).clamp(0.25, 6.0);
         self.variance = (self.variance * (chi2 / telling).clamp(0.25, 4.0)).max(0.1);
         Some((self.sigma / last - 1.0).abs())
@@ -185,9 +216,21 @@ pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, li
     if !model.free_light {
         let mut brighter = Model { light: BRIGHTEST * start.clip, ..model };
         let moved = brighter.learn(windows, &teachers);
+        let said = brighter.log_likelihood(windows, &teachers, &moved);
+        let too_bright = TOO_BRIGHT.iter().any(|beyond| {
+            let mut model = Model { light: beyond * start.clip, ..brighter };
+            let places = model.learn(windows, &teachers);
+            model.log_likelihood(windows, &teachers, &places) > said + BETTER
+        });
+        // A flank that seems sharper than any lens makes it tells nothing: the light is far beyond.
+        if too_bright || model.sigma < SHARP_PX {
+            let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
+            line.extend((0..columns).map(|column| Edge::gap(gap(column))));
+            return 4.0;
+        }
         let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
-        // The light is anywhere between, and the value taken stands at one end of the range.
-        shared = (mean(&moved) - mean(&places)).abs() / 3.0_f64.sqrt();
+        // The light is anywhere between, and the value taken stands at one end of the range; both edges err alike.
+        shared = (mean(&moved) - mean(&places)).abs() * (2.0_f64 / 3.0).sqrt();
     }
     line.extend((0..columns).map(|column| {
         let mut edge = fit_column(windows, &model, column, slope[column]);
@@ -198,12 +241,18 @@ pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, li
     4.0
 }
 
+/// Where the edge of a column is looked for, px from the central pixel: where its light puts it; windows laid around a known edge do not say.
+fn start_of(windows: &Windows, column: usize) -> f64 {
+    let start = f64::from(windows.start[column]);
+    if start.is_finite() { start } else { 0.0 }
+}
+
 fn fit_column(windows: &Windows, model: &Model, column: usize, slope: f32) -> Edge {
     if let Err(reason) = windows.centre[column] {
         return Edge::gap(reason);
     }
     let sigma = column_sigma(model.sigma, f64::from(slope));
-    let Some((x, score)) = model.position(windows.of(column), f64::from(windows.start[column]), sigma) else {
+    let Some((x, score)) = model.position(windows.of(column), start_of(windows, column), sigma) else {
         return Edge::gap(Reason::Residual);
     };
     // Fewer than two telling pixels on the flank: nothing but the clip is seen.

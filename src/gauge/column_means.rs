@@ -17,8 +17,10 @@ pub(crate) struct ColumnMeans {
     pub(crate) rows_px: (f64, f64),
     /// Variance of the mean width from what each column has for itself, px².
     pub(crate) own_variance_px2: f64,
-    /// Standard uncertainty of the width that the columns share (levels), px.
+    /// Standard uncertainty of the width that the columns share (levels, misfit), px.
     pub(crate) u_shared_px: f64,
+    /// The part of it that a misfit of the edge model states, px.
+    pub(crate) u_misfit_px: f64,
 }
 
 impl ColumnMeans {
@@ -44,6 +46,7 @@ impl ColumnMeans {
             rows_px,
             own_variance_px2: own / n,
             u_shared_px: shared.sqrt(),
+            u_misfit_px: mean(&|c| edges.misfit_variance(c)).sqrt(),
             used,
         })
     }

@@ -74,12 +74,15 @@ pub struct FrameFigures {
     pub noise: [f64; 2],
     /// Contrast over noise at mid-edge.
     pub snr: f64,
-    /// Median residual χ² over its expectation: 1 where model and noise describe the frame. Uncertainties are
-    /// multiplied by its root where it exceeds 1.2.
+    /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe the frame, or where the edges leave what the
+    /// calibration's masters left. Uncertainties are multiplied by its root where it exceeds 1.2.
     pub misfit: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,
 }
+
+/// Columns over which residuals are averaged to tell a misfit that neighbours share.
+pub(crate) const MISFIT_BLOCK: usize = 128;
 
 /// Both edges of every column of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,6 +93,8 @@ pub struct FrameEdges {
     pub bottom: Vec<Edge>,
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
+    /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`MISFIT_BLOCK`] columns of the upper and lower edge.
+    pub misfit_px: [Vec<f32>; 2],
     /// The frame's own figures.
     pub figures: FrameFigures,
 }
@@ -114,6 +119,12 @@ impl FrameEdges {
     /// Columns in which both edges are usable.
     pub fn valid(&self) -> usize {
         self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_usable() && b.is_usable()).count()
+    }
+
+    /// Variance of a column's width by what a misfit of the edge model states at both edges, px².
+    pub(crate) fn misfit_variance(&self, column: usize) -> f64 {
+        let side = |side: &Vec<f32>| side.get(column / MISFIT_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
+        self.misfit_px.iter().map(side).sum()
     }
 
     /// Shadow width (bottom − top) of a column, px, where both edges are usable.

@@ -8,6 +8,7 @@
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
 use super::coarse::Coarse;
+use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
@@ -100,6 +101,22 @@ impl EdgeStream {
             axis: AxisScratch::default(),
             one_sided: 0.0,
             last: None,
+        }
+    }
+
+    /// Expects of every edge what a calibration's masters left of the edge model.
+    #[must_use]
+    pub(crate) fn expecting(mut self, misfit: Option<&EdgeMisfit>) -> Self {
+        for (index, side) in self.sides.iter_mut().enumerate() {
+            side.expect(misfit, index);
+        }
+        self
+    }
+
+    /// Adds what the edges of the frame just measured leave of the edge model.
+    pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+        for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
+            side.teach(lesson, index, line);
         }
     }
 
@@ -337,8 +354,8 @@ impl EdgeStream {
     fn scene(&self, scale: Scale) -> Result<Scene, FrameRefused> {
         let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
         let count = top.levels.count + bottom.levels.count;
-        if count == 0.0 {
-            return Err(no_levels());
+        if count == 0.0 || top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
+            return Err(if self.is_cut_off() { self.too_near() } else { no_levels() });
         }
         let dark = (top.levels.dark + bottom.levels.dark) / count;
         let light = (top.levels.light + bottom.levels.light) / count;
@@ -354,6 +371,24 @@ impl EdgeStream {
             ));
         }
         Ok(Scene { noise, dark, light, clip: [top.clip, bottom.clip], quantised: scale.floor > 0.0 })
+    }
+
+    /// Whether most columns of a side have no window because it would reach beyond the field.
+    fn is_cut_off(&self) -> bool {
+        self.sides.iter().any(|side| {
+            let cut = side.windows.centre.iter().filter(|c| **c == Err(Reason::Border)).count();
+            2 * cut > side.windows.centre.len()
+        })
+    }
+
+    fn too_near(&self) -> FrameRefused {
+        refused(
+            Reason::Border,
+            format!(
+                "an edge lies too near the border of the field: {} px of light are needed beside it at this blur",
+                self.sides[0].windows.width / 2
+            ),
+        )
     }
 
     fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {
@@ -419,6 +454,9 @@ impl EdgeStream {
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
         }
+        for (stated, side) in out.misfit_px.iter_mut().zip(&self.sides) {
+            stated.clone_from(&side.stated);
+        }
         if self.settings.rejection == Rejection::Full {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
@@ -431,6 +469,10 @@ impl EdgeStream {
         let valid = self.valid(out);
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
+            if reason == Reason::Saturated {
+                let detail = "the light beside the edges lies more than 1.5 times beyond full scale, or nothing but it is seen: expose less";
+                return Err(refused(reason, detail.to_owned()));
+            }
             return Err(refused(
                 reason,
                 format!(

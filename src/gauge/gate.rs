@@ -1,6 +1,6 @@
 //! What makes a fitted edge a gap: a residual that noise does not explain, or a place that its neighbours do not.
 
-use super::edges::{Edge, EdgeState};
+use super::edges::{Edge, EdgeState, MISFIT_BLOCK};
 use crate::profile::Reason;
 
 /// Columns whose median stands for the neighbourhood.
@@ -38,8 +38,6 @@ pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     f64::from(*value) / chi2_ratio_limit(freedom, BEST_QUANTILE)
 }
 
-/// Columns over which residuals are averaged to tell a misfit that neighbours share.
-const MISFIT_BLOCK: usize = 128;
 /// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a clean frame hardly ever does, and its
 /// u stays what the noise says.
 const MISFIT_LIMIT: f32 = 5.0;
@@ -48,21 +46,26 @@ const NOISE_KNOWN_TO: f32 = 0.02;
 
 /// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of neighbours exceeds the noise by
 /// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
-/// the residual shows of it may have moved the edge: u = u_own·√λ.
-pub(crate) fn state_misfit(line: &mut [Edge], freedom: f64) {
+/// the residual shows of it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be stated; what
+/// is stated goes to `stated`, one value a block.
+pub(crate) fn state_misfit(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
+    stated.clear();
     for block in line.chunks_mut(MISFIT_BLOCK) {
-        let (mut sum, mut count) = (0.0_f32, 0.0_f32);
+        let (mut sum, mut count, mut own) = (0.0_f32, 0.0_f32, 0.0_f32);
         for edge in block.iter().filter(|e| e.is_usable()) {
-            (sum, count) = (sum + edge.chi2, count + 1.0);
+            (sum, count, own) = (sum + edge.chi2, count + 1.0, own + edge.u_own_px * edge.u_own_px);
         }
         // √(2/νn): what a mean over n columns scatters by.
         let excess = MISFIT_LIMIT * (2.0 / (freedom as f32 * count.max(1.0))).sqrt().hypot(NOISE_KNOWN_TO);
-        if !(sum > (1.0 + excess) * count) {
+        let shown = sum > (1.0 + excess) * count;
+        let hidden = if shown { freedom as f32 * (sum / count - 1.0) } else { 0.0 };
+        let left = left_px as f32;
+        stated.push((own / count.max(1.0) * hidden + left * left).sqrt());
+        if !(shown || left > 0.0) {
             continue;
         }
-        let hidden = freedom as f32 * (sum / count - 1.0);
         for edge in block.iter_mut() {
-            edge.u_shared_px = edge.u_shared_px.hypot(edge.u_own_px * hidden.sqrt());
+            edge.u_shared_px = edge.u_shared_px.hypot(edge.u_own_px * hidden.sqrt()).hypot(left);
         }
     }
 }
@@ -77,9 +80,10 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
 }
 
 /// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a chip fits so badly that the misfit
-/// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light) may have more.
+/// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light, stated
+/// with √2) may have more.
 const VAGUE_PX: f64 = 0.5;
-const VAGUE_IMPAIRED_PX: f64 = 2.0;
+const VAGUE_IMPAIRED_PX: f64 = 2.9;
 
 /// Refuses edges that are known too badly to be the part's.
 pub(crate) fn refuse_vague(line: &mut [Edge]) {

@@ -25,7 +25,7 @@ const KNOT_PX: f64 = 0.25;
 const TRAVEL_PER_SEGMENT: f64 = 2.0;
 /// Most segments of the smooth curve.
 const MOST_SEGMENTS: usize = 16;
-/// Weight of a second difference of the spline's coefficients, in units of a knot's mean weight: settles coefficients without data.
+/// Weight of a second difference of the spline's coefficients: settles coefficients without data.
 const SMOOTHING: f64 = 1e-5;
 /// Knots of the table per pixel.
 const TABLE_PER_PX: f64 = 32.0;
@@ -61,14 +61,15 @@ fn basis_slope(t: f64) -> [f64; 4] {
 }
 
 /// A cubic spline over `from..from + segments·step` by regularised least squares.
-struct Spline {
+pub(crate) struct Spline {
     from: f64,
     step: f64,
     coefficients: DVector<f64>,
 }
 
 /// Normal equations of a spline.
-struct SplineFit {
+#[derive(Debug)]
+pub(crate) struct SplineFit {
     from: f64,
     step: f64,
     normal: DMatrix<f64>,
@@ -78,7 +79,7 @@ struct SplineFit {
 }
 
 impl SplineFit {
-    fn new(from: f64, to: f64, segments: usize) -> Self {
+    pub(crate) fn new(from: f64, to: f64, segments: usize) -> Self {
         Self {
             from,
             step: (to - from) / segments as f64,
@@ -88,7 +89,7 @@ impl SplineFit {
         }
     }
 
-    fn add(&mut self, at: f64, value: f64) {
+    pub(crate) fn add(&mut self, at: f64, value: f64) {
         let place = (at - self.from) / self.step;
         if !(place >= 0.0 && place <= self.counts.len() as f64) {
             return;
@@ -104,14 +105,14 @@ impl SplineFit {
         }
     }
 
-    /// Solves; with `clamped` ends the spline leaves zero smoothly.
-    fn solve(mut self, clamped: bool) -> Option<Spline> {
+    /// Solves with this weight of a second difference, in units of a knot's mean weight; with `clamped` ends the spline leaves zero smoothly.
+    pub(crate) fn solve(mut self, smoothing: f64, clamped: bool) -> Option<Spline> {
         let n = self.right.len();
         let weight = self.normal.trace() / n as f64;
         for k in 1..n - 1 {
             for (i, a) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
                 for (j, b) in [(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)] {
-                    self.normal[(i, j)] += SMOOTHING * weight * a * b;
+                    self.normal[(i, j)] += smoothing * weight * a * b;
                 }
             }
         }
@@ -127,7 +128,7 @@ impl SplineFit {
 
 impl Spline {
     /// Value and derivative; zero outside.
-    fn at(&self, at: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, at: f64) -> (f64, f64) {
         let segments = self.coefficients.len() - 3;
         let place = (at - self.from) / self.step;
         if !(place >= 0.0 && place <= segments as f64) {
@@ -174,7 +175,7 @@ fn smooth_curve(places: &[(usize, f64)]) -> Option<Spline> {
         for (c, p) in places.iter().filter(|(c, p)| away(*c, *p) <= limit) {
             fit.add(*c as f64, *p);
         }
-        let next = fit.solve(false)?;
+        let next = fit.solve(SMOOTHING, false)?;
         let mut sizes: Vec<f64> = places.iter().map(|(c, p)| (p - next.at(*c as f64).0).abs()).collect();
         let middle = sizes.len() / 2;
         let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
@@ -204,7 +205,7 @@ fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach
         }
     }
     let seen = fit.counts.iter().skip(8).rev().skip(8).all(|count| *count >= 4);
-    if seen { fit.solve(true) } else { None }
+    if seen { fit.solve(SMOOTHING, true) } else { None }
 }
 
 /// F and its integral from E by telescoping: I(v) = Σ E(v − 1/2 − j), F(v) = Σ E′(v − 1/2 − j) over j ≥ 0.
@@ -244,7 +245,7 @@ mod tests {
             let x = -2.0 + 5.0 * f64::from(k) / 399.0;
             fit.add(x, cubic(x));
         }
-        let spline = fit.solve(false).unwrap();
+        let spline = fit.solve(SMOOTHING, false).unwrap();
         for x in [-1.9, -0.3, 0.0, 1.234, 2.9] {
             let (value, slope) = spline.at(x);
             assert!((value - cubic(x)).abs() < 2e-4, "{value} {}", cubic(x));

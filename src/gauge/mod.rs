@@ -14,6 +14,7 @@ mod columns;
 mod components;
 mod curvature;
 mod diameter;
+mod edge_misfit;
 mod edges;
 mod esf;
 mod falloff;
@@ -48,6 +49,7 @@ pub use calibration::{
 };
 pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
+pub use edge_misfit::{EdgeMisfit, MisfitLesson};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use settings::{
@@ -78,6 +80,7 @@ use crate::frame::FrameView;
 #[derive(Clone, Debug)]
 pub struct Gauge {
     settings: GaugeSettings,
+    misfit: Option<EdgeMisfit>,
 }
 
 impl Gauge {
@@ -87,7 +90,15 @@ impl Gauge {
     /// Names the first setting out of its range.
     pub fn new(settings: GaugeSettings) -> Result<Self, GaugeSettingsError> {
         settings.validate()?;
-        Ok(Self { settings })
+        Ok(Self { settings, misfit: None })
+    }
+
+    /// Expects of every edge the residual that a calibration's masters left ([`Calibration::misfit`]): what they share with it
+    /// the calibration has absorbed, and only what departs from it widens u or is flagged. The same model must be fitted as
+    /// when they were measured; another one shows as a misfit.
+    #[must_use]
+    pub fn expecting(self, misfit: Option<&EdgeMisfit>) -> Self {
+        Self { misfit: misfit.cloned(), ..self }
     }
 
     /// The settings.
@@ -107,6 +118,6 @@ impl Gauge {
 
     /// A stream for many frames of one camera: keeps tables and buffers.
     pub fn stream(&self) -> EdgeStream {
-        EdgeStream::new(self.settings.clone())
+        EdgeStream::new(self.settings.clone()).expecting(self.misfit.as_ref())
     }
 }

@@ -4,7 +4,8 @@ use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
 use super::columns::{ColumnJob, score_columns};
-use super::edges::Edge;
+use super::edge_misfit::{EdgeMisfit, Expected, MisfitLesson, SideView};
+use super::edges::{Edge, MISFIT_BLOCK};
 use super::esf::EdgeShape;
 use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
@@ -41,6 +42,10 @@ pub(crate) struct SideState {
     pub(crate) jump: f64,
     /// Rows of the edges, where there are no gaps.
     pub(crate) rows: Vec<CoarseEdge>,
+    /// What a misfit of the edge model states, px, one for every block of columns.
+    pub(crate) stated: Vec<f32>,
+    /// What the calibration's masters left of the edge model.
+    expected: Option<Expected>,
     /// The edge-spread function fitted.
     shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -107,6 +112,8 @@ impl SideState {
             survey: Survey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),
+            stated: Vec::new(),
+            expected: None,
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
@@ -128,6 +135,20 @@ impl SideState {
         if self.shape != shape {
             self.shape = shape;
             self.tables.clear();
+        }
+    }
+
+    /// Expects what a calibration's masters left of the edge model at this side (0 above, 1 below).
+    pub(crate) fn expect(&mut self, misfit: Option<&EdgeMisfit>, side: usize) {
+        self.expected = misfit.map(|m| Expected::new(m, side));
+    }
+
+    /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
+    pub(crate) fn teach(&self, lesson: &mut MisfitLesson, side: usize, line: &[Edge]) {
+        if self.survey.clip.is_none() {
+            let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
+            let view = SideView { windows, shape, dark: &self.dark, light: &self.light, slope };
+            lesson.add(side, &view, line, |column| self.sigma_at(column));
         }
     }
 
@@ -183,6 +204,7 @@ impl SideState {
         self.laid_out = sigma;
         self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
         self.outliers.reserve(plane.columns);
+        self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
         self.windows.read(plane);
         self.falloff.look(plane, &self.windows);
         let Some(max_slope) = centring else { return };
@@ -377,6 +399,7 @@ impl SideState {
         line.clear();
         let freedom = match clip {
             Some(clip) => {
+                self.expected.iter_mut().for_each(Expected::start);
                 // Of a lit part the ground is what is dark.
                 let lit = clip < 0.0;
                 let level = if lit { self.light.mean } else { self.dark.mean };
@@ -408,6 +431,8 @@ impl SideState {
         normalised.resize(self.windows.width, 0.0);
         let (shadow, contrast) = self.own_shadow();
         let (mut from, mut freedom) = (0, 1.0);
+        let mut expected = self.expected.take();
+        expected.iter_mut().for_each(Expected::start);
         while from < columns {
             let sigma = self.sigma_at(from);
             let to = self.end_of_run(from, sigma);
@@ -426,12 +451,16 @@ impl SideState {
                 contrast,
             };
             score_columns(&job, from..to, &mut normalised, line);
+            if let Some(expected) = &mut expected {
+                expected.judge(&job, from..to, &mut normalised, line);
+            }
             from = to;
             if from >= columns {
                 let levels = (&self.dark, &self.light);
                 self.falloff.state(line, &self.windows, levels, (noise, table));
             }
         }
+        self.expected = expected;
         self.normalised = normalised;
         freedom
     }
@@ -473,7 +502,8 @@ impl SideState {
         if settings.rejection != Rejection::Off {
             gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
         }
-        gate::state_misfit(line, freedom);
+        let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
+        gate::state_misfit(line, freedom, left_px, &mut self.stated);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();

@@ -154,3 +154,52 @@ fn a_lit_part_upright_is_measured_as_a_shadow_is_clipped_or_not() {
         assert!(gauge().edges(&view.transposed()).map_or(0, |e| e.valid()) == 0);
     }
 }
+
+/// Light from once to four times full scale: what is accepted lies within the U (k = 2) stated of the width, both edges erring alike;
+/// the rest is refused as saturated.
+#[test]
+fn light_far_beyond_full_scale_is_refused_and_nearer_is_covered() {
+    for sigma in [0.6, 1.0, 2.0] {
+        for beyond in [1.0, 1.05, 1.2, 1.4, 1.5, 1.6, 1.7, 1.85, 2.0, 2.5, 3.0, 4.0] {
+            let synth = Synth {
+                columns: 256,
+                dark: 15.0,
+                light: 255.0 * beyond,
+                sigma,
+                format: PixelFormat::Mono8,
+                read: 1.0,
+                gain: 0.02,
+                black: 0.0,
+                ..Synth::with_snr(1.0, 100.0, true)
+            };
+            let edges = match gauge().edges(&synth.frame(drifting, Some(12)).view()) {
+                Ok(edges) => edges,
+                Err(refused) => {
+                    println!("blur {sigma}, light {beyond}: {refused}");
+                    assert!(refused.reason == Reason::Saturated && beyond >= 1.4, "{refused}");
+                    continue;
+                }
+            };
+            let usable: Vec<usize> = (0..256).filter(|c| edges.width_px(*c).is_some()).collect();
+            let error = |c: usize| edges.width_px(c).unwrap() - (drifting(c).1 - drifting(c).0);
+            let mean = usable.iter().map(|c| error(*c)).sum::<f64>() / usable.len() as f64;
+            let shared = |c: usize| f64::from(edges.top[c].u_shared_px.hypot(edges.bottom[c].u_shared_px));
+            let u = usable.iter().map(|c| shared(*c)).sum::<f64>() / usable.len() as f64;
+            println!(
+                "blur {sigma}, light {beyond}: width off by {mean:.3}, u {u:.3} px, {} columns",
+                usable.len()
+            );
+            assert!(usable.len() > 200 && mean.abs() <= 2.1 * u, "blur {sigma}, light {beyond}: {mean} {u}");
+            assert!(beyond < 1.75, "light {beyond} times full scale is measured");
+        }
+    }
+}
+
+/// Both sides need light beside the edge: where the field ends there, that is the reason given.
+#[test]
+fn an_edge_at_the_border_is_refused_for_it() {
+    let synth = Synth { columns: 256, sigma: 2.0, ..Synth::with_snr(1.0, 60.0, true) };
+    let refused = gauge().edges(&synth.frame(|_| (30.2, 104.3), Some(13)).view()).unwrap_err();
+    println!("{refused}");
+    assert_eq!(refused.reason, Reason::Border);
+}

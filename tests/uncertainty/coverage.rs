@@ -28,3 +28,15 @@ fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
         assert!(c.flagged >= 0.99, "{class:?} {c:?}");
     }
 }
+
+/// A Gaussian fitted to partially coherent light misfits masters and part alike: what both share is absorbed by the offset and not stated.
+#[test]
+fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let c = class_figures(Class::Diffraction, 80, 7, &renderer).unwrap();
+    println!("{c:?}");
+    assert!(c.flagged <= 0.05, "{c:?}");
+    assert!(c.covered >= 0.92, "{c:?}");
+    // A 95th percentile of 80 is known to a tenth.
+    assert!(c.half_over_p95() <= 1.65, "{c:?}");
+}

@@ -17,7 +17,8 @@ use crate::gauge::bench::{
 use crate::gauge::budget::{Budget, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
 use crate::gauge::{
-    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, MasterFigure,
+    Calibration, CalibrationError, EdgeMisfit, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
+    MasterFigure, MisfitLesson,
 };
 use crate::render::RenderError;
 
@@ -118,11 +119,7 @@ pub fn calibrate(
     plan.validate()?;
     let gauge = Gauge::new(plan.gauge.clone())?;
     let (flat_field, sensor) = fields(plan, recordings)?;
-    let mut pins = Vec::new();
-    let mut stream = gauge.stream();
-    for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
-        pins.push(pin_edges(&mut stream, flat_field.as_ref(), index, pin, recordings)?);
-    }
+    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), recordings)?;
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
         if seen.size != size {
@@ -139,7 +136,8 @@ pub fn calibrate(
     bench.conditions = plan.conditions;
     bench.sensor = sensor;
     bench.flat_field = flat_field;
-    let mut calibration = Calibration::of_bench(&adjusted, figures, bench).with_optics_id(&plan.optics_id);
+    let mut calibration =
+        Calibration::of_bench(&adjusted, figures, bench).with_optics_id(&plan.optics_id).with_misfit(misfit);
     let check = plan
         .check
         .as_ref()
@@ -209,12 +207,36 @@ fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
     Some(FramePair { exposure, first: first.view(), second: second.view() })
 }
 
+/// Edges of all pins, and what the masters' leave of the edge model. Where that is more than noise, the pins are looked at again,
+/// now expecting it: their own uncertainties then hold only what departs from it, too.
+fn all_pins(
+    plan: &CalibrationPlan,
+    gauge: &Gauge,
+    flat_field: Option<&FlatField>,
+    recordings: &mut dyn Recordings,
+) -> Result<(Vec<PinEdges>, Option<EdgeMisfit>), CalibrateError> {
+    let mut look = |gauge: &Gauge, lesson: &mut MisfitLesson| -> Result<Vec<PinEdges>, CalibrateError> {
+        let mut stream = gauge.stream();
+        let mut pins = Vec::new();
+        for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
+            let lesson = (index < plan.masters.len()).then_some(&mut *lesson);
+            pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, lesson)?);
+        }
+        Ok(pins)
+    };
+    let mut lesson = MisfitLesson::default();
+    let pins = look(gauge, &mut lesson)?;
+    let Some(misfit) = lesson.finish() else { return Ok((pins, None)) };
+    let pins = look(&gauge.clone().expecting(Some(&misfit)), &mut MisfitLesson::default())?;
+    Ok((pins, Some(misfit)))
+}
+
 fn pin_edges(
     stream: &mut EdgeStream,
     flat_field: Option<&FlatField>,
-    index: usize,
-    pin: &PinPlan,
+    (index, pin): (usize, &PinPlan),
     recordings: &mut dyn Recordings,
+    mut lesson: Option<&mut MisfitLesson>,
 ) -> Result<PinEdges, CalibrateError> {
     let (mut edges, mut size) = (Vec::new(), None);
     let mut why = "no frame arrived".to_owned();
@@ -232,7 +254,12 @@ fn pin_edges(
             }
             let mut seen = FrameEdges::default();
             match stream.measure(&view, &mut seen) {
-                Ok(()) => edges.push((seen, position.y_mm)),
+                Ok(()) => {
+                    if let Some(lesson) = &mut lesson {
+                        stream.teach(lesson, &seen);
+                    }
+                    edges.push((seen, position.y_mm));
+                }
                 Err(refused) => why = refused.to_string(),
             }
         }

@@ -22,12 +22,15 @@ use crate::truth;
 use super::Class;
 
 /// Frames of the study, px.
-const ROWS: u32 = 512;
+const ROWS: u32 = 576;
 const COLUMNS: u32 = 320;
 /// Spindle angles over half a turn where form is sampled, and stations whose scatter is pooled.
 const ANGLES: usize = 10;
 const STATION_MM: f64 = 0.4;
 const STATIONS: usize = 9;
+
+/// Gaussian blur as wide as the light that takes its place in [`Class::OtherLight`], px.
+const OTHER_BLUR_PX: f64 = 1.26;
 
 /// Room that a user leaves for edges imaged unlike the masters', ± µm an edge.
 const DEVIATING_UM: f64 = 0.03;
@@ -54,15 +57,43 @@ struct Drawn {
     finish_um: f64,
 }
 
-/// Partially coherent light of one of five kinds (its tables are dear and kept): under a blur that hides its rings, or not.
+/// Numerical aperture, middle ratio of coherence and blur beside it (µm) of partially coherent light: under a blur that hides its rings, or not.
+const fn kind_of_light(rings: bool) -> (f64, f64, f64) {
+    if rings { (0.02, 0.6, 5.0) } else { (0.06, 1.0, 18.0) }
+}
+
+/// Steps of the coherence ratio: five kinds (their tables are dear and kept), two to either side of the middle.
+const RATIO_STEP: f64 = 0.05;
+
+/// The kind of light of [`Class::OtherLight`]: beyond the five.
+const OTHER_KIND: f64 = 3.0;
+
+/// Partially coherent light of a kind; those of the classes are −2 to 2.
 fn coherent(rings: bool, kind: f64) -> PartiallyCoherentEdge {
-    let (na, middle, extra_sigma_um) = if rings { (0.02, 0.6, 5.0) } else { (0.06, 1.0, 18.0) };
-    PartiallyCoherentEdge {
-        na,
-        coherence_ratio: middle + 0.05 * kind,
-        extra_sigma_um,
-        ..PartiallyCoherentEdge::default()
-    }
+    let (na, middle, extra_sigma_um) = kind_of_light(rings);
+    let coherence_ratio = middle + RATIO_STEP * kind;
+    PartiallyCoherentEdge { na, coherence_ratio, extra_sigma_um, ..PartiallyCoherentEdge::default() }
+}
+
+/// The kinds from `first` to `last` in words.
+fn in_words(rings: bool, first: f64, last: f64) -> String {
+    let (na, middle, blur) = kind_of_light(rings);
+    let ratio = |kind: f64| middle + RATIO_STEP * kind;
+    format!(
+        "partially coherent light of NA {na}, coherence {:.2} to {:.2}, further blur {blur} um",
+        ratio(first),
+        ratio(last)
+    )
+}
+
+/// The light of a class in words: with rings that show, or hidden by a blur.
+pub(super) fn light(rings: bool) -> String {
+    in_words(rings, -2.0, 2.0)
+}
+
+/// The light of [`Class::OtherLight`] in words.
+pub(super) fn other_light() -> String {
+    in_words(false, OTHER_KIND, OTHER_KIND)
 }
 
 /// An edge as the gauge is given it, for the nominal pixel.
@@ -158,6 +189,12 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         }
         Class::Defocus => conditions.limit_axis_y_mm = 2.0,
         Class::Form | Class::Tilt | Class::Lobes => {}
+        Class::OtherLight => {
+            simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: OTHER_BLUR_PX });
+            simulate.departures.blur_rel = 0.0;
+            positions = positions.map(|p| Position { y_mm: 0.0, ..p });
+            conditions.limit_axis_y_mm = 0.0;
+        }
         Class::Vibration | Class::LossOfFocus | Class::WarmPart | Class::OtherFinish | Class::Overexposed => {
         }
     }
@@ -195,6 +232,9 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
     let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
     let mut bench = recordings.into_bench();
+    if class == Class::OtherLight {
+        bench = in_other_light(&drawn, seed, renderer)?;
+    }
     let d20_mm = 5.3 + 1.5 * draws.even();
     let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
     if matches!(class, Class::Form | Class::Lobes) {
@@ -202,6 +242,21 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     }
     let frame = expose(&drawn, &mut bench, &laid)?;
     Ok(judge(&drawn, &calibration, &frame, d20_mm))
+}
+
+/// The same bench in partially coherent light.
+fn in_other_light<'a>(
+    drawn: &Drawn,
+    seed: u64,
+    renderer: &'a Renderer,
+) -> Result<SimulatedBench<'a>, CalibrateError> {
+    let mut plan = drawn.plan.clone();
+    if let Some(simulate) = &mut plan.simulate {
+        simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
+    }
+    let other = SimulatedRecordings::new(&plan, renderer)?.into_bench();
+    // Noise of its own, not that of the first master's frames.
+    Ok(SimulatedBench::new(renderer, other.bench().clone(), other.telecentricity_per_mm, !seed))
 }
 
 /// The part as it really lies, drawn from the conditions; what lies outside them, for the classes that are.
@@ -327,6 +382,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
 
 fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) -> Outcome {
     let Ok(gauge) = Gauge::new(drawn.plan.gauge.clone()) else { return refused("settings".to_owned()) };
+    let gauge = gauge.expecting(calibration.misfit());
     let edges = match gauge.edges(&frame.view()) {
         Ok(edges) => edges,
         Err(e) => return refused(e.reason.to_string()),
@@ -354,7 +410,7 @@ fn measure_stations(
     bench: &mut SimulatedBench<'_>,
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
-    let gauge = Gauge::new(drawn.plan.gauge.clone())?;
+    let gauge = Gauge::new(drawn.plan.gauge.clone())?.expecting(calibration.misfit());
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
     let (mut common, mut flags) = (None, String::new());

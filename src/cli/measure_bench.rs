@@ -1,0 +1,111 @@
+//! `measure --bench`: how long a frame takes in memory; with more threads than one, beside what the machine itself gains by them.
+
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use crate::frame::FrameView;
+use crate::gauge::{EdgeStream, FrameEdges, Gauge};
+
+/// Rounds in which ways of using the threads take turns, and frames of a round.
+const ROUNDS: usize = 25;
+const FRAMES: usize = 60;
+
+/// Times `count` frames in one stream that starts anew, on the threads of the pool that this is called in.
+pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
+    let mut stream = gauge.stream();
+    let mut edges = FrameEdges::default();
+    let (mut times, mut found) = (Vec::with_capacity(count as usize), 0);
+    for frame in frames.iter().cycle().take(count as usize) {
+        let start = Instant::now();
+        let measured = stream.measure(frame, &mut edges);
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+        if measured.is_ok() {
+            found = edges.top.iter().chain(&edges.bottom).filter(|e| e.is_usable()).count();
+        }
+    }
+    let first = times.first().copied();
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| times.get((times.len() as f64 * share) as usize).copied();
+    let threads = rayon::current_num_threads();
+    let mut out = json!({
+        "ms_per_frame_min": times.first(),
+        "ms_per_frame_median": at(0.5),
+        "ms_per_frame_p99": at(0.99),
+        "first_frame_ms": first,
+        "edges": found,
+        "threads": threads,
+    });
+    if threads > 1
+        && !frames.is_empty()
+        && let Some(out) = out.as_object_mut()
+    {
+        let gains = compare(gauge, frames, threads);
+        out.insert("speedup".to_owned(), json!(gains.of_one_stream));
+        out.insert("speedup_of_independent_streams".to_owned(), json!(gains.of_independent_streams));
+    }
+    out
+}
+
+/// What several threads gain over one, as medians over rounds.
+struct Gains {
+    /// One stream whose frames are shared between the threads: time of one thread over time of all.
+    of_one_stream: f64,
+    /// As many streams as threads, which share nothing: what the cores, caches and memory of this machine allow.
+    of_independent_streams: f64,
+}
+
+/// A stream with what it writes to.
+struct Worker {
+    stream: EdgeStream,
+    edges: FrameEdges,
+}
+
+impl Worker {
+    fn new(gauge: &Gauge) -> Self {
+        Self { stream: gauge.stream(), edges: FrameEdges::default() }
+    }
+
+    fn run(&mut self, frames: &[FrameView<'_>]) {
+        for frame in frames.iter().cycle().take(FRAMES) {
+            // A refused frame takes its time as well.
+            let _ = self.stream.measure(frame, &mut self.edges);
+        }
+    }
+}
+
+fn compare(gauge: &Gauge, frames: &[FrameView<'_>], threads: usize) -> Gains {
+    let mut shared = Worker::new(gauge);
+    let mut alone: Vec<Worker> = (0..threads).map(|_| Worker::new(gauge)).collect();
+    shared.run(frames);
+    alone.iter_mut().for_each(|worker| worker.run(frames));
+    let (mut one, mut independent) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let single = seconds(|| at_once(&mut alone[..1], frames));
+        let together = seconds(|| shared.run(frames));
+        let apart = seconds(|| at_once(&mut alone, frames));
+        one.push(single / together);
+        independent.push(threads as f64 * single / apart);
+    }
+    Gains { of_one_stream: median(one), of_independent_streams: median(independent) }
+}
+
+/// Runs each worker on a thread of its own, outside the pool.
+fn at_once(workers: &mut [Worker], frames: &[FrameView<'_>]) {
+    std::thread::scope(|scope| {
+        for worker in workers {
+            scope.spawn(|| worker.run(frames));
+        }
+    });
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}

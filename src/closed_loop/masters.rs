@@ -1,0 +1,58 @@
+//! The calibration that a job begins with: its masters before the gauge.
+
+use super::LoopError;
+use crate::cell::TurningCell;
+use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};
+use crate::job::Job;
+
+/// Calibrates on the masters; where their edges leave more of the edge model than noise does, they are scanned again, expecting it.
+pub(super) fn calibrate(
+    job: &Job,
+    cell: &mut dyn TurningCell,
+    gauge: &Gauge,
+) -> Result<Calibration, LoopError> {
+    let mut lesson = MisfitLesson::default();
+    let mut measurements = masters(job, cell, gauge, &mut lesson)?;
+    let misfit = lesson.finish();
+    if misfit.is_some() {
+        let gauge = gauge.clone().expecting(misfit.as_ref());
+        measurements = masters(job, cell, &gauge, &mut MisfitLesson::default())?;
+    }
+    Ok(Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit))
+}
+
+/// Scans the masters.
+fn masters(
+    job: &Job,
+    cell: &mut dyn TurningCell,
+    gauge: &Gauge,
+    lesson: &mut MisfitLesson,
+) -> Result<Vec<MasterMeasurement>, LoopError> {
+    let mut measurements = Vec::new();
+    for (index, pin) in job.masters.pins.iter().enumerate() {
+        let mut source = cell.scan_master(index, job.masters.frames_each)?;
+        let mut edges = Vec::new();
+        let mut why = "no frame arrived".to_owned();
+        while let Some(frame) = source.next_frame()? {
+            let (mut stream, mut found) = (gauge.stream(), FrameEdges::default());
+            match stream.measure(&frame.view(), &mut found) {
+                Ok(()) => {
+                    stream.teach(lesson, &found);
+                    edges.push(found);
+                }
+                Err(refused) => why = refused.to_string(),
+            }
+            source.recycle(frame);
+        }
+        if edges.is_empty() {
+            return Err(LoopError::Master { pin: index + 1, why });
+        }
+        let certificate = MasterCertificate {
+            diameter_mm: pin.diameter_mm,
+            expanded_u_mm: pin.expanded_u_mm,
+            coverage_factor: pin.coverage_factor,
+        };
+        measurements.push(MasterMeasurement { certificate, frames: edges });
+    }
+    Ok(measurements)
+}
