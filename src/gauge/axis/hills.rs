@@ -66,7 +66,7 @@ impl AxisScratch {
                 continue;
             }
             let few = if dirty { AMONG_MATTER } else { 1.0 + FEW / places as f64 };
-            let limit = LOCAL_LIMIT * few * (0.5 + 0.5 * self.suspects.len() as f64);
+            let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
                 let hill = self.suspects[suspect];
                 if hill.peak.abs() > limit * sd {
