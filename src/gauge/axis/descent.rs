@@ -57,7 +57,11 @@ impl AxisScratch {
         else {
             return false;
         };
-        let rise = beyond - base - taper * step as f64 * (length + 1.0 + DESCENT as f64);
+        // A round part's crown rises already before the stretch.
+        let before = self.mean_width(far - step * (1 + 2 * DESCENT as isize), -step);
+        let Some(slope) = before.map(|before| (base - before) / (2 * DESCENT) as f64) else { return false };
+        let on_the_way = (length + 1.0 + DESCENT as f64) * (slope - taper * step as f64).max(0.0);
+        let rise = beyond - base - taper * step as f64 * (length + 1.0 + DESCENT as f64) - on_the_way;
         if rise < RISE_PX || rise > SHOULDER * (length + 1.0) {
             return false;
         }
