@@ -274,7 +274,8 @@ impl EdgeStream {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
         self.fit(&scene, out, false);
-        if scene.is_noisy(self.sides[0].windows.width) {
+        // The fit of clipped light begins where the windows were centred.
+        if scene.clip == [None; 2] && scene.is_noisy(self.sides[0].windows.width) {
             scene = self.look_again(plane, scale, out)?;
             self.fit(&scene, out, true);
         }
