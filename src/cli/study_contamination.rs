@@ -112,6 +112,9 @@ fn print(study: &ContaminationStudy) {
         );
     }
     println!("{}", verdict(study));
+    for k in study.kinds.iter().filter(|k| k.mishandled > 0) {
+        println!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
+    }
     print_curve("film of half length 0.6 mm over its height / µm", &study.by_height);
     print_curve("film 8 µm high over its half length / mm", &study.by_length);
 }

@@ -5,8 +5,12 @@
 //! what it adds to the diameter. The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
 //! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
 
+mod descent;
+mod hills;
+
 use nalgebra::{Matrix3, Vector3};
 
+use self::hills::{HILLS, Hill};
 use super::edges::{Edge, EdgeState};
 use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
@@ -23,8 +27,8 @@ const FLOOR_PX: f64 = 0.04;
 /// A refused stretch grows over neighbours that depart to the same side by so many standard deviations, this far at most.
 const GROW_LIMIT: f64 = 1.5;
 const GROWTH: usize = 64;
-/// Neighbours of a refused stretch that go with it: half the width of an edge's window.
-const GUARD: usize = 3;
+/// Neighbours of a refused stretch that go with it: the foot of what rises too gently to be told.
+const GUARD: usize = 6;
 /// Share of the blocks that must agree with the axis, and the scale that turns that quantile of their departures into a standard deviation.
 /// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
 const AGREEING: f64 = 0.5;
@@ -37,8 +41,6 @@ const PASSES: usize = 3;
 const BEND_OF_WANDER_PX: f64 = 0.03;
 /// Departures from the plain parabola up to which no other axis is looked for, px.
 const CALM_PX: f64 = 0.05;
-/// Columns whose mean widths are compared on the way down.
-const DESCENT: usize = 8;
 /// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
@@ -48,6 +50,10 @@ const MOST_BULGE: f64 = 1.6;
 /// A stretch bulges where it stands out by so many times what tells it from the axis, and a frame where most of what leaves the axis does.
 const PROMINENT: f64 = 1.5;
 const BULGING: f64 = 0.75;
+/// Share of the columns that matter hides from which a field counts as dirty, and the spread about the axis, px, above which nothing vouches
+/// for what is left of a dirty field: among much matter a middle that wanders is matter too, sooner than form.
+const DIRTY: f64 = 0.05;
+const VOUCHED_PX: f64 = 0.08;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
@@ -77,13 +83,14 @@ pub(crate) struct AxisScratch {
     sizes: Vec<f64>,
     refused: Vec<bool>,
     ends: Vec<isize>,
+    suspects: Vec<Hill>,
 }
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
 pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
-    let mut refused = 0.0;
+    let (mut refused, mut dirty) = (0.0, None);
     for _ in 0..PASSES {
-        let share = refuse_once(top, bottom, scratch);
+        let share = refuse_once(top, bottom, &mut dirty, scratch);
         refused += share * (1.0 - refused);
         if share == 0.0 {
             break;
@@ -92,28 +99,46 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
     refused
 }
 
-fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
+/// Whether matter hides much of a field.
+fn is_dirty(top: &[Edge], bottom: &[Edge]) -> bool {
+    let by_matter =
+        |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));
+    let hidden = top.iter().zip(bottom).filter(|(t, b)| by_matter(t) || by_matter(b)).count();
+    hidden as f64 > DIRTY * top.len() as f64
+}
+
+/// One pass; `dirty` is found out in the first.
+fn refuse_once(
+    top: &mut [Edge],
+    bottom: &mut [Edge],
+    dirty: &mut Option<bool>,
+    scratch: &mut AxisScratch,
+) -> f64 {
     let usable = scratch.middles(top, bottom);
     if scratch.blocks.len() < LEAST_BLOCKS {
         if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
             return 0.0;
         }
         // Too little of a wide field is left to tell an axis from: nothing vouches for it.
-        for edge in top.iter_mut().filter(|e| e.is_usable()) {
-            edge.state = EdgeState::Gap(Reason::Contaminated);
-        }
-        return 1.0;
+        return refuse_all(top);
     }
     let Some(plain) = scratch.plain() else { return 0.0 };
     let calm = scratch.is_calm(&plain);
+    let dirty = *dirty.get_or_insert_with(|| !calm && is_dirty(top, bottom));
     if !calm || usable < top.len() {
         scratch.measure_widths(top, bottom);
     }
     let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
-    let any = scratch.mark(column_sd, block_sd);
+    let mut any = scratch.mark(column_sd, block_sd);
+    if !calm {
+        any |= scratch.mark_local(&axis, column_sd, dirty);
+    }
     if !any && usable == top.len() {
         return 0.0;
+    }
+    if !any && dirty && block_sd > VOUCHED_PX {
+        return refuse_all(top);
     }
     scratch.measure_widths(top, bottom);
     scratch.descend();
@@ -126,6 +151,13 @@ fn refuse_once(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch)
         }
     }
     refused as f64 / usable.max(1) as f64
+}
+
+fn refuse_all(line: &mut [Edge]) -> f64 {
+    for edge in line.iter_mut().filter(|e| e.is_usable()) {
+        edge.state = EdgeState::Gap(Reason::Contaminated);
+    }
+    1.0
 }
 
 /// Medians of eight whole blocks; `None` where a value is missing.
@@ -185,6 +217,7 @@ impl AxisScratch {
         room(&mut self.blocks, columns / BLOCK + 1);
         room(&mut self.sizes, columns / BLOCK + 257);
         room(&mut self.pool, BLOCK);
+        room(&mut self.suspects, HILLS);
     }
 
     /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
@@ -257,13 +290,16 @@ impl AxisScratch {
     fn axis(&mut self, plain: Vector3<f64>) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, the axis
-        // itself wanders.
-        if let Some((_, axis)) = found.iter().find(|(cost, axis)| cost.is_finite() && self.bulges(axis)) {
-            return Some(*axis);
+        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, or the rest would
+        // be dents, the axis itself wanders.
+        let shares = found.map(|(_, axis)| self.bulges(&axis));
+        for ((cost, axis), (bulging, _)) in found.iter().zip(shares) {
+            if cost.is_finite() && bulging > BULGING {
+                return Some(*axis);
+            }
         }
         let wanders = found[0].0 > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
-        Some(if wanders { plain } else { found[0].1 })
+        Some(if wanders || shares[0].1 > BULGING { plain } else { found[0].1 })
     }
 
     /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
@@ -313,14 +349,15 @@ impl AxisScratch {
         Some(axis)
     }
 
-    /// Whether the blocks that leave an axis bulge: matter on one side widens the shadow by twice what it moves the middle by; an axis
-    /// that wanders moves both edges alike, texture dents as often as it bulges.
-    fn bulges(&mut self, axis: &Vector3<f64>) -> bool {
+    /// Which share of what leaves an axis bulges, and which is dents: matter on one side widens the shadow by twice what it moves the
+    /// middle by; an axis that wanders moves both edges alike, texture dents as often as it bulges; a chip taken for the part leaves the
+    /// part a dent.
+    fn bulges(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
         let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
         let leaves = |b: &Block| far(axis, limit, b);
         let within = self.blocks.iter().filter(|b| !leaves(b));
-        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return false };
-        let (mut bulging, mut all) = (0.0, 0.0);
+        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return (0.0, 0.0) };
+        let (mut bulging, mut denting, mut all) = (0.0, 0.0, 0.0);
         let (mut from, n) = (0, self.blocks.len());
         while from < n {
             if !leaves(&self.blocks[from]) {
@@ -334,26 +371,30 @@ impl AxisScratch {
             if peak && widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
                 bulging += square;
             }
+            if widening < -LEAST_BULGE * square {
+                denting += square;
+            }
             from = to;
         }
-        bulging > BULGING * all && all > 0.0
+        if all > 0.0 { (bulging / all, denting / all) } else { (0.0, 0.0) }
     }
 
-    /// Of a run of blocks: Σ twice the departure of the middle times the width over that of the neighbours, Σ (twice the departure)².
+    /// Of a run of blocks: Σ a·b and Σ a² of twice the middle's departure a and the width b, both over what the run's neighbours say.
     fn widening(&self, axis: &Vector3<f64>, line: &Vector3<f64>, run: std::ops::Range<usize>) -> (f64, f64) {
-        let over = |b: &Block| b.width - line.dot(&basis(b.x));
+        let over = |b: &Block| (2.0 * (b.middle - axis.dot(&basis(b.x))), b.width - line.dot(&basis(b.x)));
         let before = run.start.checked_sub(1).map(|k| over(&self.blocks[k]));
         let after = self.blocks.get(run.end).map(over);
         let (mut widening, mut square) = (0.0, 0.0);
         for (k, b) in self.blocks[run.clone()].iter().enumerate() {
             let share = (k as f64 + 1.0) / (run.len() as f64 + 1.0);
             let level = match (before, after) {
-                (Some(one), Some(two)) => one + share * (two - one),
+                (Some(one), Some(two)) => (one.0 + share * (two.0 - one.0), one.1 + share * (two.1 - one.1)),
                 (Some(one), None) | (None, Some(one)) => one,
-                (None, None) => 0.0,
+                (None, None) => (0.0, 0.0),
             };
-            let moved = 2.0 * (b.middle - axis.dot(&basis(b.x))).abs();
-            widening += moved * (over(b) - level);
+            let (moved, width) = over(b);
+            let moved = moved - level.0;
+            widening += moved.abs() * (width - level.1);
             square += moved * moved;
         }
         (widening, square)
@@ -465,65 +506,6 @@ impl AxisScratch {
                 self.refused[a..=b].fill(true);
             }
         }
-    }
-}
-
-impl AxisScratch {
-    /// Whether a column has no width any more.
-    fn gone(&self, column: usize) -> bool {
-        self.refused[column] || !self.departures[column].is_finite()
-    }
-
-    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
-    /// middle alone, and what hides an edge darkens its neighbours.
-    fn descend(&mut self) {
-        let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
-        let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
-        let columns = self.departures.len() as isize;
-        for step in [1_isize, -1] {
-            for column in 0..columns {
-                let next = column + step;
-                let ends =
-                    next >= 0 && next < columns && self.gone(column as usize) && !self.gone(next as usize);
-                if ends {
-                    self.descend_from(next, step, taper);
-                }
-            }
-        }
-    }
-
-    /// Refuses the columns on the way down from one to where the width levels out; none where it does not: that is form.
-    fn descend_from(&mut self, from: isize, step: isize, taper: f64) {
-        let tapered = taper * (DESCENT as isize * step) as f64;
-        let mut at = from;
-        for _ in 0..2 * GROWTH / DESCENT {
-            let below = at + step * DESCENT as isize;
-            let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
-                return;
-            };
-            // Down by itself and against the part's taper: a step elsewhere in the field makes the taper's line too steep.
-            let fall = (here - next).min(here - next + tapered);
-            if fall < FLOOR_PX {
-                if at != from {
-                    let (low, high) = (from.min(at - step), from.max(at - step));
-                    self.refused[low as usize..=high as usize].fill(true);
-                }
-                return;
-            }
-            at = below;
-        }
-    }
-
-    /// Mean width of [`DESCENT`] columns from one on; `None` where they leave the frame or few have one.
-    fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
-        let last = from + step * (DESCENT as isize - 1);
-        let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
-        let widths = self.widths.get(low..=high)?;
-        let (mut sum, mut count) = (0.0, 0.0);
-        for width in widths.iter().filter(|w| w.is_finite()) {
-            (sum, count) = (sum + f64::from(*width), count + 1.0);
-        }
-        (count >= 3.0).then(|| sum / count)
     }
 }
 

@@ -3,6 +3,7 @@
 //! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
 //! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
 
+use super::edges::Edge;
 use super::esf::EdgeShape;
 use super::levels::LevelCurve;
 use super::model::column_sigma;
@@ -14,6 +15,8 @@ use super::window::Windows;
 pub(crate) const BLOCKS: usize = 8;
 /// Columns looked at per block.
 const PER_BLOCK: usize = 32;
+/// Columns of a block from which its blur is known.
+const LEAST_COUNT: f64 = 6.0;
 /// Bounds of a believable blur, px.
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
@@ -99,6 +102,8 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],
+    /// Edges found with an earlier blur: what was refused there is not looked at.
+    pub(crate) line: Option<&'a [Edge]>,
     pub(crate) kappa: f64,
     /// Noise variance at mid-edge over contrast².
     pub(crate) relative_variance: f64,
@@ -152,7 +157,8 @@ fn block_sums(
 ) -> BlurSums {
     let mut sums = BlurSums::default();
     for column in columns {
-        if context.windows.centre[column].is_err() || context.slope[column].abs() > 0.3 {
+        let refused = context.line.is_some_and(|line| !line[column].is_usable());
+        if context.windows.centre[column].is_err() || context.slope[column].abs() > 0.3 || refused {
             continue;
         }
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
@@ -171,7 +177,8 @@ fn block_sums(
     sums
 }
 
-/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them.
+/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them, or a line where few
+/// of them are known.
 fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
     let slope2 = mean_square_slope(context);
     let plain = |s: f64| ((s * s - slope2 / 12.0).max(0.04) / (1.0 + slope2)).sqrt();
@@ -208,14 +215,20 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
 }
 
 fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
+    let known = sums.iter().filter(|s| s.count >= LEAST_COUNT).count();
+    if known < 3 {
+        return None;
+    }
+    let bent = if known < 6 { 0.0 } else { 1.0 };
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     for (block, sum) in sums.iter().enumerate() {
         let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
-        let basis = nalgebra::Vector3::new(1.0, t, t * t);
+        let basis = nalgebra::Vector3::new(1.0, t, bent * t * t);
         normal += basis * basis.transpose() * sum.information;
         right += basis * sum.score;
     }
+    normal[(2, 2)] += 1.0 - bent;
     normal.try_inverse().map(|inverse| inverse * right)
 }
 

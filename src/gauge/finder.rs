@@ -274,6 +274,9 @@ impl EdgeStream {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
         self.fit(&scene, out, false);
+        if given.is_none() && self.settle_blur(&scene, out) {
+            self.fit(&scene, out, false);
+        }
         // The fit of clipped light begins where the windows were centred.
         if scene.clip == [None; 2] && scene.is_noisy(self.sides[0].windows.width) {
             scene = self.look_again(plane, scale, out)?;
@@ -417,6 +420,20 @@ impl EdgeStream {
         };
         let [top, bottom] = &mut self.sides;
         both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
+    }
+
+    /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
+    fn settle_blur(&mut self, scene: &Scene, out: &FrameEdges) -> bool {
+        if self.settings.rejection == Rejection::Off {
+            return false;
+        }
+        let [top, bottom] = &mut self.sides;
+        let settle = |side: &mut SideState, clip: Option<f32>, line: &[Edge]| {
+            clip.is_none() && side.settle_blur(&scene.noise, line)
+        };
+        let (a, b) =
+            both(|| settle(top, scene.clip[0], &out.top), || settle(bottom, scene.clip[1], &out.bottom));
+        a || b
     }
 
     /// Fits both sides, their levels pooled before where `pool`; false without levels.

@@ -17,6 +17,7 @@ mod diameter;
 mod edge_misfit;
 mod edges;
 mod esf;
+mod falloff;
 mod finder;
 pub mod form;
 mod gate;
@@ -55,6 +56,7 @@ pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings,
 };
+pub(crate) use station::Seen;
 pub use station::StationAverager;
 
 use crate::frame::FrameView;

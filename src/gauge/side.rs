@@ -7,6 +7,7 @@ use super::columns::{ColumnJob, score_columns};
 use super::edge_misfit::{EdgeMisfit, Expected, MisfitLesson, SideView};
 use super::edges::{Edge, MISFIT_BLOCK};
 use super::esf::EdgeShape;
+use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
@@ -35,6 +36,7 @@ pub(crate) struct SideState {
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
     pub(crate) misfit: f64,
+    falloff: Falloff,
     pub(crate) survey: Survey,
     /// Largest step between neighbouring edges, px; infinite with gaps.
     pub(crate) jump: f64,
@@ -106,6 +108,7 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             misfit: 1.0,
+            falloff: Falloff::default(),
             survey: Survey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),
@@ -203,6 +206,7 @@ impl SideState {
         self.outliers.reserve(plane.columns);
         self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
         self.windows.read(plane);
+        self.falloff.look(plane, &self.windows);
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
@@ -222,6 +226,7 @@ impl SideState {
         self.windows.centred = true;
         self.windows.prepare(&self.shape, self.laid_out, self.windows.width, plane.columns);
         self.windows.read(plane);
+        self.falloff.look(plane, &self.windows);
     }
 
     /// What the windows say of levels and noise before the other side is known.
@@ -332,6 +337,27 @@ impl SideState {
 
     /// Refines the blur from `start`, px.
     pub(crate) fn refine_blur(&mut self, noise: &NoiseModel, start: f64) {
+        self.blur = self.refined_blur(noise, start, None);
+    }
+
+    /// Takes the blur anew from the columns that were not refused: what shades an edge is blurred otherwise. False where it does not change.
+    pub(crate) fn settle_blur(&mut self, noise: &NoiseModel, line: &[Edge]) -> bool {
+        let looked_for = self.windows.centre.iter().zip(line).filter(|(centre, _)| centre.is_ok());
+        let refused = looked_for.filter(|(_, edge)| !edge.is_usable()).count();
+        if refused <= line.len() / 100 {
+            return false;
+        }
+        let settled = self.refined_blur(noise, self.blur.mean(), Some(line));
+        let differs = |(one, other): (&f64, &f64)| (one / other).ln().abs() > SAME_BLUR;
+        let changed = settled.sigma.iter().zip(&self.blur.sigma).any(differs);
+        let fits = self.window_width(settled.mean()) <= self.windows.width;
+        if changed && fits {
+            self.blur = settled;
+        }
+        changed && fits
+    }
+
+    fn refined_blur(&mut self, noise: &NoiseModel, start: f64, line: Option<&[Edge]>) -> BlurEstimate {
         let (dark, light) = (self.dark.mean, self.light.mean);
         let context = BlurContext {
             windows: &self.windows,
@@ -339,10 +365,11 @@ impl SideState {
             dark: &self.dark,
             light: &self.light,
             slope: &self.slope,
+            line,
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
-        self.blur = blur::refine(&context, start, &mut self.blur_scratch);
+        blur::refine(&context, start, &mut self.blur_scratch)
     }
 
     /// Index of the table for a blur and noise slope, built where it is missing.
@@ -428,6 +455,10 @@ impl SideState {
                 expected.judge(&job, from..to, &mut normalised, line);
             }
             from = to;
+            if from >= columns {
+                let levels = (&self.dark, &self.light);
+                self.falloff.state(line, &self.windows, levels, (noise, table));
+            }
         }
         self.expected = expected;
         self.normalised = normalised;

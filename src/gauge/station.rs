@@ -21,9 +21,41 @@ use super::settings::StationSettings;
 use crate::frame::FrameMeta;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
+/// Where a station's columns lie and what they say, so that what is not seen of it can be told from what is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seen {
+    n: f64,
+    x: f64,
+    xx: f64,
+    d: f64,
+    xd: f64,
+}
+
+impl Seen {
+    /// Adds a column at `x` from the station's middle.
+    pub(crate) fn add(&mut self, x: f64, d: f64) {
+        self.n += 1.0;
+        self.x += x;
+        self.xx += x * x;
+        self.d += d;
+        self.xd += x * d;
+    }
+
+    /// What the mean of the columns seen may be off the station's: their own slope times the distance of their centroid from its
+    /// middle. The rest of the station was not seen; that it goes on like this is a guess, so the mean is left and its uncertainty takes it.
+    pub(crate) fn u_of_the_rest(&self) -> f64 {
+        let spread = self.xx - self.x * self.x / self.n;
+        if self.n < 3.0 || !(spread > 0.0) {
+            return 0.0;
+        }
+        ((self.xd - self.x * self.d / self.n) / spread * self.x / self.n).abs()
+    }
+}
+
 /// Sums of one station at one angle.
 #[derive(Clone, Copy, Debug, Default)]
 struct AngleSums {
+    seen: Seen,
     columns: usize,
     gaps: usize,
     d_mm: f64,
@@ -40,7 +72,7 @@ impl AngleSums {
         self.d_mm / self.columns as f64
     }
 
-    /// Variance of the mean from the edges' own statements, mm².
+    /// Variance of the mean from the edges' own statements and from what was not seen of the station, mm².
     fn noise(&self) -> f64 {
         let n = self.columns as f64;
         let span_over_reach = n / (1.5 * self.length.max(1.0));
@@ -49,7 +81,7 @@ impl AngleSums {
         } else {
             1.0 / span_over_reach - 1.0 / (3.0 * span_over_reach * span_over_reach)
         };
-        self.own / (n * n) + correlation * self.shared / n
+        self.own / (n * n) + correlation * self.shared / n + self.seen.u_of_the_rest().powi(2)
     }
 }
 
@@ -120,6 +152,7 @@ impl StationAverager {
                 Reading::Value(d) => {
                     let shared = diameters.shared_mm[column].powi(2);
                     sums.columns += 1;
+                    sums.seen.add(z_mm - self.z_mm[station], d.d_mm);
                     sums.d_mm += d.d_mm;
                     sums.common_mm += d.u_common_mm;
                     sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
@@ -334,6 +367,23 @@ mod tests {
             let d = station.reading.value().unwrap();
             assert!((d.d_mm - 25.0).abs() < 5e-4, "z {}: {d:?}", station.z_mm);
         }
+    }
+
+    #[test]
+    fn what_was_not_seen_of_a_taper_is_stated() {
+        let mean_and_u = |columns: std::ops::Range<i32>| {
+            let mut seen = Seen::default();
+            columns.for_each(|c| seen.add(f64::from(c) - 31.5, 25.0 + 1e-4 * f64::from(c)));
+            (seen.d / seen.n - 25.0 - 1e-4 * 31.5, seen.u_of_the_rest())
+        };
+        assert!(mean_and_u(0..64).1 < 1e-12);
+        for part in [0..20, 40..64, 10..50] {
+            let (off, u) = mean_and_u(part);
+            assert!((off.abs() - u).abs() < 1e-9, "{off} {u}");
+        }
+        let mut two = Seen::default();
+        [1.0, 2.0].into_iter().for_each(|x| two.add(x, x));
+        assert_eq!(two.u_of_the_rest(), 0.0);
     }
 
     #[test]

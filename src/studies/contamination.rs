@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
-use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection};
+use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, Seen};
 
 /// A station counts as harmed from here, µm.
 const HARMED_UM: f64 = 5.0;
@@ -17,7 +17,7 @@ const HARMED_UM: f64 = 5.0;
 const ALLOWED_UM: f64 = 1.0;
 
 /// What one kind of matter did.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct KindResult {
     /// The kind.
     pub matter: Matter,
@@ -27,6 +27,8 @@ pub struct KindResult {
     pub harmful: usize,
     /// Harmful frames with a station that is neither a gap nor within 1 µm + U.
     pub mishandled: usize,
+    /// Their seeds, by which the frames can be drawn again.
+    pub mishandled_seeds: Vec<u64>,
     /// Frames of any kind with such a station.
     pub misled: usize,
     /// Stations of harmful frames that stayed values, as a share.
@@ -118,17 +120,20 @@ impl Pair {
 /// Mean width of the columns with both edges.
 fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -> Option<(f64, f64)> {
     let length = columns.len() as f64;
+    let middle = 0.5 * (columns.start + columns.end - 1) as f64;
     let (mut sum, mut own, mut shared, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let mut seen = Seen::default();
     for column in columns {
         if let Some(width) = edges.width_px(column) {
             let (top, bottom) = (&edges.top[column], &edges.bottom[column]);
             sum += width;
+            seen.add(column as f64 - middle, width);
             own += f64::from(top.u_own_px).powi(2) + f64::from(bottom.u_own_px).powi(2);
             shared += f64::from(top.u_shared_px).powi(2) + f64::from(bottom.u_shared_px).powi(2);
             count += 1.0;
         }
     }
-    let u = (own / (count * count) + shared / count).sqrt();
+    let u = (own / (count * count) + shared / count + seen.u_of_the_rest().powi(2)).sqrt();
     (count >= (min_fill * length).max(1.0)).then(|| (sum / count * PIXEL_UM, 2.0 * u * PIXEL_UM))
 }
 
@@ -177,13 +182,16 @@ fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindRes
         })
         .collect::<Result<_, DrawError>>()?;
     let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
+    let mishandled_seeds: Vec<u64> =
+        (seed..).zip(&outcomes).filter(|(_, o)| o.harmful && o.misled).map(|(seed, _)| seed).collect();
     let kept: usize = harmful.iter().map(|o| o.kept).sum();
     let all: usize = harmful.iter().map(|o| o.kept + o.gaps).sum();
     Ok(KindResult {
         matter,
         frames,
         harmful: harmful.len(),
-        mishandled: harmful.iter().filter(|o| o.misled).count(),
+        mishandled: mishandled_seeds.len(),
+        mishandled_seeds,
         misled: outcomes.iter().filter(|o| o.misled).count(),
         kept: kept as f64 / all.max(1) as f64,
         worst_um: outcomes.iter().map(|o| o.worst_um).fold(0.0, f64::max),

@@ -1,0 +1,207 @@
+//! Hills: what stands out of its own neighbourhood on one side of the part, wherever the axis goes.
+//!
+//! Where the axis itself wanders, or matter covers half of what is left of a field, departures from one axis for all tell little. But
+//! matter has ends. The middle of a block is compared with the line through two others some blocks away (on both sides of it; near the field's
+//! border on one): matter on one side lifts it by half of what it widens the shadow by, form lifts the width alone, an axis that wanders
+//! the middle alone. How much such a comparison gives without matter is told by the same comparison elsewhere in the frame.
+
+use nalgebra::Vector3;
+
+use super::super::median::BLOCK;
+use super::{AxisScratch, Block, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MOST_BULGE, basis, robust_sd};
+
+/// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
+const REACHES: [usize; 3] = [2, 3, 5];
+/// Departures from the neighbourhood that are matter, in robust standard deviations of such departures at n places elsewhere, and px.
+/// A standard deviation from a few places is worth less, so that the limit is 1 + FEW/n times higher; but in a field that is dirty anyhow
+/// matter is likelier, and the limit lower.
+const LOCAL_LIMIT: f64 = 4.0;
+const FEW: f64 = 4.0;
+const AMONG_MATTER: f64 = 0.85;
+const LOCAL_FLOOR_PX: f64 = 0.05;
+/// Places elsewhere that tell that standard deviation.
+const LEAST_PLACES: usize = 3;
+/// Hills that are left out together to tell it.
+pub(super) const HILLS: usize = 3;
+/// Share of a departure down to which its neighbours belong to it.
+const FLANK: f64 = 0.2;
+
+/// Blocks that stand out of their neighbourhood.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hill {
+    /// By how much the highest stands out, px of the middle.
+    peak: f64,
+    /// First and last of them.
+    first: usize,
+    last: usize,
+    /// Where the neighbourhood lies: 0 on both sides, else before (-1) or behind (1).
+    step: isize,
+}
+
+impl AxisScratch {
+    /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
+    pub(super) fn mark_local(&mut self, axis: &Vector3<f64>, column_sd: f64, dirty: bool) -> bool {
+        let mut any = false;
+        for reach in REACHES {
+            for border in [false, true] {
+                any |= self.mark_hills(axis, reach, border, dirty);
+            }
+        }
+        if any {
+            self.grow((GROW_LIMIT * column_sd).max(0.5 * FLOOR_PX) as f32);
+        }
+        any
+    }
+
+    /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
+    /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
+    fn mark_hills(&mut self, axis: &Vector3<f64>, reach: usize, border: bool, dirty: bool) -> bool {
+        self.suspects.clear();
+        let mut any = false;
+        while self.suspects.len() < HILLS {
+            let Some(hill) = self.hill(axis, reach, border) else { break };
+            self.suspects.push(hill);
+            let (places, sd) = self.elsewhere(axis, reach, hill.step);
+            if places < LEAST_PLACES {
+                continue;
+            }
+            let few = if dirty { AMONG_MATTER } else { 1.0 + FEW / places as f64 };
+            let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
+            for suspect in 0..self.suspects.len() {
+                let hill = self.suspects[suspect];
+                if hill.peak.abs() > limit * sd {
+                    let from = self.blocks[hill.first].index * BLOCK;
+                    let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
+                    self.refused[from..to].fill(true);
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    /// Whether nothing is held against a block.
+    fn is_open(&self, k: usize) -> bool {
+        !self.refused[self.blocks[k].index * BLOCK]
+            && !self.suspects.iter().any(|hill| hill.first <= k && k <= hill.last)
+    }
+
+    /// The next open block at least `reach` blocks away from one, towards a side.
+    fn neighbour(&self, k: usize, reach: usize, step: isize) -> Option<usize> {
+        let index = self.blocks[k].index;
+        let mut at = k;
+        loop {
+            at = at.checked_add_signed(step).filter(|at| *at < self.blocks.len())?;
+            let apart = self.blocks[at].index.abs_diff(index);
+            if apart > 3 * reach {
+                return None;
+            }
+            if apart >= reach && self.is_open(at) {
+                return Some(at);
+            }
+        }
+    }
+
+    /// The two blocks between which, or beyond which (`step`: on which side they lie), a block's neighbourhood is drawn.
+    fn neighbours(&self, k: usize, reach: usize, step: isize) -> Option<(usize, usize)> {
+        let near = self.neighbour(k, reach, if step == 0 { -1 } else { step })?;
+        let far = if step == 0 { self.neighbour(k, reach, 1)? } else { self.neighbour(near, reach, step)? };
+        Some((near, far))
+    }
+
+    /// By how much a block's middle and width stand out of the line through two others.
+    fn bulge(&self, axis: &Vector3<f64>, k: usize, (one, two): (usize, usize)) -> (f64, f64) {
+        let (a, b, c) = (&self.blocks[one], &self.blocks[k], &self.blocks[two]);
+        let share = (b.x - a.x) / (c.x - a.x);
+        let departure = |block: &Block| block.middle - axis.dot(&basis(block.x));
+        let over = |one: f64, here: f64, two: f64| here - one - share * (two - one);
+        (over(departure(a), departure(b), departure(c)), over(a.width, b.width, c.width))
+    }
+
+    /// The block that bulges most as matter does, within the field or near its border, with those of its neighbours that bulge too.
+    fn hill(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<Hill> {
+        let n = self.blocks.len();
+        let mut most: Option<Hill> = None;
+        let steps: &[isize] = if border { &[-1, 1] } else { &[0] };
+        for step in steps {
+            for k in (0..n).filter(|k| self.is_open(*k)) {
+                if border && self.neighbour(k, reach, -step).is_some() {
+                    continue;
+                }
+                let Some(ends) = self.neighbours(k, reach, *step) else { continue };
+                let (peak, widening) = self.bulge(axis, k, ends);
+                let moved = 2.0 * peak.abs();
+                let matter = widening > LEAST_BULGE * moved && widening < MOST_BULGE * moved;
+                if matter && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
+                    most = Some(Hill { peak, first: k, last: k, step: *step });
+                }
+            }
+        }
+        let mut hill = most?;
+        let ends = self.neighbours(hill.first, reach, hill.step)?;
+        let least = (FLANK * hill.peak.abs()).max(0.5 * FLOOR_PX);
+        let belongs = |at: &usize| {
+            *at != ends.0 && *at != ends.1 && self.bulge(axis, *at, ends).0 * hill.peak.signum() > least
+        };
+        hill.first = (0..hill.first).rev().take_while(belongs).last().unwrap_or(hill.first);
+        hill.last = (hill.last + 1..n).take_while(belongs).last().unwrap_or(hill.last);
+        Some(hill)
+    }
+
+    /// Number and robust standard deviation of the same comparison where no hill has a part in it.
+    fn elsewhere(&mut self, axis: &Vector3<f64>, reach: usize, step: isize) -> (usize, f64) {
+        let mut sizes = std::mem::take(&mut self.sizes);
+        sizes.clear();
+        let places = (0..self.blocks.len()).filter(|at| self.is_open(*at));
+        let ends = places.filter_map(|at| self.neighbours(at, reach, step).map(|ends| (at, ends)));
+        sizes.extend(ends.map(|(at, ends)| self.bulge(axis, at, ends).0.abs()));
+        self.sizes = sizes;
+        let places = self.sizes.len();
+        (places, if places == 0 { 0.0 } else { robust_sd(&mut self.sizes) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::refuse_one_sided;
+    use super::*;
+    use crate::gauge::{Edge, EdgeState};
+    use crate::profile::Reason;
+
+    /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).
+    fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+        let scatter = |c: usize, k: usize| 0.04 * ((((c * 7919 + k * 104_729) % 1000) as f64) / 1000.0 - 0.5);
+        let film = |c: usize| -> f64 {
+            let of = |f: &(usize, usize, f64)| {
+                let u = (c as f64 - f.0 as f64) / f.1 as f64;
+                if (0.0..1.0).contains(&u) { f.2 * (std::f64::consts::PI * u).sin().powi(2) } else { 0.0 }
+            };
+            films.iter().map(of).sum()
+        };
+        let top = (0..512).map(|c| edge(300.0 + wander(c as f64) - film(c) + scatter(c, 1))).collect();
+        let bottom = (0..512).map(|c| edge(900.0 + wander(c as f64) + scatter(c, 2))).collect();
+        (top, bottom)
+    }
+
+    #[test]
+    fn films_that_share_a_field_with_gaps_are_found_by_their_ends() {
+        let (mut top, mut bottom) = lines(|c| 0.002 * c, &[(20, 120, 0.9), (230, 130, 0.8)]);
+        for edge in &mut bottom[390..470] {
+            edge.state = EdgeState::Gap(Reason::Residual);
+        }
+        refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
+        let kept = |c: usize| top[c].is_usable() && bottom[c].is_usable();
+        assert!(!(50..110).chain(260..330).any(kept));
+    }
+
+    #[test]
+    fn an_axis_that_waves_is_kept() {
+        for wave in [120.0, 240.0, 480.0] {
+            let (mut top, mut bottom) = lines(|c| 0.4 * (c / wave * std::f64::consts::TAU).sin(), &[]);
+            let share = refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
+            assert!(share < 1e-9, "wave of {wave} columns: {share}");
+        }
+    }
+}
