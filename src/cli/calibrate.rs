@@ -102,6 +102,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
                 "birge_ratio": bench.birge_ratio,
                 "rms_residual_um": residual_um,
                 "check": bench.check,
+                "misfit_chi2": calibration.misfit().map(|m| m.chi2),
                 "expires": bench.validity.expires(),
                 "sensor": bench.sensor.as_ref().map(|s| json!({
                     "gain_counts_per_electron": s.gain_counts_per_electron,
@@ -117,6 +118,14 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
     println!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
     for [name, value, u] in parameter_table(calibration) {
         println!("{name:<42} {value:>14} {u:>12}");
+    }
+    if let Some(misfit) = calibration.misfit() {
+        println!(
+            "edge model misfits the masters' edges: chi2 {:.2} times the noise, {:.2} and {:.2} % of the contrast left; absorbed by the offset",
+            misfit.chi2,
+            1e2 * misfit.norm(0),
+            1e2 * misfit.norm(1)
+        );
     }
     println!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
     if let Some(sensor) = &bench.sensor {

@@ -39,7 +39,11 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
         table(wanted, &result.drawn, Some(&result.drawn_together));
         let wanted = "deviating inside the declared limits (95 % covered, U/p95 at most 1.5)";
         table(wanted, &result.deviating, Some(&result.deviating_together));
-        table("outside the limits, detectable (99 % flagged)", &result.detectable, None);
+        table(
+            "outside the limits, detectable (99 % flagged; in other light flagged or covered)",
+            &result.detectable,
+            None,
+        );
         table("outside the limits, no frame shows it", &result.undetectable, None);
         for miss in &misses {
             println!("MISSED  {miss}");

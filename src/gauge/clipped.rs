@@ -129,7 +129,7 @@ impl Model {
 
     /// Levels, blur and noise from the teachers; their places, px from the central pixel.
     fn learn(&mut self, windows: &Windows, teachers: &[usize]) -> Vec<f64> {
-        let mut starts: Vec<f64> = teachers.iter().map(|c| start_of(windows, *c)).collect();
+        let mut starts: Vec<f64> = teachers.iter().map(|c| f64::from(windows.start[*c])).collect();
         for _ in 0..30 {
             match self.teach(windows, teachers, &mut starts) {
                 Some(change) if change > 1e-4 => {}
@@ -241,18 +241,12 @@ pub(crate) fn fit_side(windows: &Windows, slope: &[f32], start: ClippedStart, li
     4.0
 }
 
-/// Where the edge of a column is looked for, px from the central pixel: where its light puts it; windows laid around a known edge do not say.
-fn start_of(windows: &Windows, column: usize) -> f64 {
-    let start = f64::from(windows.start[column]);
-    if start.is_finite() { start } else { 0.0 }
-}
-
 fn fit_column(windows: &Windows, model: &Model, column: usize, slope: f32) -> Edge {
     if let Err(reason) = windows.centre[column] {
         return Edge::gap(reason);
     }
     let sigma = column_sigma(model.sigma, f64::from(slope));
-    let Some((x, score)) = model.position(windows.of(column), start_of(windows, column), sigma) else {
+    let Some((x, score)) = model.position(windows.of(column), f64::from(windows.start[column]), sigma) else {
         return Edge::gap(Reason::Residual);
     };
     // Fewer than two telling pixels on the flank: nothing but the clip is seen.

@@ -167,7 +167,7 @@ impl SideLesson {
 /// Largest share of a misfit's norm that the place of an edge takes from its phase: the envelope of a(σ) over the edge's derivatives of
 /// orders 3 to 5 (module's heading).
 fn aliased(sigma: f64) -> f64 {
-    (3.2 * (-7.5 * sigma * sigma).exp()).min(0.4)
+    (3.5 * (-7.5 * sigma * sigma).exp()).min(0.4)
 }
 
 /// A side's expected residual, ready for use.

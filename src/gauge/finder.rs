@@ -277,7 +277,8 @@ impl EdgeStream {
         if given.is_none() && self.settle_blur(&scene, out) {
             self.fit(&scene, out, false);
         }
-        if scene.is_noisy(self.sides[0].windows.width) {
+        // The fit of clipped light begins where the windows were centred.
+        if scene.clip == [None; 2] && scene.is_noisy(self.sides[0].windows.width) {
             scene = self.look_again(plane, scale, out)?;
             self.fit(&scene, out, true);
         }

@@ -25,7 +25,7 @@ fn scenes_outside_the_limits_are_flagged_where_a_frame_shows_it() {
     for class in Class::DETECTABLE {
         let c = class_figures(class, 20, 7, &renderer).unwrap();
         println!("{class:?}: {c:?}");
-        assert!(c.flagged >= 0.99, "{class:?} {c:?}");
+        assert!(c.handled() >= 0.99, "{class:?} {c:?}");
     }
 }
 

@@ -159,6 +159,14 @@ impl ClassFigures {
         self.class.map_or("all of them".to_owned(), |class| format!("{class:?}"))
     }
 
+    /// Share of the scenes outside the limits that are handled: flagged. A light unlike the masters' widens U by what it leaves, so that there
+    /// an interval that covers the truth will do, too.
+    pub fn handled(&self) -> f64 {
+        let covered =
+            if self.class == Some(Class::OtherLight) && self.accepted > 0 { self.covered } else { 0.0 };
+        self.flagged + (1.0 - self.flagged) * covered
+    }
+
     /// Mean half width over the 95th percentile of the error.
     pub fn half_over_p95(&self) -> f64 {
         self.mean_half_um / self.p95_error_um
@@ -212,8 +220,8 @@ impl Coverage {
             }
         }
         for c in &self.detectable {
-            if c.flagged < 0.99 - se(0.99, c.scenes) {
-                misses.push(format!("{}: {:.2} % flagged, wanted 99 %", c.name(), 1e2 * c.flagged));
+            if c.handled() < 0.99 - se(0.99, c.scenes) {
+                misses.push(format!("{}: {:.2} % handled, wanted 99 %", c.name(), 1e2 * c.handled()));
             }
         }
         misses

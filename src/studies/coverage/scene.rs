@@ -78,11 +78,11 @@ fn coherent(rings: bool, kind: f64) -> PartiallyCoherentEdge {
 /// The kinds from `first` to `last` in words.
 fn in_words(rings: bool, first: f64, last: f64) -> String {
     let (na, middle, blur) = kind_of_light(rings);
-    let ratio = |kind: f64| middle + RATIO_STEP * kind;
+    let ratio = |kind: f64| format!("{:.2}", middle + RATIO_STEP * kind);
+    let upwards = if last > first { format!(" to {}", ratio(last)) } else { String::new() };
     format!(
-        "partially coherent light of NA {na}, coherence {:.2} to {:.2}, further blur {blur} um",
-        ratio(first),
-        ratio(last)
+        "partially coherent light of NA {na}, coherence {}{upwards}, further blur {blur} um",
+        ratio(first)
     )
 }
 
