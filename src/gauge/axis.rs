@@ -10,7 +10,7 @@ mod hills;
 
 use nalgebra::{Matrix3, Vector3};
 
-use self::hills::{HILLS, Hill};
+use self::hills::{HILLS, Hill, noise_of_block};
 use super::edges::{Edge, EdgeState};
 use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
@@ -132,7 +132,7 @@ fn refuse_once(
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
     let mut any = scratch.mark(column_sd, block_sd);
     if !calm {
-        any |= scratch.mark_local(&axis, column_sd, dirty);
+        any |= scratch.mark_local(&axis, (column_sd, noise_of_block(top, bottom)), dirty);
     }
     if !any && usable == top.len() {
         return 0.0;

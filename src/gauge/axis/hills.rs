@@ -8,7 +8,10 @@
 use nalgebra::Vector3;
 
 use super::super::median::BLOCK;
-use super::{AxisScratch, Block, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MOST_BULGE, basis, robust_sd};
+use super::{
+    AxisScratch, Block, Edge, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MEDIAN_OF_BLOCK, MOST_BULGE, basis,
+    robust_sd,
+};
 
 /// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
 const REACHES: [usize; 3] = [2, 3, 5];
@@ -23,6 +26,9 @@ const LOCAL_FLOOR_PX: f64 = 0.05;
 const LEAST_PLACES: usize = 3;
 /// Hills that are left out together to tell it.
 pub(super) const HILLS: usize = 3;
+/// Standard deviation of a comparison over that of one block, between two others as far away and beyond them: √1.5 and √6.
+const BETWEEN: f64 = 1.2247;
+const BEYOND: f64 = 2.4495;
 /// Share of a departure down to which its neighbours belong to it.
 const FLANK: f64 = 0.2;
 
@@ -38,13 +44,28 @@ pub(super) struct Hill {
     step: isize,
 }
 
+/// Standard deviation of a block's middle by the noise of its edges alone, px: a few places may scatter less by chance, but that is what
+/// they are worth.
+pub(super) fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
+    const STEP: usize = 4;
+    let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
+    let pairs = top.iter().zip(bottom).step_by(STEP).filter(|(t, b)| t.is_usable() && b.is_usable());
+    let (sum, count) = pairs.fold((0.0, 0.0_f64), |(sum, n), (t, b)| (sum + own(t) + own(b), n + 1.0));
+    MEDIAN_OF_BLOCK * (0.25 * sum / count.max(1.0)).sqrt()
+}
+
 impl AxisScratch {
     /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
-    pub(super) fn mark_local(&mut self, axis: &Vector3<f64>, column_sd: f64, dirty: bool) -> bool {
+    pub(super) fn mark_local(
+        &mut self,
+        axis: &Vector3<f64>,
+        (column_sd, block_noise): (f64, f64),
+        dirty: bool,
+    ) -> bool {
         let mut any = false;
         for reach in REACHES {
-            for border in [false, true] {
-                any |= self.mark_hills(axis, reach, border, dirty);
+            for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
+                any |= self.mark_hills(axis, reach, border, (gain * block_noise, dirty));
             }
         }
         if any {
@@ -55,7 +76,13 @@ impl AxisScratch {
 
     /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
     /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
-    fn mark_hills(&mut self, axis: &Vector3<f64>, reach: usize, border: bool, dirty: bool) -> bool {
+    fn mark_hills(
+        &mut self,
+        axis: &Vector3<f64>,
+        reach: usize,
+        border: bool,
+        (noise, dirty): (f64, bool),
+    ) -> bool {
         self.suspects.clear();
         let mut any = false;
         while self.suspects.len() < HILLS {
@@ -69,7 +96,7 @@ impl AxisScratch {
             let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
                 let hill = self.suspects[suspect];
-                if hill.peak.abs() > limit * sd {
+                if hill.peak.abs() > limit * sd.max(noise) {
                     let from = self.blocks[hill.first].index * BLOCK;
                     let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
                     self.refused[from..to].fill(true);
