@@ -15,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, FrameView, PixelFormat, Pixels};
-use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings, Levels, Polarity};
+use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings, Lanes, Levels, Polarity};
 
 fn gauge() -> Gauge {
     Gauge::new(GaugeSettings::default()).unwrap()
@@ -40,6 +40,38 @@ fn reference() -> Synth {
 
 fn values(edges: &FrameEdges) -> Vec<u64> {
     edges.top.iter().chain(&edges.bottom).flat_map(|e| [e.row_px.to_bits(), e.u_px().to_bits()]).collect()
+}
+
+#[test]
+fn lanes_take_frames_in_turn_whatever_the_number_of_threads() {
+    let synth = Synth { rows: 112, columns: 512, ..Synth::with_snr(0.9, 80.0, true) };
+    let mut frames: Vec<Frame> = (0..7).map(|k| synth.frame(moved(0.3 * k as f64), Some(700 + k))).collect();
+    frames.insert(4, Synth { light: 710.0, ..synth.clone() }.frame(drifting, Some(9)));
+    let views: Vec<FrameView<'_>> = frames.iter().map(Frame::view).collect();
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut lanes = Lanes::new(&gauge(), 3.try_into().unwrap());
+            let (mut out, mut all) = (Vec::new(), Vec::new());
+            // Calls of uneven length go on where the last one ended.
+            for part in [&views[..1], &views[1..6], &views[6..]] {
+                lanes.measure(part, &mut out);
+                all.extend(out.iter().map(|r| r.as_ref().map(values).map_err(|e| e.reason)));
+            }
+            all
+        })
+    };
+    let mut streams = [gauge().stream(), gauge().stream(), gauge().stream()];
+    let by_hand: Vec<_> = views
+        .iter()
+        .enumerate()
+        .map(|(k, view)| {
+            let mut edges = FrameEdges::default();
+            streams[k % 3].measure(view, &mut edges).map(|()| values(&edges)).map_err(|e| e.reason)
+        })
+        .collect();
+    assert!(by_hand[4].is_err() && by_hand.iter().filter(|r| r.is_ok()).count() == 7);
+    assert!(run(1) == by_hand && run(2) == by_hand);
 }
 
 #[test]

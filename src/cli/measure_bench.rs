@@ -1,11 +1,13 @@
-//! `measure --bench`: how long a frame takes in memory; with more threads than one, beside what the machine itself gains by them.
+//! `measure --bench`: how long a frame takes in memory; with more threads than one also what they gain, beside what the machine
+//! itself gains by them.
 
+use std::num::NonZeroUsize;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 
 use crate::frame::FrameView;
-use crate::gauge::{EdgeStream, FrameEdges, Gauge};
+use crate::gauge::{EdgeStream, FrameEdges, Gauge, Lanes};
 
 /// Rounds in which ways of using the threads take turns, and frames of a round.
 const ROUNDS: usize = 25;
@@ -41,7 +43,8 @@ pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Valu
         && let Some(out) = out.as_object_mut()
     {
         let gains = compare(gauge, frames, threads);
-        out.insert("speedup".to_owned(), json!(gains.of_one_stream));
+        out.insert("speedup".to_owned(), json!(gains.of_lanes));
+        out.insert("speedup_within_a_frame".to_owned(), json!(gains.within_a_frame));
         out.insert("speedup_of_independent_streams".to_owned(), json!(gains.of_independent_streams));
     }
     out
@@ -49,8 +52,10 @@ pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Valu
 
 /// What several threads gain over one, as medians over rounds.
 struct Gains {
-    /// One stream whose frames are shared between the threads: time of one thread over time of all.
-    of_one_stream: f64,
+    /// Lanes that take the frames in turn: time of one thread over time of all.
+    of_lanes: f64,
+    /// One stream each of whose frames is shared between the threads.
+    within_a_frame: f64,
     /// As many streams as threads, which share nothing: what the cores, caches and memory of this machine allow.
     of_independent_streams: f64,
 }
@@ -76,18 +81,28 @@ impl Worker {
 
 fn compare(gauge: &Gauge, frames: &[FrameView<'_>], threads: usize) -> Gains {
     let mut shared = Worker::new(gauge);
+    let mut lanes = Lanes::new(gauge, NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN));
+    let queue: Vec<FrameView<'_>> = frames.iter().cycle().take(FRAMES).copied().collect();
+    let mut out = Vec::new();
+    lanes.measure(&queue, &mut out);
     let mut alone: Vec<Worker> = (0..threads).map(|_| Worker::new(gauge)).collect();
     shared.run(frames);
     alone.iter_mut().for_each(|worker| worker.run(frames));
-    let (mut one, mut independent) = (Vec::new(), Vec::new());
+    let (mut in_turn, mut within, mut independent) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let single = seconds(|| at_once(&mut alone[..1], frames));
+        let turns = seconds(|| lanes.measure(&queue, &mut out));
         let together = seconds(|| shared.run(frames));
         let apart = seconds(|| at_once(&mut alone, frames));
-        one.push(single / together);
+        in_turn.push(single / turns);
+        within.push(single / together);
         independent.push(threads as f64 * single / apart);
     }
-    Gains { of_one_stream: median(one), of_independent_streams: median(independent) }
+    Gains {
+        of_lanes: median(in_turn),
+        within_a_frame: median(within),
+        of_independent_streams: median(independent),
+    }
 }
 
 /// Runs each worker on a thread of its own, outside the pool.
