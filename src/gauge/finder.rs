@@ -76,7 +76,8 @@ struct Scene {
 }
 
 impl Scene {
-    /// Whether noise moves the windows that the area of their light is to centre.
+    /// Whether noise moves the windows that the area of their light is to centre; not under clipped light, whose fit begins where they
+    /// were centred.
     fn is_noisy(&self, width: usize) -> bool {
         let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
         self.clip == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
@@ -277,8 +278,7 @@ impl EdgeStream {
         if given.is_none() && self.settle_blur(&scene, out) {
             self.fit(&scene, out, false);
         }
-        // The fit of clipped light begins where the windows were centred.
-        if scene.clip == [None; 2] && scene.is_noisy(self.sides[0].windows.width) {
+        if scene.is_noisy(self.sides[0].windows.width) {
             scene = self.look_again(plane, scale, out)?;
             self.fit(&scene, out, true);
         }
@@ -355,8 +355,11 @@ impl EdgeStream {
     fn scene(&self, scale: Scale) -> Result<Scene, FrameRefused> {
         let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
         let count = top.levels.count + bottom.levels.count;
-        if count == 0.0 || top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
-            return Err(if self.is_cut_off() { self.too_near() } else { no_levels() });
+        if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
+            return Err(self.too_near());
+        }
+        if count == 0.0 {
+            return Err(no_levels());
         }
         let dark = (top.levels.dark + bottom.levels.dark) / count;
         let light = (top.levels.light + bottom.levels.light) / count;

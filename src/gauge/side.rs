@@ -202,11 +202,9 @@ impl SideState {
         self.windows.centre.extend_from_slice(centres);
         self.windows.centred = centring.is_none();
         self.laid_out = sigma;
-        self.windows.prepare(&self.shape, sigma, window_width(&self.shape, sigma), plane.columns);
         self.outliers.reserve(plane.columns);
         self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
-        self.windows.read(plane);
-        self.falloff.look(plane, &self.windows);
+        self.read_windows(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
@@ -224,7 +222,12 @@ impl SideState {
             *centre = Ok((edge.row_px + 0.5).floor() as i32);
         }
         self.windows.centred = true;
-        self.windows.prepare(&self.shape, self.laid_out, self.windows.width, plane.columns);
+        self.read_windows(plane, self.windows.width);
+    }
+
+    /// Reads windows of a width around their centres, and the light beyond them.
+    fn read_windows<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
+        self.windows.prepare(&self.shape, self.laid_out, width, plane.columns);
         self.windows.read(plane);
         self.falloff.look(plane, &self.windows);
     }
