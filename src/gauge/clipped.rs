@@ -11,8 +11,8 @@
 //! so that their errors add up in a width: each states √2 of its own, whose root sum of squares is that sum. Light beyond that range moves
 //! widths by more than is stated (by 2.0 u at 1.6 times the clip, 2.5 u at 1.75, 3 u at 2, 4 u at 2.5, 5 to 7 u at 4, for blurs from 0.6 to
 //! 2 px): where light of 1.75, 2.5 or 4 times the clip explains the edges significantly better than 1.5 times does, the side is
-//! refused as saturated, and so it is where its flank seems sharper than a lens makes one. Then U (k = 2) of an accepted width holds up to 1.6
-//! times the clip, and next to nothing beyond is accepted.
+//! refused as saturated, and so it is where its flank seems sharper than a lens makes one. Then U (k = 2) of an accepted width holds up to 1.5
+//! times the clip (2.05 u at 1.6), and next to nothing beyond is accepted.
 
 use nalgebra::{Matrix4, SMatrix, Vector4};
 
