@@ -1,32 +1,18 @@
-//! Memory: a frame is decoded and measured within twice its own size beside the gauge's tables, whatever it shows.
+//! Memory: a frame is decoded and measured within twice its own size beside the gauge's tables, whatever it shows. Hostile input: the
+//! bodies of the fuzz targets over their seeds and damaged copies of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::io::Cursor;
 
-use peak_alloc::PeakAlloc;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, FrameView, PixelFormat, Pixels};
 use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings};
 use shadowgauge::source::decode;
+use targets::{A_COLUMN, DECODER, TABLES, peak};
 
-#[global_allocator]
-static HEAP: PeakAlloc = PeakAlloc;
-
-/// Tables and scratch of the gauge that no frame's size changes.
-const TABLES: usize = 3 << 20;
-/// A column's edges and the windows around them, whatever the number of rows: more than the frame where there are few.
-const A_COLUMN: usize = 640;
-/// Scratch of a decoder.
-const DECODER: usize = 512 << 10;
-
-/// What `run` gives and the most bytes it held at once beyond those held before.
-fn peak<T>(run: impl FnOnce() -> T) -> (T, usize) {
-    HEAP.reset_peak_usage();
-    let before = HEAP.current_usage();
-    let done = run();
-    (done, HEAP.peak_usage().saturating_sub(before))
-}
+#[path = "../fuzz/targets.rs"]
+mod targets;
 
 fn noise(rng: &mut Pcg64, count: usize, kind: usize) -> Vec<u8> {
     (0..count)
@@ -70,6 +56,52 @@ fn no_allocation_beyond_twice_the_frame() {
     measured(&gauge, &mut rng);
     followed(&gauge, &mut rng);
     decoded(&mut rng);
+    hostile("decode", targets::decode, 600, &mut rng);
+    hostile("calibration", targets::calibration, 2000, &mut rng);
+    hostile("measure", targets::measure, 60, &mut rng);
+}
+
+/// Flips, copies, cuts and inserts bytes.
+fn mutate(seed: &[u8], rng: &mut Pcg64) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..rng.random_range(1..8) {
+        if bytes.is_empty() {
+            break;
+        }
+        let at = rng.random_range(0..bytes.len());
+        match rng.random_range(0..5) {
+            0 => bytes[at] ^= 1 << rng.random_range(0..8),
+            1 => bytes[at] = rng.random(),
+            2 => bytes.truncate(at),
+            3 => bytes.insert(at, rng.random()),
+            _ => {
+                let end = (at + rng.random_range(1..16)).min(bytes.len());
+                let part = bytes[at..end].to_vec();
+                let to = rng.random_range(0..bytes.len());
+                bytes.splice(to..to, part);
+            }
+        }
+    }
+    bytes
+}
+
+/// One body over its seeds and damaged copies of each.
+fn hostile(name: &str, body: impl Fn(&[u8]) -> bool, copies: usize, rng: &mut Pcg64) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(name);
+    let mut seeds: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    seeds.sort();
+    let (mut taken, mut refused) = (0, 0);
+    for path in seeds {
+        println!("{}", path.display());
+        let seed = std::fs::read(path).unwrap();
+        body(&seed);
+        for _ in 0..copies {
+            let count = if body(&mutate(&seed, rng)) { &mut taken } else { &mut refused };
+            *count += 1;
+        }
+    }
+    println!("{name}: {taken} taken, {refused} refused");
+    assert!(taken > 20 && refused > 20, "{name}: {taken} taken, {refused} refused");
 }
 
 fn measured(gauge: &Gauge, rng: &mut Pcg64) {

@@ -22,8 +22,8 @@ use crate::profile::Reason;
 const CLIPPED_FRACTION: f64 = 1e-3;
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
-/// Tables kept; steep edges need many.
-const MOST_TABLES: usize = 64;
+/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
+const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 /// Relative difference of blurs that share a table.
 const SAME_BLUR: f64 = 0.004;
 
@@ -51,6 +51,8 @@ pub(crate) struct SideState {
     /// Blur for which the windows were laid out, px.
     laid_out: f64,
     tables: Vec<Table>,
+    /// Memory that the tables may take, bytes.
+    most_table_bytes: usize,
     normalised: Vec<f32>,
     floats: Vec<f32>,
     differences: Vec<f32>,
@@ -117,6 +119,7 @@ impl SideState {
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
+            most_table_bytes: TABLE_BYTES.0,
             normalised: Vec::new(),
             floats: Vec::new(),
             differences: Vec::new(),
@@ -202,6 +205,7 @@ impl SideState {
         self.windows.centre.extend_from_slice(centres);
         self.windows.centred = centring.is_none();
         self.laid_out = sigma;
+        self.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
         self.outliers.reserve(plane.columns);
         self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
         self.read_windows(plane, window_width(&self.shape, sigma));
@@ -384,10 +388,12 @@ impl SideState {
         if let Some(found) = self.tables.iter().position(near) {
             return found;
         }
-        if self.tables.len() >= MOST_TABLES {
+        let table = Table::new(&self.shape, sigma, kappa, width, free_levels, FINE);
+        let held: usize = self.tables.iter().map(Table::bytes).sum();
+        if held + table.bytes() > self.most_table_bytes {
             self.tables.clear();
         }
-        self.tables.push(Table::new(&self.shape, sigma, kappa, width, free_levels, FINE));
+        self.tables.push(table);
         self.tables.len() - 1
     }
 

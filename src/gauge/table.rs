@@ -146,7 +146,19 @@ impl Table {
         let mut table = Self::empty();
         table.fill(shape, sigma, kappa, width, free_levels, per_px);
         table.fill_core();
+        // What only the filling needed.
+        table.borders = Vec::new();
         table
+    }
+
+    /// Memory held, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let cores = match &self.cores {
+            Cores::Two(phases) => size_of_val(&phases[..]),
+            Cores::Three(phases) => size_of_val(&phases[..]),
+            Cores::Whole => 0,
+        };
+        cores + size_of_val(&self.arrays[..]) + size_of_val(&self.scalars[..])
     }
 
     /// An empty table, to be filled.

@@ -10,6 +10,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 use thiserror::Error;
 use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
 
+use super::jpeg;
 use crate::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 
 /// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for all memory.
@@ -42,6 +43,22 @@ pub enum DecodeError {
         columns: u32,
         /// Rows.
         rows: u32,
+    },
+    /// A TIFF of several pages.
+    #[error("a TIFF of several pages; one frame a file is needed")]
+    SeveralPages,
+    /// A JPEG whose whole picture is kept as coefficients while it is decoded: three times the frame's memory.
+    #[error("a progressive JPEG; save it as a baseline JPEG, or without loss as PNG, TIFF, BMP or PGM")]
+    Progressive,
+    /// A JPEG of few and long rows: strips of eight take more memory than the frame.
+    #[error(
+        "a JPEG of {columns} x {rows} pixels takes more than twice its memory to decode; save it as PNG, TIFF, BMP or PGM"
+    )]
+    FlatJpeg {
+        /// Pixels in a row.
+        columns: usize,
+        /// Rows.
+        rows: usize,
     },
     /// Values that the stated bit depth cannot carry.
     #[error("a grey value of {found} in a frame said to have {bits} bits")]
@@ -89,6 +106,9 @@ fn decode_other(bytes: &[u8], format: ImageFormat) -> Result<(Buffer, u32, u32),
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let (columns, rows) = reader().into_dimensions().map_err(damaged)?;
     check_size(columns, rows)?;
+    if format == ImageFormat::Jpeg {
+        jpeg::check(bytes)?;
+    }
     let mut limited = reader();
     let mut limits = Limits::default();
     limits.max_alloc = Some(16 * MOST_PIXELS);
@@ -136,6 +156,9 @@ fn decode_tiff(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
     let colour = decoder.colortype().map_err(damaged)?;
     if !matches!(colour, tiff::ColorType::Gray(8 | 16 | 32)) {
         return Err(DecodeError::NotGrey(format!("{colour:?}")));
+    }
+    if decoder.more_images() {
+        return Err(DecodeError::SeveralPages);
     }
     match decoder.read_image().map_err(damaged)? {
         DecodingResult::U8(values) => Ok((Buffer::U8(values), columns, rows)),
@@ -243,5 +266,48 @@ mod tests {
         bytes[16..20].copy_from_slice(&60_000_u32.to_be_bytes());
         bytes[20..24].copy_from_slice(&60_000_u32.to_be_bytes());
         assert!(matches!(refusal(&bytes), DecodeError::TooLarge { .. } | DecodeError::Damaged(_)));
+    }
+
+    #[test]
+    fn a_stack_of_frames_in_one_file_is_refused() {
+        let pages = |count: usize| {
+            let mut out = Cursor::new(Vec::new());
+            let mut encoder = tiff::encoder::TiffEncoder::new(&mut out).unwrap();
+            for _ in 0..count {
+                encoder.write_image::<tiff::encoder::colortype::Gray8>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
+            }
+            out.into_inner()
+        };
+        assert!(decode(&pages(1), None, FrameMeta::default()).is_ok());
+        assert_eq!(refusal(&pages(2)), DecodeError::SeveralPages);
+    }
+
+    /// A grey JPEG whose start of frame is altered: (marker, rows, columns, sampling factors).
+    fn altered_jpeg(marker: u8, rows: u16, columns: u16, sampling: u8) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let grey = image::GrayImage::from_pixel(16, 12, image::Luma([90]));
+        grey.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
+        let at = bytes.windows(2).position(|pair| pair == [0xff, 0xc0]).unwrap();
+        bytes[at + 1] = marker;
+        bytes[at + 5..at + 7].copy_from_slice(&rows.to_be_bytes());
+        bytes[at + 7..at + 9].copy_from_slice(&columns.to_be_bytes());
+        bytes[at + 11] = sampling;
+        bytes
+    }
+
+    #[test]
+    fn a_jpeg_that_takes_more_than_twice_its_memory_is_refused() {
+        for (marker, rows, columns, sampling) in
+            [(0xc0, 12, 16, 0x11), (0xc0, 12, 16, 0x22), (0xc0, 8, 16, 0x14), (0xc0, 64, 60_000, 0x22)]
+        {
+            let frame =
+                decode(&altered_jpeg(marker, rows, columns, sampling), None, FrameMeta::default()).unwrap();
+            assert_eq!((frame.view().rows(), frame.view().columns()), (rows.into(), columns.into()));
+        }
+        assert_eq!(refusal(&altered_jpeg(0xc2, 12, 16, 0x11)), DecodeError::Progressive);
+        for (rows, sampling) in [(1, 0x11), (12, 0x14), (12, 0x22)] {
+            let refused = refusal(&altered_jpeg(0xc0, rows, 65_295, sampling));
+            assert_eq!(refused, DecodeError::FlatJpeg { columns: 65_295, rows: rows.into() });
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod decode;
 mod folder;
+mod jpeg;
 
 pub use decode::{DecodeError, decode};
 pub use folder::{FileFrames, FrameInfo, FrameTable, ReadError, StoredFrame, list_images};
