@@ -10,6 +10,8 @@ mod hostile;
 #[path = "gauge_stream/roi.rs"]
 mod roi;
 
+use std::sync::OnceLock;
+
 use gauge_synth::{Synth, drifting};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
@@ -52,11 +54,14 @@ fn lanes_take_frames_in_turn_whatever_the_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut lanes = Lanes::new(&gauge(), 3.try_into().unwrap());
-            let (mut out, mut all) = (Vec::new(), Vec::new());
+            let mut all = Vec::new();
             // Calls of uneven length go on where the last one ended.
             for part in [&views[..1], &views[1..6], &views[6..]] {
-                lanes.measure(part, &mut out);
-                all.extend(out.iter().map(|r| r.as_ref().map(values).map_err(|e| e.reason)));
+                let out: Vec<_> = part.iter().map(|_| OnceLock::new()).collect();
+                lanes.measure(part, |index, measured| {
+                    out[index].set(measured.map(values).map_err(|e| e.reason)).unwrap();
+                });
+                all.extend(out.into_iter().map(|result| result.into_inner().unwrap()));
             }
             all
         })

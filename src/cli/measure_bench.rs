@@ -7,13 +7,11 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use crate::frame::FrameView;
-use crate::gauge::{EdgeStream, FrameEdges, Gauge, Lanes};
+use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, Lanes};
 
 /// Rounds in which ways of using the threads take turns, and frames of a round.
 const ROUNDS: usize = 25;
 const FRAMES: usize = 64;
-/// Frames that are handed to the lanes together: their edges stay in the cache.
-const BATCH: usize = 8;
 
 /// Times `count` frames in one stream that starts anew, on the threads of the pool that this is called in.
 pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
@@ -85,15 +83,15 @@ fn compare(gauge: &Gauge, frames: &[FrameView<'_>], threads: usize) -> Gains {
     let mut shared = Worker::new(gauge);
     let mut lanes = Lanes::new(gauge, NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN));
     let queue: Vec<FrameView<'_>> = frames.iter().cycle().take(FRAMES).copied().collect();
-    let mut out = Vec::new();
-    queue.chunks(BATCH).for_each(|part| lanes.measure(part, &mut out));
+    let looked_at = |_, _: Result<&FrameEdges, FrameRefused>| {};
+    lanes.measure(&queue, looked_at);
     let mut alone: Vec<Worker> = (0..threads).map(|_| Worker::new(gauge)).collect();
     shared.run(frames);
     alone.iter_mut().for_each(|worker| worker.run(frames));
     let (mut in_turn, mut within, mut independent) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let single = seconds(|| at_once(&mut alone[..1], frames));
-        let turns = seconds(|| queue.chunks(BATCH).for_each(|part| lanes.measure(part, &mut out)));
+        let turns = seconds(|| lanes.measure(&queue, looked_at));
         let together = seconds(|| shared.run(frames));
         let apart = seconds(|| at_once(&mut alone, frames));
         in_turn.push(single / turns);

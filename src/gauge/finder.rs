@@ -53,6 +53,8 @@ pub struct EdgeStream {
     coarse: Coarse,
     axis: AxisScratch,
     one_sided: f64,
+    /// Whether both sides may be worked on at once.
+    splits: bool,
     last: Option<Last>,
 }
 
@@ -101,6 +103,7 @@ impl EdgeStream {
             coarse: Coarse::default(),
             axis: AxisScratch::default(),
             one_sided: 0.0,
+            splits: true,
             last: None,
         }
     }
@@ -112,6 +115,12 @@ impl EdgeStream {
             side.expect(misfit, index);
         }
         self
+    }
+
+    /// Leaves a frame to the thread that it is given to: where whole frames are shared out, splitting them only costs.
+    #[must_use]
+    pub(crate) fn unsplit(self) -> Self {
+        Self { splits: false, ..self }
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
@@ -329,9 +338,10 @@ impl EdgeStream {
             side.look(plane, centres, sigma, centring);
             side.survey(scale, estimate);
         };
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
-        both(|| look(top, upper), || look(bottom, lower));
+        both(splits, || look(top, upper), || look(bottom, lower));
         self.scene(scale)
     }
 
@@ -347,8 +357,9 @@ impl EdgeStream {
             side.look_again(plane, line);
             side.survey(scale, estimate);
         };
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        both(|| look(top, &found.top), || look(bottom, &found.bottom));
+        both(splits, || look(top, &found.top), || look(bottom, &found.bottom));
         self.scene(scale)
     }
 
@@ -411,8 +422,9 @@ impl EdgeStream {
         let pool =
             |side: &mut SideState, levels| side.pool_levels(&scene.noise, scene.dark, scene.light, levels);
         let levels = self.settings.levels;
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        let (a, b) = both(|| pool(top, levels), || pool(bottom, levels));
+        let (a, b) = both(splits, || pool(top, levels), || pool(bottom, levels));
         if a && b { Ok(()) } else { Err(no_levels()) }
     }
 
@@ -421,8 +433,9 @@ impl EdgeStream {
             Some(_) => side.blur = BlurEstimate::uniform(sigma),
             None => side.refine_blur(&scene.noise, sigma),
         };
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        both(|| refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
+        both(splits, || refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
     }
 
     /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
@@ -430,12 +443,16 @@ impl EdgeStream {
         if self.settings.rejection == Rejection::Off {
             return false;
         }
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let settle = |side: &mut SideState, clip: Option<f32>, line: &[Edge]| {
             clip.is_none() && side.settle_blur(&scene.noise, line)
         };
-        let (a, b) =
-            both(|| settle(top, scene.clip[0], &out.top), || settle(bottom, scene.clip[1], &out.bottom));
+        let (a, b) = both(
+            splits,
+            || settle(top, scene.clip[0], &out.top),
+            || settle(bottom, scene.clip[1], &out.bottom),
+        );
         a || b
     }
 
@@ -449,9 +466,10 @@ impl EdgeStream {
             }
             there
         };
+        let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&mut out.top, &mut out.bottom);
-        let (a, b) = both(|| fit(top, scene.clip[0], upper), || fit(bottom, scene.clip[1], lower));
+        let (a, b) = both(splits, || fit(top, scene.clip[0], upper), || fit(bottom, scene.clip[1], lower));
         if !(a && b) {
             return false;
         }
@@ -521,10 +539,14 @@ impl EdgeStream {
     }
 }
 
-/// Both sides at once where there are threads, one after the other where there are not. Neither sees the other's
+/// Both sides at once where that is wished and there are threads, one after the other where there are not. Neither sees the other's
 /// work, so the result is the same.
-fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-    if rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1 {
+fn both<A: Send, B: Send>(
+    splits: bool,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if splits && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1 {
         rayon::join(a, b)
     } else {
         (a(), b())

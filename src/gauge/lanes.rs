@@ -13,44 +13,46 @@ use super::edges::{FrameEdges, FrameRefused};
 use super::finder::EdgeStream;
 use crate::frame::FrameView;
 
-/// What came of one frame: its edges, or why there are none.
-pub type MeasuredFrame = Result<FrameEdges, FrameRefused>;
-
 /// Streams that take frames in turn.
 #[derive(Clone, Debug)]
 pub struct Lanes {
-    streams: Vec<EdgeStream>,
+    lanes: Vec<Lane>,
     /// Frames taken so far.
     taken: usize,
+}
+
+/// One stream and the memory of its results.
+#[derive(Clone, Debug)]
+struct Lane {
+    stream: EdgeStream,
+    edges: FrameEdges,
 }
 
 impl Lanes {
     /// As many streams as said, usually one a core. The number belongs to the measurement, not to the machine: another number gives results
     /// that differ as those of two streams do, by thousandths of the noise.
     pub fn new(gauge: &Gauge, lanes: NonZeroUsize) -> Self {
-        Self { streams: (0..lanes.get()).map(|_| gauge.stream()).collect(), taken: 0 }
+        let lane = || Lane { stream: gauge.stream().unsplit(), edges: FrameEdges::default() };
+        Self { lanes: (0..lanes.get()).map(|_| lane()).collect(), taken: 0 }
     }
 
-    /// Measures frames that follow those of the last call into `out`, in their order, on the threads of the pool that this is called in.
-    /// `out` keeps its memory from call to call.
-    pub fn measure(&mut self, frames: &[FrameView<'_>], out: &mut Vec<MeasuredFrame>) {
-        let lanes = self.streams.len();
-        out.resize_with(frames.len(), || Ok(FrameEdges::default()));
-        let mut shares: Vec<(&mut EdgeStream, Vec<_>)> =
-            self.streams.iter_mut().map(|stream| (stream, Vec::new())).collect();
-        for (index, job) in frames.iter().zip(out.iter_mut()).enumerate() {
-            shares[(self.taken + index) % lanes].1.push(job);
-        }
-        shares.into_par_iter().for_each(|(stream, jobs)| {
-            for (frame, out) in jobs {
-                measure_into(stream, frame, out);
+    /// Measures frames that follow those of the last call, on the threads of the pool that this is called in. Each result is lent to
+    /// `take` by the thread that measured it, with the frame's index in `frames`; within a lane in the frames' order.
+    pub fn measure(
+        &mut self,
+        frames: &[FrameView<'_>],
+        take: impl Fn(usize, Result<&FrameEdges, FrameRefused>) + Sync,
+    ) {
+        let (count, taken) = (self.lanes.len(), self.taken);
+        self.lanes.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, Lane { stream, edges })| {
+            let first = (number + count - taken % count) % count;
+            for (index, frame) in frames.iter().enumerate().skip(first).step_by(count) {
+                match stream.measure(frame, edges) {
+                    Ok(()) => take(index, Ok(edges)),
+                    Err(refused) => take(index, Err(refused)),
+                }
             }
         });
         self.taken += frames.len();
     }
-}
-
-fn measure_into(stream: &mut EdgeStream, frame: &FrameView<'_>, out: &mut MeasuredFrame) {
-    let mut edges = std::mem::replace(out, Ok(FrameEdges::default())).unwrap_or_default();
-    *out = stream.measure(frame, &mut edges).map(|()| edges);
 }

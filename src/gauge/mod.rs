@@ -53,7 +53,7 @@ pub use diameter::{ColumnDiameters, Pose};
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
-pub use lanes::{Lanes, MeasuredFrame};
+pub use lanes::Lanes;
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings,
