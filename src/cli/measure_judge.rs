@@ -180,8 +180,8 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        if let Some(budget) =
-            WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions))
+        if let Some(budget) = WidthReading::of_largest(edges, self.calibration)
+            .map(|r| r.budget(self.calibration, &self.conditions))
         {
             self.add_budget(&budget, out);
         }

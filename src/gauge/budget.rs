@@ -10,10 +10,10 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use super::bench::{Along, Conditions, CovariancePart};
 use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
-use super::caliper::largest_caliper;
+use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
 use super::diameter::Pose;
-use super::edges::FrameEdges;
+use super::edges::{FrameEdges, FrameFigures};
 use super::monte_carlo::Distribution;
 
 /// Whether a source's errors differ from reading to reading.
@@ -198,6 +198,8 @@ pub struct WidthReading {
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
     pub u_sigma_px: f64,
+    /// The frame's figures: what its edge-spread function leaves open.
+    pub figures: FrameFigures,
     /// Standard uncertainty by form, texture and sampling: scatter of what was averaged, px.
     pub u_form_px: f64,
     /// Degrees of freedom of that scatter.
@@ -234,14 +236,21 @@ impl WidthReading {
             u_misfit_px: over.u_misfit_px,
             u_blur_px,
             u_sigma_px,
+            figures: edges.figures,
             u_form_px: (form - noise).max(0.0).sqrt(),
             form_freedom,
         })
     }
 
-    /// The largest caliper diameter of a frame, as [`largest_caliper`] finds it.
-    pub fn of_largest(edges: &FrameEdges) -> Option<Self> {
-        let largest = largest_caliper(edges)?;
+    /// The largest caliper diameter of a frame, as [`super::largest_caliper`] finds it, behind the lens of a calibration.
+    pub fn of_largest(edges: &FrameEdges, calibration: &Calibration) -> Option<Self> {
+        let largest = match &calibration.bench {
+            Some(bench) => largest_caliper_where(edges, |column, top_px, bottom_px| {
+                let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
+                row(bottom_px) - row(top_px)
+            }),
+            None => largest_caliper(edges),
+        }?;
         let half = 0.5 * largest.diameter_px;
         let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
         let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));
@@ -254,8 +263,9 @@ impl WidthReading {
         let square = |v: f32| f64::from(v).powi(2);
         let middle = mean(&|c| 0.5 * (edges.top[c].row_px + edges.bottom[c].row_px));
         let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
-        // Variance of a median over that of a mean.
-        let noise = std::f64::consts::FRAC_PI_2 * own / n;
+        // Variance of a median over that of a mean; of a shaft's run every other column is read.
+        let read = if largest.end_on { n } else { 0.5 * n };
+        let noise = std::f64::consts::FRAC_PI_2 * own / read;
         let own_u = largest.u_own_px.powi(2);
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
@@ -271,6 +281,7 @@ impl WidthReading {
             u_misfit_px: misfit.sqrt(),
             u_blur_px,
             u_sigma_px,
+            figures: edges.figures,
             u_form_px: (own_u - noise).max(0.0).sqrt(),
             form_freedom: (n - 1.0).max(1.0),
         })
@@ -290,6 +301,7 @@ impl WidthReading {
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
         self.add_edges(&mut budget, scale * self.chord);
+        budget.push(self.place(calibration));
         match (&calibration.bench, by) {
             (Some(bench), Some(by)) => {
                 for part in &bench.parts {
@@ -300,6 +312,19 @@ impl WidthReading {
         }
         add_conditions(&mut budget, calibration, conditions, at_t);
         budget
+    }
+
+    /// The row of edges whose place is unknown because their edge-spread function was learnt without masters.
+    fn place(&self, calibration: &Calibration) -> Contribution {
+        let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        Contribution {
+            source: "place of learnt edges, no masters".to_owned(),
+            input: format!("0 to {limit:.3} px of width less"),
+            shape: Shape::Rectangular,
+            share: Share::Common,
+            freedom: None,
+            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_place_px(&self.figures),
+        }
     }
 
     fn add_edges(&self, budget: &mut Budget, mm_per_px: f64) {
@@ -319,17 +344,22 @@ impl WidthReading {
         random("noise of the edges", width(noise), noise, None);
         random("quantisation", width(quantisation), quantisation, None);
         random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
-        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
         random("form, texture and sampling", width(self.u_form_px), self.u_form_px, Some(self.form_freedom));
-        // The same light falls on every frame: it does not average.
-        budget.push(Contribution {
-            source: "misfit of the edge model".to_owned(),
-            input: format!("{:.5} px beyond the masters'", self.u_misfit_px),
-            shape: Shape::Normal,
-            share: Share::Common,
-            freedom: None,
-            u_mm: mm_per_px * self.u_misfit_px,
-        });
+        // The same light falls on every frame, and a stream keeps its blur: neither averages.
+        let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
+        for (source, input, u_px) in [
+            ("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px),
+            ("misfit of the edge model", misfit, self.u_misfit_px),
+        ] {
+            budget.push(Contribution {
+                source: source.to_owned(),
+                input,
+                shape: Shape::Normal,
+                share: Share::Common,
+                freedom: None,
+                u_mm: mm_per_px * u_px,
+            });
+        }
     }
 }
 
@@ -480,6 +510,7 @@ mod tests {
         };
         let calibration = Calibration::fit_figures(&[master(20.0, 1300.0), master(28.0, 1820.0)]).unwrap();
         let reading = WidthReading {
+            figures: FrameFigures::default(),
             column_px: 0.0,
             column_variance_px2: 0.0,
             rows_px: (10.0, 1410.0),

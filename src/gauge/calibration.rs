@@ -16,7 +16,8 @@ use thiserror::Error;
 use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
-use super::edges::FrameEdges;
+use super::edges::{FrameEdges, FrameFigures};
+use super::settings::EsfModel;
 
 /// Version of the file format.
 pub const CALIBRATION_VERSION: u32 = 1;
@@ -138,6 +139,16 @@ pub enum CalibrationError {
         /// Version in the file.
         found: u32,
     },
+    /// Edges of another model than the masters'.
+    #[error(
+        "the masters' edges were fitted by the edge-spread function {calibrated}, asked for is {asked}: measure as calibrated (--esf), or calibrate anew"
+    )]
+    OtherEdgeModel {
+        /// Name of the masters' model.
+        calibrated: String,
+        /// Name of the model asked for.
+        asked: &'static str,
+    },
     /// The calibration belongs to other optics.
     #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
     OtherOptics {
@@ -175,6 +186,10 @@ pub struct Calibration {
     pub offset_mm: f64,
     /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
     pub covariance: [f64; 3],
+    /// Edge-spread function that was fitted to the masters' edges ([`EsfModel::name`]): the offset holds for it alone. `None` where no
+    /// master was seen, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_model: Option<String>,
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
@@ -228,6 +243,7 @@ impl Calibration {
             masters: masters.to_vec(),
             bench: None,
             misfit: None,
+            edge_model: None,
         })
     }
 
@@ -243,6 +259,7 @@ impl Calibration {
             masters,
             bench: Some(Box::new(bench)),
             misfit: None,
+            edge_model: None,
         }
     }
 
@@ -255,6 +272,30 @@ impl Calibration {
     /// What the masters' edges left of the edge model, for [`super::Gauge::expecting`].
     pub fn misfit(&self) -> Option<&EdgeMisfit> {
         self.misfit.as_deref()
+    }
+
+    /// Names the edge-spread function that was fitted to the masters' edges.
+    #[must_use]
+    pub fn with_edge_model(self, esf: &EsfModel) -> Self {
+        Self { edge_model: Some(esf.name().to_owned()), ..self }
+    }
+
+    /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
+    ///
+    /// # Errors
+    /// Where both are known and differ.
+    pub fn check_edge_model(&self, esf: &EsfModel) -> Result<(), CalibrationError> {
+        match &self.edge_model {
+            Some(calibrated) if calibrated != esf.name() => {
+                Err(CalibrationError::OtherEdgeModel { calibrated: calibrated.clone(), asked: esf.name() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Standard uncertainty of a width by the unknown place of learnt edges, px; none where the masters' edges were learnt, too.
+    pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
+        if self.edge_model.as_deref() == Some("learnt") { 0.0 } else { figures.u_place_px() }
     }
 
     /// Names the optics it belongs to.
@@ -274,6 +315,7 @@ impl Calibration {
             masters: Vec::new(),
             bench: None,
             misfit: None,
+            edge_model: None,
         }
     }
 
@@ -355,6 +397,12 @@ impl Calibration {
                 expected: optics_id.to_owned(),
             })
         }
+    }
+
+    /// The calibration of the same bench for frames read column by column (a vertical shaft).
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self { bench: self.bench.as_ref().map(|bench| Box::new(bench.transposed())), ..self.clone() }
     }
 
     /// Diameter of a width across the axis, mm.

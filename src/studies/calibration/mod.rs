@@ -136,8 +136,10 @@ pub fn calibrate(
     bench.conditions = plan.conditions;
     bench.sensor = sensor;
     bench.flat_field = flat_field;
-    let mut calibration =
-        Calibration::of_bench(&adjusted, figures, bench).with_optics_id(&plan.optics_id).with_misfit(misfit);
+    let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
+        .with_optics_id(&plan.optics_id)
+        .with_misfit(misfit)
+        .with_edge_model(&plan.gauge.esf);
     let check = plan
         .check
         .as_ref()
