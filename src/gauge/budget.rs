@@ -7,7 +7,8 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::bench::{Along, Conditions, CovariancePart};
+use super::bench::{Along, Conditions, CovariancePart, LensModel};
+pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
 use super::caliper::largest_caliper;
@@ -176,7 +177,7 @@ impl Budget {
 }
 
 /// A width in the image whose diameter's budget is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WidthReading {
     /// Column where it stands (the middle of those averaged), px.
     pub column_px: f64,
@@ -198,10 +199,8 @@ pub struct WidthReading {
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
     pub u_sigma_px: f64,
-    /// Standard uncertainty by form, texture and sampling: scatter of what was averaged, px.
-    pub u_form_px: f64,
-    /// Degrees of freedom of that scatter.
-    pub form_freedom: f64,
+    /// Form, texture and sampling: scatter of what was averaged.
+    pub form: Scatter,
 }
 
 impl WidthReading {
@@ -209,33 +208,19 @@ impl WidthReading {
     pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
         let chord = Pose::of(edges).chord_factor();
         let over = ColumnMeans::over(edges, columns)?;
-        let used = &over.used;
-        // Neighbouring columns share texture: the scatter of a few blocks' means, beyond noise, about a line (taper is form
-        // that is meant to be seen).
-        let blocks = (used.len() / 16).clamp(2, 12);
-        let means: Vec<f64> = (0..blocks)
-            .map(|b| {
-                let part = &used[b * used.len() / blocks..(b + 1) * used.len() / blocks];
-                part.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / part.len().max(1) as f64
-            })
-            .collect();
-        let form_freedom = (blocks as f64 - 2.0).max(1.0);
-        let form = scatter_about_line(&means) / blocks as f64;
-        let noise = over.own_variance_px2;
-        let (u_blur_px, u_sigma_px) = u_blur_px(edges, used);
+        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
         Some(Self {
             column_px: over.column_px,
             column_variance_px2: over.column_variance_px2,
             rows_px: over.rows_px,
             chord,
-            u_noise_px: noise.sqrt(),
+            u_noise_px: over.own_variance_px2.sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2)).max(0.0).sqrt(),
             u_misfit_px: over.u_misfit_px,
             u_blur_px,
             u_sigma_px,
-            u_form_px: (form - noise).max(0.0).sqrt(),
-            form_freedom,
+            form: Scatter::Blocks(Block::all_of(edges, &over)),
         })
     }
 
@@ -271,8 +256,7 @@ impl WidthReading {
             u_misfit_px: misfit.sqrt(),
             u_blur_px,
             u_sigma_px,
-            u_form_px: (own_u - noise).max(0.0).sqrt(),
-            form_freedom: (n - 1.0).max(1.0),
+            form: Scatter::Known { u_px: (own_u - noise).max(0.0).sqrt(), freedom: (n - 1.0).max(1.0) },
         })
     }
 
@@ -289,7 +273,7 @@ impl WidthReading {
         };
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_edges(&mut budget, scale * self.chord);
+        self.add_edges(&mut budget, scale * self.chord, calibration.bench.as_ref().map(|b| &b.lens));
         match (&calibration.bench, by) {
             (Some(bench), Some(by)) => {
                 for part in &bench.parts {
@@ -302,7 +286,8 @@ impl WidthReading {
         budget
     }
 
-    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64) {
+    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>) {
+        let (u_form_px, form_freedom) = self.form.u_px(lens, self.u_noise_px);
         let share = self.quantisation_share.clamp(0.0, 1.0);
         let width = |u_px: f64| format!("{u_px:.5} px of width");
         let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
@@ -320,7 +305,7 @@ impl WidthReading {
         random("quantisation", width(quantisation), quantisation, None);
         random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
         random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
-        random("form, texture and sampling", width(self.u_form_px), self.u_form_px, Some(self.form_freedom));
+        random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
         // The same light falls on every frame: it does not average.
         budget.push(Contribution {
             source: "misfit of the edge model".to_owned(),
@@ -338,22 +323,6 @@ fn quantisation_share(edges: &FrameEdges) -> f64 {
     let [dark, light] = edges.figures.noise;
     let mid = 0.5 * (dark * dark + light * light);
     if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
-}
-
-/// Variance of one value about the least-squares line through evenly spaced ones.
-fn scatter_about_line(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    if n < 3.0 {
-        return 0.0;
-    }
-    let middle = 0.5 * (n - 1.0);
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = (0..values.len()).map(|i| (i as f64 - middle).powi(2)).sum();
-    let slope =
-        values.iter().enumerate().map(|(i, v)| (i as f64 - middle) * (v - mean)).sum::<f64>() / square;
-    let rest: f64 =
-        values.iter().enumerate().map(|(i, v)| (v - mean - slope * (i as f64 - middle)).powi(2)).sum();
-    rest / (n - 2.0)
 }
 
 /// The row of one source of the calibration, by the diameter's derivatives.
@@ -490,8 +459,7 @@ mod tests {
             u_misfit_px: 0.0,
             u_blur_px: 0.0,
             u_sigma_px: 0.0,
-            u_form_px: 0.0,
-            form_freedom: 1.0,
+            form: Scatter::Known { u_px: 0.0, freedom: 1.0 },
         };
         let budget = reading.budget(&calibration, &Conditions::default());
         assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
