@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
+use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
 use super::edges::FrameEdges;
@@ -286,17 +286,17 @@ impl Calibration {
         if calibration.version != CALIBRATION_VERSION {
             return Err(CalibrationError::Version { found: calibration.version });
         }
-        let positive = "a scale above 0 in mm/px";
+        let positive = "a scale above 0 in mm/px, at most 1000";
         let scale = calibration.scale_mm_per_px;
-        if !(scale.is_finite() && scale > 0.0) {
+        if !(scale > 0.0 && scale <= 1e3) {
             return Err(CalibrationError::Value { key: "scale_mm_per_px", value: scale, right: positive });
         }
         let offset = calibration.offset_mm;
-        if !offset.is_finite() {
+        if !(offset.abs() <= 1e3) {
             return Err(CalibrationError::Value {
                 key: "offset_mm",
                 value: offset,
-                right: "a finite length",
+                right: "a length within ± 1000 mm",
             });
         }
         let [vs, c, vo] = calibration.covariance;
@@ -316,28 +316,8 @@ impl Calibration {
 
     fn check_bench(&self) -> Result<(), CalibrationError> {
         let Some(bench) = &self.bench else { return Ok(()) };
-        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
-        let lens = &bench.lens;
-        let small =
-            [lens.radial, lens.keystone_across, lens.keystone_along].into_iter().find(|v| !(v.abs() < 0.2));
-        if let Some(value) = small {
-            return impossible("bench.lens", value, "distortion and keystone below 0.2");
-        }
-        if !(lens.half_diagonal_px >= 1.0 && lens.half_diagonal_px.is_finite()) {
-            return impossible("bench.lens.half_diagonal_px", lens.half_diagonal_px, "1 px or more");
-        }
-        let finite = [lens.telecentricity_per_mm, lens.centre_row_px, lens.centre_column_px];
-        if let Some(value) = finite.into_iter().find(|v| !v.is_finite()) {
-            return impossible("bench.lens", value, "finite numbers");
-        }
-        let entries = bench.parts.iter().flat_map(|p| p.matrix.iter().flatten());
-        if let Some(value) = entries.copied().find(|v| !v.is_finite()) {
-            return impossible("bench.parts", value, "finite numbers");
-        }
-        let negative =
-            bench.parts.iter().flat_map(|p| (0..PARAMETERS).map(|i| p.matrix[i][i])).find(|v| *v < 0.0);
-        if let Some(value) = negative {
-            return impossible("bench.parts", value, "variances of 0 or more");
+        if let Some((key, value, right)) = bench.impossible() {
+            return Err(CalibrationError::Value { key, value, right });
         }
         bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }

@@ -19,6 +19,10 @@ use crate::frame::{Frame, FrameView, PixelsMut};
 const DEFECT_SIGMAS: f64 = 8.0;
 /// Fall-off below which the light is not corrected: its gradient moves an edge by σ²·l'/l, well below 1e-3 px.
 const EVEN: f64 = 0.01;
+/// Least light that still shows a part, of the brightest.
+const DARKEST: f64 = 0.3;
+/// Rounding of a surface that was scaled to 1 at its brightest.
+const LIGHT_ROUNDING: f64 = 1e-6;
 /// More defects than this share of the pixels are no defects but a wrong picture.
 const MOST_DEFECTS: f64 = 0.01;
 /// Pixels that the surface is fitted to, along either side.
@@ -199,7 +203,7 @@ impl FlatField {
         let at = |light: &[f64; 6], r: usize, c: usize| value(light, unit(c, columns), unit(r, rows));
         let (low, high) = extremes(&light);
         light.iter_mut().for_each(|l| *l /= high);
-        if low / high < 0.3 {
+        if low / high < DARKEST {
             return Err(FlatFieldError::NotFlat { darkest: low / high });
         }
         let response: Vec<f32> = flats
@@ -223,6 +227,41 @@ impl FlatField {
             prnu_rel: (prnu * prnu - noise * noise).max(0.0).sqrt(),
             dsnu_counts: (dark_spread * dark_spread - darks.variance).max(0.0).sqrt(),
         })
+    }
+
+    /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key, value, what would be right).
+    pub(super) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
+        let (low, high) = extremes(&self.light);
+        let wrong =
+            [low, high].into_iter().find(|l| !(DARKEST - LIGHT_ROUNDING..=1.0 + LIGHT_ROUNDING).contains(l));
+        if let Some(value) = wrong {
+            return Some(("bench.flat_field.light", value, "a surface from 0.3 to 1 all over the field"));
+        }
+        let fall_off = 1.0 - low / high;
+        let off = (self.fall_off - fall_off).abs();
+        (!(off <= LIGHT_ROUNDING)).then_some((
+            "bench.flat_field.fall_off",
+            self.fall_off,
+            "what `light` falls by, 0 to 0.7",
+        ))
+    }
+
+    /// Names a defective pixel that is none of the frame's, or is out of order.
+    pub(super) fn impossible_defects(&self) -> Option<(&'static str, f64, &'static str)> {
+        let key = "bench.flat_field.defects";
+        let most = MOST_DEFECTS * self.rows as f64 * self.columns as f64;
+        if self.defects.len() as f64 > most {
+            return Some((key, self.defects.len() as f64, "at most 1 % of the pixels"));
+        }
+        let outside = self.defects.iter().find_map(|[r, c]| {
+            let row = (*r as usize >= self.rows).then_some(*r);
+            row.or_else(|| (*c as usize >= self.columns).then_some(*c))
+        });
+        if let Some(value) = outside {
+            return Some((key, f64::from(value), "rows and columns of the frame"));
+        }
+        let unsorted = self.defects.windows(2).find(|pair| pair[0] >= pair[1]);
+        unsorted.map(|pair| (key, f64::from(pair[1][0]), "every pixel once, by row and column"))
     }
 
     /// Whether the light is uneven enough to be corrected.

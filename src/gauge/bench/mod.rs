@@ -7,6 +7,7 @@ mod check_pin;
 mod conditions;
 mod date;
 mod flat_field;
+mod impossible;
 mod lens;
 mod observation;
 
