@@ -171,6 +171,14 @@ impl<'a> Follower<'a> {
         if self.blurred(&meta, edges, out) {
             return;
         }
+        let budget = WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions));
+        if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
+            let why = "its diameter or uncertainty is no number: it has no diameter";
+            tracing::warn!("frame {}: {why}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([why]));
+            self.give_no_diameter(Reason::Implausible, edges, out);
+            return;
+        }
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -180,10 +188,8 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        if let Some(budget) =
-            WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions))
-        {
-            self.add_budget(&budget, out);
+        if let Some(budget) = &budget {
+            self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
         if let (Some(d), true) = (averaged.value(), self.args.average.is_some()) {
@@ -207,17 +213,22 @@ impl<'a> Follower<'a> {
         if self.args.accept_blur {
             return false;
         }
+        self.give_no_diameter(Reason::Blurred, edges, out);
+        true
+    }
+
+    /// Makes a gap of every column of a frame.
+    fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
         for key in ["max_diameter_mm", "u_max_mm"] {
             out.insert(key.to_owned(), Value::Null);
         }
         out.insert("valid".to_owned(), json!(0));
-        out.insert("flags".to_owned(), json!({ Reason::Blurred.as_str(): edges.columns() }));
+        out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
         if self.judge.is_some() {
             // What was not measured is not proven good.
             out.insert("judgement".to_owned(), Value::Null);
             self.worst = worse(self.worst, Judgement::HI);
         }
-        true
     }
 
     /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.

@@ -135,9 +135,10 @@ impl Budget {
         *sums.select_nth_unstable_by(at, f64::total_cmp).1
     }
 
-    /// Adds a row, unless it is nothing.
+    /// Adds a row, unless it is nothing. What is no number stays: the sum is then no number either, where leaving it out would
+    /// pass for certainty.
     pub fn push(&mut self, contribution: Contribution) {
-        if contribution.u_mm > 0.0 {
+        if contribution.u_mm != 0.0 {
             self.contributions.push(contribution);
         }
     }
@@ -438,6 +439,17 @@ mod tests {
         assert!((budget.u_mm() * 1e6 - 31.7).abs() < 0.5, "{}", budget.u_mm());
         assert_eq!(budget.effective_freedom().floor(), 16.0);
         assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
+    }
+
+    /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
+    #[test]
+    fn what_is_no_number_does_not_vanish() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        budget.push(row(1e-4, Share::Random, None));
+        budget.push(row(0.0, Share::Random, None));
+        budget.push(row(f64::NAN, Share::Common, None));
+        assert!(budget.contributions.len() == 2 && budget.u_mm().is_nan() && budget.u_common_mm().is_nan());
+        assert!(budget.to_table(2.0).contains("NaN"));
     }
 
     #[test]

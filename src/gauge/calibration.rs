@@ -207,11 +207,7 @@ impl Calibration {
         for (index, master) in masters.iter().enumerate() {
             master.certificate.check(index)?;
         }
-        let widths = || masters.iter().map(|m| m.width_px);
-        let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
-        if !(spread_px >= LEAST_SPREAD_PX) {
-            return Err(CalibrationError::SameSize { spread_px });
-        }
+        check_spread(masters)?;
         let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
         let mut fit = LineFit::default();
         // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
@@ -310,8 +306,25 @@ impl Calibration {
         if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
+        calibration.check_masters()?;
         calibration.check_bench()?;
         Ok(calibration)
+    }
+
+    /// The budget takes certificates and levers from the masters: what says nothing of them must not pass for certainty.
+    fn check_masters(&self) -> Result<(), CalibrationError> {
+        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
+        for (index, master) in self.masters.iter().enumerate() {
+            master.certificate.check(index)?;
+            let (width, u) = (master.width_px, master.u_width_px);
+            if !(width > 0.0 && width.is_finite()) {
+                return impossible("masters.width_px", width, "a width above 0 px");
+            }
+            if !(u >= 0.0 && u.is_finite()) {
+                return impossible("masters.u_width_px", u, "0 px or more");
+            }
+        }
+        if self.masters.is_empty() { Ok(()) } else { check_spread(&self.masters) }
     }
 
     fn check_bench(&self) -> Result<(), CalibrationError> {
@@ -368,6 +381,13 @@ impl Calibration {
     pub fn conditions(&self) -> Conditions {
         self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
     }
+}
+
+/// Whether the masters' widths differ enough to tell scale from edge offset.
+fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
+    let widths = || masters.iter().map(|m| m.width_px);
+    let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
+    if spread_px >= LEAST_SPREAD_PX { Ok(()) } else { Err(CalibrationError::SameSize { spread_px }) }
 }
 
 #[derive(Default)]
@@ -443,6 +463,20 @@ mod tests {
             Calibration::read(loud.as_bytes()),
             Err(CalibrationError::Value { key: "misfit.residual", .. })
         ));
+        // A certificate without U and k would be certain, twins would have levers without end.
+        let refused =
+            |from: &str, to: &str| Calibration::read(text.replace(from, to).as_bytes()).unwrap_err();
+        let certain = refused(
+            "\"expanded_u_mm\":0.0006,\"coverage_factor\":2.0",
+            "\"expanded_u_mm\":0.0,\"coverage_factor\":0.0",
+        );
+        assert!(matches!(certain, CalibrationError::Certificate { master: 1 }), "{certain}");
+        let twins = refused("\"width_px\":1500.0", "\"width_px\":1000.0");
+        assert!(matches!(twins, CalibrationError::SameSize { .. }), "{twins}");
+        let thin = refused("\"width_px\":1000.0", "\"width_px\":-1000.0");
+        assert!(matches!(thin, CalibrationError::Value { key: "masters.width_px", .. }), "{thin}");
+        let sure = refused("\"u_width_px\":0.0", "\"u_width_px\":-1.0");
+        assert!(matches!(sure, CalibrationError::Value { key: "masters.u_width_px", .. }), "{sure}");
         let newer = text.replace("\"version\":1", "\"version\":9");
         assert!(matches!(Calibration::read(newer.as_bytes()), Err(CalibrationError::Version { found: 9 })));
         assert!(Calibration::read(&b"{"[..]).is_err());
