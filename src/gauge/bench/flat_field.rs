@@ -4,8 +4,8 @@
 //! m' = black + (m − black)·l_min/l(u, v)        l: quadratic surface through the flat field, 1 at its brightest
 //! ```
 //!
-//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes the mean of its nearest
-//! good neighbours along the shaft, where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
+//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes what its nearest
+//! good neighbours along the shaft show (see `defects`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
 //! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
 //! while a map of it would carry the noise of the flats that it was made from.
 
@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::defects::{Grey, ShaftRuns, heal};
 use crate::frame::{Frame, FrameView, PixelsMut};
 
 /// A pixel this many robust standard deviations off is defective.
@@ -269,27 +270,30 @@ impl FlatField {
         self.fall_off > EVEN
     }
 
-    /// Corrects a frame of the size calibrated, in its own format; other sizes and unquantised frames stay as they are.
+    /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other sizes stay as they are.
     #[must_use]
-    pub fn corrected(&self, mut frame: Frame) -> Frame {
+    pub fn corrected(&self, frame: Frame) -> Frame {
+        self.corrected_along(frame, ShaftRuns::AlongRows)
+    }
+
+    /// As [`Self::corrected`], of a shaft that runs so.
+    #[must_use]
+    pub fn corrected_along(&self, mut frame: Frame, shaft: ShaftRuns) -> Frame {
         let view = frame.view();
         if (view.rows(), view.columns()) != (self.rows, self.columns) {
             return frame;
         }
         let full = view.format().full_scale().map_or(f32::INFINITY, f32::from);
         match frame.pixels_mut() {
-            PixelsMut::U8(p) => self.correct(p, full),
-            PixelsMut::U16(p) => self.correct(p, full),
-            PixelsMut::F32(p) => self.correct(p, full),
+            PixelsMut::U8(p) => self.correct(p, full, shaft),
+            PixelsMut::U16(p) => self.correct(p, full, shaft),
+            PixelsMut::F32(p) => self.correct(p, full, shaft),
         }
         frame
     }
 
-    fn correct<T: Grey>(&self, pixels: &mut [T], full: f32) {
-        for [row, column] in &self.defects {
-            let row = &mut pixels[*row as usize * self.columns..][..self.columns];
-            row[*column as usize] = self.neighbours(row, *column as usize);
-        }
+    fn correct<T: Grey>(&self, pixels: &mut [T], full: f32, shaft: ShaftRuns) {
+        heal(pixels, self.columns, &self.defects, shaft);
         if !self.corrects_light() {
             return;
         }
@@ -309,49 +313,6 @@ impl FlatField {
                 }
             }
         }
-    }
-
-    fn neighbours<T: Grey>(&self, row: &[T], column: usize) -> T {
-        let left = column.checked_sub(1).map(|c| row[c].grey());
-        let right = row.get(column + 1).map(|p| p.grey());
-        match (left, right) {
-            (Some(a), Some(b)) => T::of(0.5 * (a + b)),
-            (Some(one), None) | (None, Some(one)) => T::of(one),
-            (None, None) => row[column],
-        }
-    }
-}
-
-/// A grey value in its container.
-trait Grey: Copy {
-    fn grey(self) -> f32;
-    fn of(value: f32) -> Self;
-}
-
-impl Grey for u8 {
-    fn grey(self) -> f32 {
-        f32::from(self)
-    }
-    fn of(value: f32) -> Self {
-        value.round().clamp(0.0, 255.0) as Self
-    }
-}
-
-impl Grey for u16 {
-    fn grey(self) -> f32 {
-        f32::from(self)
-    }
-    fn of(value: f32) -> Self {
-        value.round().clamp(0.0, 65535.0) as Self
-    }
-}
-
-impl Grey for f32 {
-    fn grey(self) -> f32 {
-        self
-    }
-    fn of(value: f32) -> Self {
-        value
     }
 }
 
