@@ -116,6 +116,8 @@ struct Mean {
     values: Vec<f32>,
     /// Temporal variance of the mean, counts².
     variance: f64,
+    /// Share of the frames' pixels at full scale: in their mean a pixel that is clipped now and then lies below it.
+    clipped: f64,
 }
 
 impl Mean {
@@ -123,7 +125,7 @@ impl Mean {
         let [first, _, ..] = frames else { return Err(FlatFieldError::TooFew { what }) };
         let (rows, columns) = (first.rows(), first.columns());
         let mut sum = vec![0.0_f32; rows * columns];
-        let mut squares = 0.0;
+        let (mut squares, mut clipped) = (0.0, 0_usize);
         for (index, frame) in frames.iter().enumerate() {
             if (frame.rows(), frame.columns()) != (rows, columns) {
                 return Err(FlatFieldError::Size {
@@ -135,11 +137,13 @@ impl Mean {
                     first_columns: columns,
                 });
             }
+            let full = frame.format().full_scale().map_or(f32::INFINITY, f32::from);
             for (i, s) in sum.iter_mut().enumerate() {
                 let value = frame.get(i / columns, i % columns).unwrap_or(0.0);
                 // Differences from the first frame carry the noise of both.
                 let before = first.get(i / columns, i % columns).unwrap_or(0.0);
                 squares += f64::from(value - before).powi(2);
+                clipped += usize::from(value >= full);
                 *s += value;
             }
         }
@@ -147,7 +151,8 @@ impl Mean {
         sum.iter_mut().for_each(|s| *s /= n);
         let pixels = (rows * columns) as f64;
         let variance = squares / (2.0 * pixels * f64::from(n - 1.0)) / f64::from(n);
-        Ok(Self { rows, columns, values: sum, variance })
+        let clipped = clipped as f64 / (pixels * f64::from(n));
+        Ok(Self { rows, columns, values: sum, variance, clipped })
     }
 }
 
@@ -193,8 +198,7 @@ impl FlatField {
         }
         let (black_counts, dark_spread) = spread(&darks.values);
         let (rows, columns) = (darks.rows, darks.columns);
-        let full = flat[0].format().full_scale().map_or(f32::INFINITY, f32::from);
-        let clipped = flats.values.iter().filter(|v| **v >= full).count() as f64 / flats.values.len() as f64;
+        let clipped = flats.clipped;
         let (level, _) = spread(&flats.values);
         let signal = level - black_counts;
         if !(signal > 10.0 * dark_spread.max(0.5)) || clipped > 0.01 {
@@ -444,6 +448,23 @@ mod tests {
         let white = frame(5, |_, _| 9000.0);
         let view_is_full = |f: &Frame| f.view().get(3, 3) == Some(4095.0);
         assert!(view_is_full(&made().corrected(white)));
+    }
+
+    /// Light one standard deviation below full scale: 15.9 % of the pixels are clipped in every frame, hardly one in their mean.
+    #[test]
+    fn light_that_clips_now_and_then_is_refused_however_many_frames_there_are() {
+        let dark: Vec<Frame> = (0..2).map(|s| frame(s, |_, _| 64.0)).collect();
+        let dark: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
+        for count in [2, 4, 8] {
+            let flat: Vec<Frame> = (10..10 + count).map(|s| frame(s, |_, _| 4094.5 - 4.0)).collect();
+            let flat: Vec<FrameView<'_>> = flat.iter().map(Frame::view).collect();
+            match FlatField::new(&dark, &flat) {
+                Err(FlatFieldError::Exposure { clipped, .. }) => {
+                    assert!((clipped - 0.159).abs() < 0.01, "{count} frames: {clipped}");
+                }
+                other => panic!("{count} frames: {other:?}"),
+            }
+        }
     }
 
     #[test]
