@@ -178,9 +178,12 @@ fn fields(
         return Ok((None, None));
     }
     let dark = recordings.dark(plan)?;
+    at_least_two("fields.dark", dark.len())?;
     let mut flats = Vec::new();
     for index in 0..plan.fields.flats.len() {
-        flats.push((plan.fields.flats[index].exposure, recordings.flat(plan, index)?));
+        let frames = recordings.flat(plan, index)?;
+        at_least_two(&format!("fields.flats[{index}]"), frames.len())?;
+        flats.push((plan.fields.flats[index].exposure, frames));
     }
     let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
     // The brightest one that is not clipped shows defects and light best.
@@ -200,6 +203,16 @@ fn fields(
     let pairs: Vec<FramePair<'_>> = flats.iter().filter_map(|(exposure, f)| pair(*exposure, f)).collect();
     let darks: Vec<FramePair<'_>> = pair(0.0, &dark).into_iter().collect();
     Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
+}
+
+/// One frame of a field says nothing of its noise: left out in silence, it would be missed in the transfer curve only.
+fn at_least_two(key: &str, found: usize) -> Result<(), CalibrateError> {
+    match found {
+        2.. => Ok(()),
+        _ => Err(CalibrateError::Frames(format!(
+            "{key}: {found} frame(s); two or more are needed, so that their noise can be told from the pixels' own pattern"
+        ))),
+    }
 }
 
 fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
@@ -360,4 +373,45 @@ pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
             format!("{:.3}", 1e6 * u(5)),
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Buffer, FrameMeta, PixelFormat};
+
+    /// Two dark frames, and as many of each exposure as said.
+    struct Fields(Vec<usize>);
+
+    fn frame() -> Frame {
+        Frame::new(Buffer::U8(vec![9; 64 * 64]), PixelFormat::Mono8, 64, 64, FrameMeta::default()).unwrap()
+    }
+
+    impl Recordings for Fields {
+        fn pin(&mut self, _: usize, _: &PinPlan, _: &Position) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(Vec::new())
+        }
+
+        fn dark(&mut self, _: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(vec![frame(), frame()])
+        }
+
+        fn flat(&mut self, _: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+            Ok((0..self.0[index]).map(|_| frame()).collect())
+        }
+    }
+
+    /// It was left out of the transfer curve without a word.
+    #[test]
+    fn a_flat_field_of_one_frame_is_named() {
+        let plan: CalibrationPlan = toml::from_str(
+            "optics_id = \"any\"\ndate = \"2026-11-22\"\nmasters = []\n\
+             fields.flats = [{ exposure = 0.2 }, { exposure = 0.4 }, { exposure = 1.0 }]",
+        )
+        .unwrap();
+        let said = fields(&plan, &mut Fields(vec![2, 1, 2])).unwrap_err().to_string();
+        assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
+        // With two of each it is the flats themselves that are refused: they are as dark as the dark ones.
+        assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
+    }
 }
