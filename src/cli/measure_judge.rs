@@ -33,9 +33,10 @@ pub struct JudgeArgs {
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
-    /// Coverage factor k of the expanded uncertainties.
-    #[arg(long, value_name = "K", default_value_t = 2.0, value_parser = length)]
-    coverage_factor: f64,
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective degrees of freedom: 2 where
+    /// there are many.
+    #[arg(long, value_name = "K", value_parser = length)]
+    coverage_factor: Option<f64>,
     /// Uncertainty budget of every frame's largest diameter.
     #[arg(long)]
     budget: bool,
@@ -95,8 +96,8 @@ impl JudgeArgs {
         self.budget
     }
 
-    /// k.
-    pub fn coverage_factor(&self) -> f64 {
+    /// k, where it is given.
+    pub fn coverage_factor(&self) -> Option<f64> {
         self.coverage_factor
     }
 }
@@ -256,7 +257,7 @@ impl<'a> Follower<'a> {
     }
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
-        let k = self.args.coverage_factor;
+        let k = budget.factor_or(self.args.coverage_factor);
         put(out, "u_random_mm", budget.u_random_mm());
         put(out, "u_common_mm", budget.u_common_mm());
         put(out, "expanded_u_max_mm", k * budget.u_mm());

@@ -2,7 +2,8 @@
 //!
 //! Neighbouring columns share texture, so the scatter of single columns would understate what their mean is uncertain by: it is taken of
 //! the means of blocks, about a line (taper is form that is meant to be seen), and noise comes off. Before that every block's width is
-//! freed of the lens' distortion, as the diameter is: left in, it would be taken for form.
+//! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
+//! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
 
 use super::bench::{Along, LensModel};
 use super::column_means::ColumnMeans;
@@ -10,8 +11,10 @@ use super::edges::FrameEdges;
 
 /// Columns of a block.
 const BLOCK: usize = 16;
-/// Most blocks.
-const MOST_BLOCKS: usize = 12;
+/// Least and most blocks: two lie on any line.
+const BLOCKS: (usize, usize) = (3, 12);
+/// Columns below which their scatter does not tell form from noise.
+pub(super) const FEW_COLUMNS: usize = BLOCKS.0 * BLOCK;
 
 /// Mean edges of a block of neighbouring columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,15 +26,6 @@ pub struct Block {
 }
 
 impl Block {
-    /// Blocks of the columns that a mean was taken over.
-    pub(super) fn all_of(edges: &FrameEdges, over: &ColumnMeans) -> Vec<Self> {
-        let used = &over.used;
-        let blocks = (used.len() / BLOCK).clamp(2, MOST_BLOCKS);
-        (0..blocks)
-            .map(|b| Self::of(edges, &used[b * used.len() / blocks..(b + 1) * used.len() / blocks]))
-            .collect()
-    }
-
     fn of(edges: &FrameEdges, part: &[usize]) -> Self {
         let n = part.len().max(1) as f64;
         let mean = |f: &dyn Fn(usize) -> f64| part.iter().map(|c| f(*c)).sum::<f64>() / n;
@@ -56,7 +50,12 @@ impl Block {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scatter {
     /// Blocks, whose widths show it.
-    Blocks(Vec<Block>),
+    Blocks {
+        /// Mean edges of each.
+        blocks: Vec<Block>,
+        /// Whether they hold columns enough to tell form from noise.
+        tell_noise: bool,
+    },
     /// The scatter itself.
     Known {
         /// Standard uncertainty of the mean width, px.
@@ -67,16 +66,26 @@ pub enum Scatter {
 }
 
 impl Scatter {
+    /// Blocks of the columns that a mean was taken over.
+    pub(super) fn of_blocks(edges: &FrameEdges, over: &ColumnMeans) -> Self {
+        let used = &over.used;
+        let count = (used.len() / BLOCK).clamp(BLOCKS.0, BLOCKS.1);
+        let part = |b: usize| &used[b * used.len() / count..(b + 1) * used.len() / count];
+        let blocks = (0..count).map(|b| Block::of(edges, part(b))).collect();
+        Self::Blocks { blocks, tell_noise: used.len() >= FEW_COLUMNS }
+    }
+
     /// Standard uncertainty of the mean width beyond the noise' own, px, and its degrees of freedom.
     pub(super) fn u_px(&self, lens: Option<&LensModel>, u_noise_px: f64) -> (f64, f64) {
         match self {
             Self::Known { u_px, freedom } => (*u_px, *freedom),
-            Self::Blocks(blocks) => {
+            Self::Blocks { blocks, tell_noise } => {
                 let widths: Vec<(f64, f64)> =
                     blocks.iter().map(|b| (b.columns.mean_px, b.width_px(lens))).collect();
                 let n = blocks.len() as f64;
                 let variance = variance_about_line(&widths) / n;
-                ((variance - u_noise_px * u_noise_px).max(0.0).sqrt(), (n - 2.0).max(1.0))
+                let noise = if *tell_noise { u_noise_px * u_noise_px } else { 0.0 };
+                ((variance - noise).max(0.0).sqrt(), (n - 2.0).max(1.0))
             }
         }
     }
@@ -127,7 +136,7 @@ mod tests {
     }
 
     fn scatter(edges: &FrameEdges) -> Scatter {
-        Scatter::Blocks(Block::all_of(edges, &ColumnMeans::over(edges, 0..COLUMNS).unwrap()))
+        Scatter::of_blocks(edges, &ColumnMeans::over(edges, 0..COLUMNS).unwrap())
     }
 
     /// A perfect pin behind a lens of .05 % distortion: all that its widths scatter is the lens', which the diameter is freed of.
@@ -151,5 +160,19 @@ mod tests {
         assert!((u_px / (0.1 * 0.1_f64.sqrt()) - 1.0).abs() < 0.03, "{u_px}");
         let noisy = scatter(&seen(&lens, wave)).u_px(Some(&lens), 0.03).0;
         assert!((noisy.hypot(0.03) / u_px - 1.0).abs() < 1e-9);
+    }
+
+    /// Two blocks lie on any line: below 48 columns the row was 0.
+    #[test]
+    fn few_columns_do_not_hide_their_form() {
+        let lens = lens();
+        for columns in [9, 30, 40, 47] {
+            let middle = 1000 + columns / 3..1000 + 2 * columns / 3;
+            let edges = seen(&lens, |c| if middle.contains(&c) { 0.1 } else { 0.0 });
+            let over = ColumnMeans::over(&edges, 1000..1000 + columns).unwrap();
+            let (u_px, freedom) = Scatter::of_blocks(&edges, &over).u_px(Some(&lens), 0.2);
+            // 0, 0.1, 0 about a line: √(0.01·2/3/3), and noise stays in.
+            assert!(freedom == 1.0 && (u_px / 0.0471 - 1.0).abs() < 0.02, "{columns}: {u_px} {freedom}");
+        }
     }
 }

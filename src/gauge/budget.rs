@@ -8,6 +8,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::bench::{Along, Conditions, CovariancePart, LensModel};
+use super::block_scatter::FEW_COLUMNS;
 pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
@@ -65,6 +66,9 @@ pub struct Budget {
     pub contributions: Vec<Contribution>,
 }
 
+/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
+
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
 pub const DRAWS: usize = 20_000;
 
@@ -121,6 +125,11 @@ impl Budget {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
     }
 
+    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom: 2 where there are many.
+    pub fn factor_or(&self, given: Option<f64>) -> f64 {
+        given.unwrap_or_else(|| self.coverage_factor(PROBABILITY))
+    }
+
     /// Half width of the interval about the diameter that holds a probability when every row has its own distribution
     /// (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with one dominant rectangular row it is narrower than k·u of
     /// a normal.
@@ -143,8 +152,18 @@ impl Budget {
         }
     }
 
-    /// The rows for people: largest first, percentages of the variance.
-    pub fn to_table(&self, coverage_factor: f64) -> String {
+    /// The rows for people: largest first, percentages of the variance. U is k·u for a coverage factor given, else for
+    /// [`Self::factor_or`]'s.
+    pub fn to_table(&self, given: Option<f64>) -> String {
+        let k = self.factor_or(given);
+        let freedom = match self.effective_freedom() {
+            n if n < 1e4 => format!("{n:.1}"),
+            _ => "many".to_owned(),
+        };
+        let covers = match given {
+            Some(_) => format!("; {:.3} covers", self.coverage_factor(PROBABILITY)),
+            None => " covers".to_owned(),
+        };
         let mut rows: Vec<&Contribution> = self.contributions.iter().collect();
         rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));
         let total = self.u_mm().powi(2);
@@ -166,12 +185,14 @@ impl Budget {
         }
         let _ = writeln!(
             text,
-            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {coverage_factor})",
+            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {}{covers} 95.45 % at {freedom} effective degrees of freedom)",
             self.diameter_mm,
             1e3 * self.u_random_mm(),
             1e3 * self.u_common_mm(),
             1e3 * self.u_mm(),
-            1e3 * coverage_factor * self.u_mm()
+            1e3 * k * self.u_mm(),
+            // Up to three digits, none of them for nothing.
+            (1e3 * k).round() / 1e3
         );
         text
     }
@@ -221,7 +242,7 @@ impl WidthReading {
             u_misfit_px: over.u_misfit_px,
             u_blur_px,
             u_sigma_px,
-            form: Scatter::Blocks(Block::all_of(edges, &over)),
+            form: Scatter::of_blocks(edges, &over),
         })
     }
 
@@ -243,6 +264,8 @@ impl WidthReading {
         // Variance of a median over that of a mean.
         let noise = std::f64::consts::FRAC_PI_2 * own / n;
         let own_u = largest.u_own_px.powi(2);
+        // Few columns scatter less than their noise by chance.
+        let noise = if used.len() < FEW_COLUMNS { noise } else { noise.min(own_u) };
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
         let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
@@ -251,7 +274,7 @@ impl WidthReading {
             column_variance_px2: 0.0,
             rows_px: (middle - half, middle + half),
             chord: 1.0,
-            u_noise_px: noise.min(own_u).sqrt(),
+            u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: (shared - misfit).sqrt(),
             u_misfit_px: misfit.sqrt(),
@@ -441,6 +464,25 @@ mod tests {
         assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
     }
 
+    /// GUM G.3: with 10 degrees of freedom 95.45 % need k = 2.28 (table G.2), not 2.
+    #[test]
+    fn few_degrees_of_freedom_widen_the_interval() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        budget.push(row(1e-3, Share::Random, Some(10.0)));
+        assert!((budget.factor_or(None) - 2.28).abs() < 0.005, "{}", budget.factor_or(None));
+        assert_eq!(budget.factor_or(Some(2.0)), 2.0);
+        let table = budget.to_table(None);
+        assert!(table.contains("(k = 2.284 covers 95.45 % at 10.0 effective"), "{table}");
+        assert!(
+            budget.to_table(Some(2.0)).contains("(k = 2; 2.284 covers 95.45 %"),
+            "{}",
+            budget.to_table(Some(2.0))
+        );
+        let mut known = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        known.push(row(1e-3, Share::Common, None));
+        assert!((known.factor_or(None) - 2.0).abs() < 1e-6 && known.to_table(None).contains("(k = 2 covers"));
+    }
+
     /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
     #[test]
     fn what_is_no_number_does_not_vanish() {
@@ -449,7 +491,7 @@ mod tests {
         budget.push(row(0.0, Share::Random, None));
         budget.push(row(f64::NAN, Share::Common, None));
         assert!(budget.contributions.len() == 2 && budget.u_mm().is_nan() && budget.u_common_mm().is_nan());
-        assert!(budget.to_table(2.0).contains("NaN"));
+        assert!(budget.to_table(Some(2.0)).contains("NaN"));
     }
 
     #[test]
@@ -476,13 +518,13 @@ mod tests {
         let budget = reading.budget(&calibration, &Conditions::default());
         assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
         assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
-        assert!(budget.to_table(2.0).contains("quantisation"));
-        assert!(!budget.to_table(2.0).contains("misfit"));
+        assert!(budget.to_table(Some(2.0)).contains("quantisation"));
+        assert!(!budget.to_table(Some(2.0)).contains("misfit"));
         let misfitting =
             WidthReading { u_misfit_px: 0.02, ..reading }.budget(&calibration, &Conditions::default());
         let misfit_mm = 0.02 * calibration.scale_mm_per_px;
         assert!((misfitting.u_common_mm() / budget.u_common_mm().hypot(misfit_mm) - 1.0).abs() < 1e-9);
-        assert!(misfitting.to_table(2.0).contains("misfit of the edge model"));
+        assert!(misfitting.to_table(Some(2.0)).contains("misfit of the edge model"));
         assert!(budget.coverage_factor(0.95) > 1.9599 && budget.coverage_factor(0.95) < 1.9601);
     }
 }

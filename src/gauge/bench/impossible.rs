@@ -116,7 +116,6 @@ impl FlatField {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::gauge::{Calibration, CalibrationError};
 
     /// A file as `calibrate` writes it, with parts, residuals and a flat field.

@@ -14,7 +14,7 @@ use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
     MasterPrior, Observation, Thermometer, Validity, observe,
 };
-use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeMisfit, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
@@ -328,11 +328,24 @@ fn judge(
     let n = measured.len() as f64;
     let mean = |f: &dyn Fn(&Budget) -> f64| measured.iter().map(f).sum::<f64>() / n;
     let measured_mm = mean(&|b| b.diameter_mm);
-    let random = (mean(&|b| b.u_random_mm().powi(2)) / n).sqrt();
     let common = mean(&|b| b.u_common_mm().powi(2)).sqrt();
-    Some(
-        CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm: random.hypot(common) }.judge(),
-    )
+    // The mean's budget: every frame's random rows by themselves, the common ones and the certificate together.
+    let mut whole = Budget { diameter_mm: measured_mm, contributions: Vec::new() };
+    let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.share == Share::Random);
+    rows.for_each(|c| whole.push(Contribution { u_mm: c.u_mm / n, ..c.clone() }));
+    let known = |source: &str, u_mm| Contribution {
+        source: source.to_owned(),
+        input: String::new(),
+        shape: Shape::Normal,
+        share: Share::Common,
+        freedom: None,
+        u_mm,
+    };
+    whole.push(known("what all frames share", common));
+    let u_measured_mm = whole.u_mm();
+    whole.push(known("certificate of the check pin", pin.certificate().u_mm()));
+    let coverage_factor = whole.factor_or(None);
+    Some(CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm, coverage_factor }.judge())
 }
 
 /// The adjusted parameters by name with unit and standard uncertainty, for reports.
