@@ -29,15 +29,34 @@ pub enum Share {
 }
 
 /// Shape of a source's distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Normal.
     Normal,
     /// Rectangular: only limits are known.
     Rectangular,
-    /// Product of two errors with limits.
-    Product,
+    /// Product of a factor that is known to a normal standard uncertainty and an error of which only limits are known.
+    Product {
+        /// The factor's estimate over its root mean square, 0 to 1.
+        known: f64,
+    },
+}
+
+impl Shape {
+    /// Its word in tables and files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Rectangular => "rectangular",
+            Self::Product { .. } => "product",
+        }
+    }
+}
+
+impl Serialize for Shape {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
 }
 
 /// One row.
@@ -76,9 +95,8 @@ impl Contribution {
     /// Its distribution, scaled to the diameter.
     fn distribution(&self) -> Distribution {
         match (self.shape, self.freedom) {
-            (Shape::Rectangular | Shape::Product, _) => {
-                Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() }
-            }
+            (Shape::Rectangular, _) => Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() },
+            (Shape::Product { known }, _) => Distribution::Product { u: self.u_mm, known },
             (Shape::Normal, Some(freedom)) if freedom < 100.0 => {
                 Distribution::StudentT { scale: self.u_mm, freedom: freedom.max(2.1) }
             }
@@ -177,7 +195,7 @@ impl Budget {
                 "{:<48} {:<34} {:<12} {:<7} {:>9.4} {:>7.2}",
                 row.source,
                 row.input,
-                format!("{:?}", row.shape).to_lowercase(),
+                row.shape.as_str(),
                 format!("{:?}", row.share).to_lowercase(),
                 1e3 * row.u_mm,
                 100.0 * row.u_mm * row.u_mm / total
@@ -421,7 +439,7 @@ pub(super) fn add_conditions(
         (
             "focus: place of the axis x telecentricity",
             format!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm),
-            Shape::Product,
+            Shape::Product { known: t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE) },
             conditions.u_focus_mm(at_t, t, u_t),
         ),
         (
@@ -481,6 +499,26 @@ mod tests {
         let mut known = Budget { diameter_mm: 50.0, contributions: Vec::new() };
         known.push(row(1e-3, Share::Common, None));
         assert!((known.factor_or(None) - 2.0).abs() < 1e-6 && known.to_table(None).contains("(k = 2 covers"));
+    }
+
+    /// A factor known exactly leaves the rectangle of the limits, 0.95·√3·u; one around 0 has a normal's long tails in a rectangle:
+    /// P(|√3·u·R·Z| ≤ w) = ∫₀¹ erf(w/(√6·u·r)) dr by sums.
+    #[test]
+    fn a_product_is_drawn_as_one() {
+        let half = |known| {
+            let shape = Shape::Product { known };
+            let contributions = vec![Contribution { shape, ..row(1.0, Share::Common, None) }];
+            Budget { diameter_mm: 50.0, contributions }.half_width_mm(0.95)
+        };
+        assert!((half(1.0) / (0.95 * 3.0_f64.sqrt()) - 1.0).abs() < 0.01, "{}", half(1.0));
+        let n = 2000;
+        let covered = |w: f64| {
+            let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
+            let normal = Normal::standard();
+            (0..n).map(|i| 2.0 * normal.cdf(w / (3.0_f64.sqrt() * at(i))) - 1.0).sum::<f64>() / f64::from(n)
+        };
+        assert!((covered(half(0.0)) - 0.95).abs() < 0.005, "{} {}", half(0.0), covered(half(0.0)));
+        assert!(half(0.0) > 2.0);
     }
 
     /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
