@@ -145,15 +145,16 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
     }
     if let Some(check) = bench.check {
         println!(
-            "check pin: {:+.3} um off, U = {:.3} um, E_n = {:.2}: {}",
+            "check pin: {:+.3} um off, U = {:.3} um (k = {:.2}), E_n = {:.2}: {}",
             1e3 * check.error_mm,
             1e3 * check.expanded_u_mm,
+            check.coverage_factor,
             check.e_n,
             if check.accepted { "accepted" } else { "REFUSED" }
         );
     }
     if let Some(budget) = &calibrated.example {
-        print!("\nbudget of a part like the middle master\n{}", budget.to_table(2.0));
+        print!("\nbudget of a part like the middle master\n{}", budget.to_table(None));
     }
 }
 

@@ -33,9 +33,10 @@ pub struct JudgeArgs {
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
-    /// Coverage factor k of the expanded uncertainties.
-    #[arg(long, value_name = "K", default_value_t = 2.0, value_parser = length)]
-    coverage_factor: f64,
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective degrees of freedom: 2 where
+    /// there are many.
+    #[arg(long, value_name = "K", value_parser = length)]
+    coverage_factor: Option<f64>,
     /// Uncertainty budget of every frame's largest diameter.
     #[arg(long)]
     budget: bool,
@@ -95,8 +96,8 @@ impl JudgeArgs {
         self.budget
     }
 
-    /// k.
-    pub fn coverage_factor(&self) -> f64 {
+    /// k, where it is given.
+    pub fn coverage_factor(&self) -> Option<f64> {
         self.coverage_factor
     }
 }
@@ -171,6 +172,15 @@ impl<'a> Follower<'a> {
         if self.blurred(&meta, edges, out) {
             return;
         }
+        let budget = WidthReading::of_largest(edges, self.calibration)
+            .map(|r| r.budget(self.calibration, &self.conditions));
+        if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
+            let why = "its diameter or uncertainty is no number: it has no diameter";
+            tracing::warn!("frame {}: {why}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([why]));
+            self.give_no_diameter(Reason::Implausible, edges, out);
+            return;
+        }
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -180,10 +190,8 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        if let Some(budget) = WidthReading::of_largest(edges, self.calibration)
-            .map(|r| r.budget(self.calibration, &self.conditions))
-        {
-            self.add_budget(&budget, out);
+        if let Some(budget) = &budget {
+            self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
         if let (Some(d), true) = (averaged.value(), self.args.average.is_some()) {
@@ -207,17 +215,22 @@ impl<'a> Follower<'a> {
         if self.args.accept_blur {
             return false;
         }
+        self.give_no_diameter(Reason::Blurred, edges, out);
+        true
+    }
+
+    /// Makes a gap of every column of a frame.
+    fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
         for key in ["max_diameter_mm", "u_max_mm"] {
             out.insert(key.to_owned(), Value::Null);
         }
         out.insert("valid".to_owned(), json!(0));
-        out.insert("flags".to_owned(), json!({ Reason::Blurred.as_str(): edges.columns() }));
+        out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
         if self.judge.is_some() {
             // What was not measured is not proven good.
             out.insert("judgement".to_owned(), Value::Null);
             self.worst = worse(self.worst, Judgement::HI);
         }
-        true
     }
 
     /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
@@ -245,7 +258,7 @@ impl<'a> Follower<'a> {
     }
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
-        let k = self.args.coverage_factor;
+        let k = budget.factor_or(self.args.coverage_factor);
         put(out, "u_random_mm", budget.u_random_mm());
         put(out, "u_common_mm", budget.u_common_mm());
         put(out, "expanded_u_max_mm", k * budget.u_mm());

@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
+use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
 use super::edges::{FrameEdges, FrameFigures};
@@ -222,11 +222,7 @@ impl Calibration {
         for (index, master) in masters.iter().enumerate() {
             master.certificate.check(index)?;
         }
-        let widths = || masters.iter().map(|m| m.width_px);
-        let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
-        if !(spread_px >= LEAST_SPREAD_PX) {
-            return Err(CalibrationError::SameSize { spread_px });
-        }
+        check_spread(masters)?;
         let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
         let mut fit = LineFit::default();
         // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
@@ -328,17 +324,17 @@ impl Calibration {
         if calibration.version != CALIBRATION_VERSION {
             return Err(CalibrationError::Version { found: calibration.version });
         }
-        let positive = "a scale above 0 in mm/px";
+        let positive = "a scale above 0 in mm/px, at most 1000";
         let scale = calibration.scale_mm_per_px;
-        if !(scale.is_finite() && scale > 0.0) {
+        if !(scale > 0.0 && scale <= 1e3) {
             return Err(CalibrationError::Value { key: "scale_mm_per_px", value: scale, right: positive });
         }
         let offset = calibration.offset_mm;
-        if !offset.is_finite() {
+        if !(offset.abs() <= 1e3) {
             return Err(CalibrationError::Value {
                 key: "offset_mm",
                 value: offset,
-                right: "a finite length",
+                right: "a length within ± 1000 mm",
             });
         }
         let [vs, c, vo] = calibration.covariance;
@@ -352,34 +348,31 @@ impl Calibration {
         if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
+        calibration.check_masters()?;
         calibration.check_bench()?;
         Ok(calibration)
     }
 
+    /// The budget takes certificates and levers from the masters: what says nothing of them must not pass for certainty.
+    fn check_masters(&self) -> Result<(), CalibrationError> {
+        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
+        for (index, master) in self.masters.iter().enumerate() {
+            master.certificate.check(index)?;
+            let (width, u) = (master.width_px, master.u_width_px);
+            if !(width > 0.0 && width.is_finite()) {
+                return impossible("masters.width_px", width, "a width above 0 px");
+            }
+            if !(u >= 0.0 && u.is_finite()) {
+                return impossible("masters.u_width_px", u, "0 px or more");
+            }
+        }
+        if self.masters.is_empty() { Ok(()) } else { check_spread(&self.masters) }
+    }
+
     fn check_bench(&self) -> Result<(), CalibrationError> {
         let Some(bench) = &self.bench else { return Ok(()) };
-        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
-        let lens = &bench.lens;
-        let small =
-            [lens.radial, lens.keystone_across, lens.keystone_along].into_iter().find(|v| !(v.abs() < 0.2));
-        if let Some(value) = small {
-            return impossible("bench.lens", value, "distortion and keystone below 0.2");
-        }
-        if !(lens.half_diagonal_px >= 1.0 && lens.half_diagonal_px.is_finite()) {
-            return impossible("bench.lens.half_diagonal_px", lens.half_diagonal_px, "1 px or more");
-        }
-        let finite = [lens.telecentricity_per_mm, lens.centre_row_px, lens.centre_column_px];
-        if let Some(value) = finite.into_iter().find(|v| !v.is_finite()) {
-            return impossible("bench.lens", value, "finite numbers");
-        }
-        let entries = bench.parts.iter().flat_map(|p| p.matrix.iter().flatten());
-        if let Some(value) = entries.copied().find(|v| !v.is_finite()) {
-            return impossible("bench.parts", value, "finite numbers");
-        }
-        let negative =
-            bench.parts.iter().flat_map(|p| (0..PARAMETERS).map(|i| p.matrix[i][i])).find(|v| *v < 0.0);
-        if let Some(value) = negative {
-            return impossible("bench.parts", value, "variances of 0 or more");
+        if let Some((key, value, right)) = bench.impossible() {
+            return Err(CalibrationError::Value { key, value, right });
         }
         bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }
@@ -436,6 +429,13 @@ impl Calibration {
     pub fn conditions(&self) -> Conditions {
         self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
     }
+}
+
+/// Whether the masters' widths differ enough to tell scale from edge offset.
+fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
+    let widths = || masters.iter().map(|m| m.width_px);
+    let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
+    if spread_px >= LEAST_SPREAD_PX { Ok(()) } else { Err(CalibrationError::SameSize { spread_px }) }
 }
 
 #[derive(Default)]
@@ -511,6 +511,20 @@ mod tests {
             Calibration::read(loud.as_bytes()),
             Err(CalibrationError::Value { key: "misfit.residual", .. })
         ));
+        // A certificate without U and k would be certain, twins would have levers without end.
+        let refused =
+            |from: &str, to: &str| Calibration::read(text.replace(from, to).as_bytes()).unwrap_err();
+        let certain = refused(
+            "\"expanded_u_mm\":0.0006,\"coverage_factor\":2.0",
+            "\"expanded_u_mm\":0.0,\"coverage_factor\":0.0",
+        );
+        assert!(matches!(certain, CalibrationError::Certificate { master: 1 }), "{certain}");
+        let twins = refused("\"width_px\":1500.0", "\"width_px\":1000.0");
+        assert!(matches!(twins, CalibrationError::SameSize { .. }), "{twins}");
+        let thin = refused("\"width_px\":1000.0", "\"width_px\":-1000.0");
+        assert!(matches!(thin, CalibrationError::Value { key: "masters.width_px", .. }), "{thin}");
+        let sure = refused("\"u_width_px\":0.0", "\"u_width_px\":-1.0");
+        assert!(matches!(sure, CalibrationError::Value { key: "masters.u_width_px", .. }), "{sure}");
         let newer = text.replace("\"version\":1", "\"version\":9");
         assert!(matches!(Calibration::read(newer.as_bytes()), Err(CalibrationError::Version { found: 9 })));
         assert!(Calibration::read(&b"{"[..]).is_err());
