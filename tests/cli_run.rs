@@ -227,3 +227,35 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
     let other = run_small(folder.path(), "killed", &["--no-reference", "--seed", "9"]);
     assert_eq!(other.status.code(), Some(2), "{}", stderr(&other));
 }
+
+/// A full or closed stdout ends a command by the contract, never with a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_or_closed_stdout_is_no_panic() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("a.png");
+    image::GrayImage::from_fn(320, 200, |_, y| image::Luma([if (60..140).contains(&y) { 20 } else { 200 }]))
+        .save(&picture)
+        .unwrap();
+    let picture = picture.to_string_lossy().into_owned();
+    let full = || Stdio::from(std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+    for arguments in [&["schema"][..], &["measure", &picture], &["measure", &picture, "--json"]] {
+        let command = || {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_shadowgauge"));
+            command.args(arguments).env("NO_COLOR", "1").stderr(Stdio::piped());
+            command
+        };
+        let output = command().stdout(full()).output().unwrap();
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("stdout cannot be written"), "{}", stderr(&output));
+        let mut child = command().stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).is_empty(), "{}", stderr(&output));
+        // Nothing to say anything on: the exit code is left.
+        let status = command().stdout(full()).stderr(full()).status().unwrap();
+        assert_eq!(status.code(), Some(3), "{arguments:?}");
+    }
+}

@@ -91,7 +91,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
     let Some(bench) = &calibration.bench else { return };
     if args.json {
         let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
-        println!(
+        say_line!(
             "{}",
             json!({
                 "accepted": accepted,
@@ -115,21 +115,21 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
         return;
     }
-    println!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
+    say_line!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
     for [name, value, u] in parameter_table(calibration) {
-        println!("{name:<42} {value:>14} {u:>12}");
+        say_line!("{name:<42} {value:>14} {u:>12}");
     }
     if let Some(misfit) = calibration.misfit() {
-        println!(
+        say_line!(
             "edge model misfits the masters' edges: chi2 {:.2} times the noise, {:.2} and {:.2} % of the contrast left; absorbed by the offset",
             misfit.chi2,
             1e2 * misfit.norm(0),
             1e2 * misfit.norm(1)
         );
     }
-    println!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
+    say_line!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
     if let Some(sensor) = &bench.sensor {
-        println!(
+        say_line!(
             "sensor: {:.4} electrons a count, read noise {:.2} e, PRNU {:.3} %",
             1.0 / sensor.gain_counts_per_electron,
             sensor.read_noise_electrons,
@@ -137,14 +137,14 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(field) = &bench.flat_field {
-        println!(
+        say_line!(
             "flat field: {} defective pixels, light falls by {:.2} %",
             field.defects.len(),
             1e2 * field.fall_off
         );
     }
     if let Some(check) = bench.check {
-        println!(
+        say_line!(
             "check pin: {:+.3} um off, U = {:.3} um, E_n = {:.2}: {}",
             1e3 * check.error_mm,
             1e3 * check.expanded_u_mm,
@@ -153,7 +153,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(budget) = &calibrated.example {
-        print!("\nbudget of a part like the middle master\n{}", budget.to_table(2.0));
+        say!("\nbudget of a part like the middle master\n{}", budget.to_table(2.0));
     }
 }
 

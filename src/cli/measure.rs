@@ -261,17 +261,17 @@ fn measure_all(
     out.extend(bench.map(|b| ("bench".to_owned(), b)));
     if args.json {
         out.insert("frames".to_owned(), figures.into());
-        println!("{}", Value::Object(out));
+        say_line!("{}", Value::Object(out));
     } else {
         print_table(&figures, out.get("bench"));
         if args.judge.budget() {
             print_budgets(args, &results, calibration, &conditions);
         }
         if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
-            println!("statistics of the frames' mean diameters: {statistics}");
+            say_line!("statistics of the frames' mean diameters: {statistics}");
         }
         if let Some(turn) = out.get("turn") {
-            print!("{}", turn_table(turn));
+            say!("{}", turn_table(turn));
         }
     }
     Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
@@ -286,8 +286,8 @@ fn print_budgets(
     for measured in results {
         let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
         if let Some(reading) = WidthReading::of_largest(edges) {
-            println!("\nbudget of the largest diameter of frame {}", measured.stem);
-            print!("{}", reading.budget(calibration, conditions).to_table(args.judge.coverage_factor()));
+            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
+            say!("{}", reading.budget(calibration, conditions).to_table(args.judge.coverage_factor()));
         }
     }
 }
@@ -362,16 +362,22 @@ fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
 }
 
 fn print_table(figures: &[Value], bench: Option<&Value>) {
-    println!(
+    say_line!(
         "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} flags",
-        "frame", "columns", "valid", "max px", "max mm", "u mm", ""
+        "frame",
+        "columns",
+        "valid",
+        "max px",
+        "max mm",
+        "u mm",
+        ""
     );
     let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     for f in figures {
         let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
-        println!(
+        say_line!(
             "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
@@ -383,7 +389,7 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
         );
     }
     if let Some(bench) = bench {
-        println!("bench: {bench}");
+        say_line!("bench: {bench}");
     }
 }
 

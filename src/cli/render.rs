@@ -126,7 +126,7 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
         let _ = std::fs::remove_dir_all(&staging);
         return Err(failure);
     }
-    println!(
+    say_line!(
         "{count} frames by {} ({}) in {}",
         renderer.backend_name(),
         renderer.adapter_name(),

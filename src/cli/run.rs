@@ -63,10 +63,10 @@ pub fn run(args: &RunArgs) -> CommandResult {
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {
-        println!("{}", finished.to_json());
+        say_line!("{}", finished.to_json());
     } else {
-        print!("{}", finished.to_table());
-        println!("report: {}", args.out.join("report.html").display());
+        say!("{}", finished.to_table());
+        say_line!("report: {}", args.out.join("report.html").display());
     }
     Ok(finished.outcome())
 }

@@ -48,7 +48,7 @@ pub fn run(args: &StudyContaminationArgs) -> CommandResult {
         folder.write("report.html", page(&study)?.as_bytes())?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
         print(&study);
     }
@@ -95,12 +95,18 @@ fn verdict(study: &ContaminationStudy) -> String {
 }
 
 fn print(study: &ContaminationStudy) {
-    println!(
+    say_line!(
         "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11}",
-        "matter", "frames", "harmful", "mishandled", "misled", "stations kept", "worst / µm"
+        "matter",
+        "frames",
+        "harmful",
+        "mishandled",
+        "misled",
+        "stations kept",
+        "worst / µm"
     );
     for k in &study.kinds {
-        println!(
+        say_line!(
             "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14.3} {:>11.2}",
             name(k.matter),
             k.frames,
@@ -111,18 +117,18 @@ fn print(study: &ContaminationStudy) {
             k.worst_um
         );
     }
-    println!("{}", verdict(study));
+    say_line!("{}", verdict(study));
     for k in study.kinds.iter().filter(|k| k.mishandled > 0) {
-        println!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
+        say_line!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
     }
     print_curve("film of half length 0.6 mm over its height / µm", &study.by_height);
     print_curve("film 8 µm high over its half length / mm", &study.by_length);
 }
 
 fn print_curve(title: &str, points: &[CurvePoint]) {
-    println!("{title}: noticed, rms error of a station with and without refusing / µm");
+    say_line!("{title}: noticed, rms error of a station with and without refusing / µm");
     for p in points {
-        println!("  {:>6.1} {:>7.2} {:>8.3} {:>8.3}", p.size, p.noticed, p.rms_um, p.rms_off_um);
+        say_line!("  {:>6.1} {:>7.2} {:>8.3} {:>8.3}", p.size, p.noticed, p.rms_um, p.rms_off_um);
     }
 }
 

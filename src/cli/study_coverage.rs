@@ -33,7 +33,7 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
     let result = coverage(args.scenes, args.seed, &renderer).map_err(Failure::fail)?;
     let misses = result.misses(0.0);
     if args.json {
-        println!("{}", serde_json::json!({ "coverage": result, "misses": misses }));
+        say_line!("{}", serde_json::json!({ "coverage": result, "misses": misses }));
     } else {
         let wanted = "drawn from the budget's own distributions (94-96 % covered in all, 92 % a class)";
         table(wanted, &result.drawn, Some(&result.drawn_together));
@@ -46,7 +46,7 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
         );
         table("outside the limits, no frame shows it", &result.undetectable, None);
         for miss in &misses {
-            println!("MISSED  {miss}");
+            say_line!("MISSED  {miss}");
         }
     }
     Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
@@ -62,7 +62,7 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
     let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer);
     let figures = args.classes.iter().map(run).collect::<Result<Vec<_>, _>>().map_err(Failure::fail)?;
     if args.json {
-        println!("{}", serde_json::json!({ "classes": figures }));
+        say_line!("{}", serde_json::json!({ "classes": figures }));
     } else {
         table("classes asked for", &figures, None);
     }
@@ -71,7 +71,7 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
 
 /// Prints classes, with the row of all of them together where there is one, and what each of them declares.
 fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>) {
-    println!(
+    say_line!(
         "{title}\n{:<16} {:>7} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9} {:>12}",
         "class",
         "scenes",
@@ -84,7 +84,7 @@ fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>)
         "rms e/u"
     );
     for c in classes.iter().chain(together) {
-        println!(
+        say_line!(
             "{:<16} {:>7} {:>9} {:>10.2} {:>10.2} {:>11.4} {:>11.4} {:>9.2} {:>12.3}",
             c.name(),
             c.scenes,
@@ -98,12 +98,12 @@ fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>)
         );
         if c.class.is_some() {
             for (reason, count) in &c.flags {
-                println!("{:<16} {count} flagged: {reason}", "");
+                say_line!("{:<16} {count} flagged: {reason}", "");
             }
         }
     }
     for class in classes.iter().filter_map(|c| c.class) {
-        println!("  {class:?}: {}", class.declared());
+        say_line!("  {class:?}: {}", class.declared());
     }
-    println!();
+    say_line!();
 }
