@@ -226,7 +226,9 @@ fn measure_all(
         match frame {
             Ok(frame) => {
                 let meta = frame.meta.clone();
-                results.push(measure_one(&mut stream, stem, meta, &view(args, &frame)));
+                let measured = measure_one(&mut stream, stem, meta, &view(args, &frame));
+                let accepted = args.judge.accepts_blur();
+                results.push(if accepted { measured } else { sharp(measured, calibration, &conditions) });
                 if args.bench.is_some() {
                     frames.push(frame);
                 }
@@ -305,6 +307,16 @@ fn measure_one(stream: &mut EdgeStream, stem: String, meta: FrameMeta, view: &Fr
     Measured { stem, meta, columns: view.columns(), result }
 }
 
+/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
+fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
+    if let (Ok(edges), Some(bench)) = (&measured.result, calibration.and_then(|c| c.bench.as_ref()))
+        && let Err(error) = bench.check_focus(edges.figures.sigma_px, conditions)
+    {
+        measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
+    }
+    measured
+}
+
 /// Warns of refused frames; fails with the first one's reason where none could be measured.
 fn report_refusals(results: &[Measured]) -> Result<(), Failure> {
     let refusals: Vec<&String> =
@@ -343,7 +355,7 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         let budget = WidthReading::of_largest(edges)?.budget(calibration, conditions);
         Some((budget.diameter_mm, budget.u_mm()))
     });
-    json!({
+    let mut figures = json!({
         "frame": measured.stem,
         "columns": measured.columns,
         "valid": valid,
@@ -352,13 +364,31 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         "max_diameter_mm": in_mm.map(|v| v.0),
         "u_max_mm": in_mm.map(|v| v.1),
         "flags": flags,
-    })
+    });
+    if let Err((_, why)) = &measured.result {
+        figures["warnings"] = json!([why]);
+    }
+    figures
 }
 
 /// The reason that stands for a column: a gap's before an impairment's.
 fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
     let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
     gap.or_else(|| top.reason()).or_else(|| bottom.reason())
+}
+
+/// A frame's judgement and the value that it rests on.
+fn judged_by(figures: &Value) -> String {
+    let Some(judgement) = figures.get("judgement") else { return String::new() };
+    let judged = &figures["judged"];
+    let what = judged["what"].as_str().unwrap_or("frame");
+    match (judgement.as_str(), judged["d_mm"].as_f64()) {
+        (Some(judgement), Some(d_mm)) => format!("{judgement} {what} {d_mm:.5} mm"),
+        _ => match judged["z_mm"].as_f64() {
+            Some(z_mm) => format!("- {what} at z {z_mm:.2} unmeasured"),
+            None => format!("- {what} unmeasured"),
+        },
+    }
 }
 
 fn print_table(figures: &[Value], bench: Option<&Value>) {
@@ -378,14 +408,14 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
         say_line!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} {flags}",
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
             number(&f["max_diameter_px"], 4),
             number(&f["max_diameter_mm"], 5),
             number(&f["u_max_mm"], 6),
-            f["judgement"].as_str().unwrap_or(""),
+            judged_by(f),
         );
     }
     if let Some(bench) = bench {

@@ -12,22 +12,25 @@ use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
 use crate::gauge::tolerance::parse_tolerance;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
-use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
+use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
 use crate::profile::{Diameter, Reading, Reason};
 
+/// Columns of a local size that is judged where no stations are given: as many as the largest diameter is the median of.
+const LOCAL_COLUMNS: f64 = 65.0;
 /// Stretches along z that are compared from turn to turn where no stations are given, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
-    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good.
+    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
+    /// largest diameter, its local sizes (means over 65 columns, or over the stations of --station-mm) and its mean.
     #[arg(long, value_name = "T", value_parser = parse_tolerance)]
     tolerance: Option<Limits>,
     /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
-    /// Length of the stations that are judged, mm; the whole frame without it.
+    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
     station_mm: Option<f64>,
     /// Averages successive frames: moving:N, median:N or recursive:W.
@@ -95,10 +98,23 @@ impl JudgeArgs {
         self.budget
     }
 
+    /// Whether blurred frames give diameters.
+    pub fn accepts_blur(&self) -> bool {
+        self.accept_blur
+    }
+
     /// k.
     pub fn coverage_factor(&self) -> f64 {
         self.coverage_factor
     }
+}
+
+/// A frame's largest diameter.
+#[derive(Clone, Copy)]
+struct Largest {
+    end_on: bool,
+    z_mm: f64,
+    diameter: Diameter,
 }
 
 /// Follows the frames of one command.
@@ -162,15 +178,16 @@ impl<'a> Follower<'a> {
     pub fn add(&mut self, meta: &FrameMeta, edges: Option<&FrameEdges>, out: &mut Map<String, Value>) {
         let index = self.frames;
         self.frames += 1;
-        let Some(edges) = edges else { return };
+        let Some(edges) = edges else {
+            self.not_proven(out);
+            return;
+        };
         let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
         let mut meta = meta.clone();
         if let Some(step) = self.args.angle_step {
             meta.angle_deg = step * index as f64;
         }
-        if self.blurred(&meta, edges, out) {
-            return;
-        }
+        self.warn_of_blur(&meta, edges, out);
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -180,44 +197,48 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        if let Some(budget) =
-            WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions))
-        {
-            self.add_budget(&budget, out);
+        let largest = largest_caliper(edges)
+            .zip(WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions)));
+        if let Some((_, budget)) = &largest {
+            self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
         if let (Some(d), true) = (averaged.value(), self.args.average.is_some()) {
             put(out, "average_mm", d.d_mm);
             put(out, "u_average_mm", d.u_mm());
         }
-        self.judge_frame(&meta, &diameters, averaged, out);
+        let largest = largest.map(|(caliper, budget)| Largest {
+            end_on: caliper.end_on,
+            z_mm: diameters.z_mm(&meta, 0) + caliper.column_px * diameters.pitch_mm,
+            diameter: Diameter {
+                d_mm: budget.diameter_mm,
+                u_random_mm: budget.u_random_mm(),
+                u_common_mm: budget.u_common_mm(),
+            },
+        });
+        self.add_stations(&meta, &diameters, out);
+        let values = self.to_be_judged(&meta, &diameters, averaged, largest);
+        self.judge_frame(&values, out);
         if self.args.turn {
             self.turn.push((meta, diameters));
         }
     }
 
-    /// Whether a frame is refused, since its blur is not the masters': then it has no diameter, and every column is a gap.
-    fn blurred(&mut self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) -> bool {
+    /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
+    fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let bench = self.calibration.bench.as_ref();
-        let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) else {
-            return false;
-        };
-        tracing::warn!("frame {}: {error}", meta.frame_id);
-        out.insert("warnings".to_owned(), json!([error.to_string()]));
-        if self.args.accept_blur {
-            return false;
+        if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+            tracing::warn!("frame {}: {error}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([error.to_string()]));
         }
-        for key in ["max_diameter_mm", "u_max_mm"] {
-            out.insert(key.to_owned(), Value::Null);
-        }
-        out.insert("valid".to_owned(), json!(0));
-        out.insert("flags".to_owned(), json!({ Reason::Blurred.as_str(): edges.columns() }));
+    }
+
+    /// What was not measured is not proven good.
+    fn not_proven(&mut self, out: &mut Map<String, Value>) {
         if self.judge.is_some() {
-            // What was not measured is not proven good.
             out.insert("judgement".to_owned(), Value::Null);
             self.worst = worse(self.worst, Judgement::HI);
         }
-        true
     }
 
     /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
@@ -256,42 +277,72 @@ impl<'a> Follower<'a> {
         }
     }
 
-    fn judge_frame(
-        &mut self,
+    /// The stations of a frame, each with its own judgement.
+    fn add_stations(&self, meta: &FrameMeta, diameters: &ColumnDiameters, out: &mut Map<String, Value>) {
+        let Some(length) = self.args.station_mm else { return };
+        let row = |(z_mm, reading): &(f64, Reading)| {
+            let mut row = station_row(*z_mm, reading);
+            if let Some((judge, _)) = &self.judge {
+                row["judgement"] = json!(judge.judge_reading(reading).ok());
+                row["guard_mm"] = json!(reading.value().map(|d| judge.guard_mm(&d)));
+            }
+            row
+        };
+        let rows: Vec<Value> = diameters.record(meta, length).iter().map(row).collect();
+        out.insert("stations".to_owned(), rows.into());
+    }
+
+    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none.
+    fn to_be_judged(
+        &self,
         meta: &FrameMeta,
         diameters: &ColumnDiameters,
-        averaged: Reading,
-        out: &mut Map<String, Value>,
-    ) {
-        let stations: Vec<(f64, Reading)> = match (self.args.average, self.args.station_mm) {
-            (None, Some(length)) => diameters.record(meta, length),
-            _ => vec![(meta.z_mm, averaged)],
+        mean: Reading,
+        largest: Option<Largest>,
+    ) -> Vec<(&'static str, f64, Reading)> {
+        let largest_value = largest.map(|l| ("largest", l.z_mm, Reading::Value(l.diameter)));
+        if largest.is_some_and(|l| l.end_on) {
+            return Vec::from_iter(largest_value);
+        }
+        let (word, length) = match self.args.station_mm {
+            Some(length) => ("station", length),
+            None => ("local", LOCAL_COLUMNS * diameters.pitch_mm),
         };
-        let mut worst = None;
-        let rows: Vec<Value> = stations
-            .iter()
-            .map(|(z_mm, reading)| {
-                let mut row = station_row(*z_mm, reading);
-                if let (Some((judge, _)), Some(d)) = (&self.judge, reading.value()) {
-                    let judgement = judge.judge(&d);
-                    row["judgement"] = json!(judgement);
-                    row["guard_mm"] = json!(judge.guard_mm(&d));
-                    worst = Some(worse(worst.unwrap_or(Judgement::GO), judgement));
-                }
-                row
-            })
-            .collect();
-        if let Some(worst) = worst {
-            self.worst = worse(self.worst, worst);
-            out.insert("judgement".to_owned(), json!(worst));
-        } else if self.judge.is_some() {
-            // What was not measured is not proven good.
-            out.insert("judgement".to_owned(), Value::Null);
-            self.worst = worse(self.worst, Judgement::HI);
+        let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
+        let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
+        largest_value.into_iter().chain(places).chain([(mean_word, meta.z_mm, mean)]).collect()
+    }
+
+    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
+    fn judge_frame(&mut self, values: &[(&'static str, f64, Reading)], out: &mut Map<String, Value>) {
+        let Some((judge, (lower, upper))) = self.judge else { return };
+        let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
+        let mut decisive: Option<(Judgement, &str, f64, Diameter)> = None;
+        for (word, z_mm, reading) in values {
+            let Some(d) = reading.value() else { continue };
+            let judgement = judge.judge(&d);
+            let worst = decisive
+                .is_none_or(|(known, _, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
+            if worst {
+                decisive = Some((judgement, word, z_mm.to_owned(), d));
+            }
         }
-        if self.args.station_mm.is_some() {
-            out.insert("stations".to_owned(), rows.into());
+        let gap = values.iter().find_map(|(word, z_mm, reading)| match reading {
+            Reading::Gap(reason) => Some((word, z_mm, reason)),
+            Reading::Value(_) => None,
+        });
+        let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
+        if let (true, Some((word, z_mm, reason))) = (good, gap) {
+            out.insert("judged".to_owned(), json!({ "what": word, "z_mm": z_mm, "flag": reason.as_str() }));
+            return self.not_proven(out);
         }
+        let Some((judgement, word, z_mm, d)) = decisive else { return self.not_proven(out) };
+        self.worst = worse(self.worst, judgement);
+        out.insert("judgement".to_owned(), json!(judgement));
+        let judged = json!({
+            "what": word, "z_mm": z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(), "guard_mm": judge.guard_mm(&d),
+        });
+        out.insert("judged".to_owned(), judged);
     }
 
     /// Whether every value is proven good; true where nothing is judged.
@@ -375,12 +426,15 @@ fn station_row(z_mm: f64, reading: &Reading) -> Value {
 
 /// The one that is farther from good.
 fn worse(a: Judgement, b: Judgement) -> Judgement {
-    let rank = |j: Judgement| match j {
+    if rank(b) > rank(a) { b } else { a }
+}
+
+fn rank(judgement: Judgement) -> u8 {
+    match judgement {
         Judgement::GO => 0,
         Judgement::LO | Judgement::HI => 1,
         Judgement::LL | Judgement::HH => 2,
-    };
-    if rank(b) > rank(a) { b } else { a }
+    }
 }
 
 fn turn_json(form: &PartForm) -> Value {
