@@ -147,6 +147,14 @@ fn a_run_leaves_the_files_of_the_contract_and_the_json_of_the_contract() {
     ] {
         assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
     }
+    // Four angles over half a turn tell two and three lobes, not four and five.
+    let mut form = csv::Reader::from_path(folder.path().join("out/form.csv")).unwrap();
+    let header = form.headers().unwrap().clone();
+    let row = form.records().next().unwrap().unwrap();
+    let value = |name: &str| row[header.iter().position(|h| h == name).unwrap()].to_owned();
+    assert!(value("lobes_2_mm").parse::<f64>().unwrap() > 0.0);
+    assert_eq!((value("lobes_4_mm"), value("lobes_5_form_spindle_mm")), (String::new(), String::new()));
+    assert!(value("u_gg_common_mm").parse::<f64>().unwrap() > 0.0);
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(
         !report.contains("http://")

@@ -144,7 +144,8 @@ impl<'a> Recorder<'a> {
         self.stations
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
-        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s)));
+        let stations = &result.profile.stations;
+        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
