@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::esf_argument::esf_model;
 use super::measure_bench;
-use super::measure_judge::{Follower, JudgeArgs, turn_table};
+use super::measure_judge::{Follower, JudgeArgs, stated_budget, statistics_line};
+use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::frame::{Frame, FrameMeta, FrameView};
@@ -43,7 +44,7 @@ pub struct MeasureArgs {
     /// Judges the calibration's validity on this day instead of today, YYYY-MM-DD.
     #[arg(long, value_name = "DATE", requires = "calibration")]
     as_of: Option<Date>,
-    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; the calibration's own without it.
+    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; what it leaves out is the calibration's.
     #[arg(long, value_name = "FILE.toml")]
     conditions: Option<PathBuf>,
     /// Temperature of the part, °C, in place of the conditions' one.
@@ -188,13 +189,30 @@ fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
 
 /// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
+    let known = calibration.map_or_else(Conditions::default, Calibration::conditions);
     let mut conditions = match &args.conditions {
-        Some(path) => ConfigText::read(path)?.parse()?,
-        None => calibration.map_or_else(Conditions::default, Calibration::conditions),
+        Some(path) => merged(&ConfigText::read(path)?, &known)?,
+        None => known,
     };
     conditions.temperature_c = args.part_temperature.unwrap_or(conditions.temperature_c);
     conditions.validate().map_err(Failure::refuse)?;
     Ok(conditions)
+}
+
+/// The calibration's conditions with the keys that a file gives in their place.
+fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> {
+    // First as it stands: an unknown key or a wrong type is told with its place.
+    text.parse::<Conditions>()?;
+    let given: toml::Table = text.parse()?;
+    let mut all = toml::Table::try_from(known).map_err(|e| text.refuse(e))?;
+    let kept: Vec<String> = all
+        .iter()
+        .filter(|(key, _)| !given.contains_key(*key))
+        .map(|(key, v)| format!("{key} = {v}"))
+        .collect();
+    tracing::info!("{}: kept of the calibration's conditions: {}", text.name, kept.join(", "));
+    all.extend(given);
+    all.try_into().map_err(|e| text.refuse(e))
 }
 
 /// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
@@ -259,6 +277,7 @@ fn measure_all(
     }
     if let Some(follower) = &follower {
         follower.finish(&mut out)?;
+        out.insert("conditions".to_owned(), json!(conditions));
     }
     out.extend(bench.map(|b| ("bench".to_owned(), b)));
     if args.json {
@@ -270,7 +289,7 @@ fn measure_all(
             print_budgets(args, &results, calibration, &conditions);
         }
         if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
-            say_line!("statistics of the frames' mean diameters: {statistics}");
+            say_line!("{}", statistics_line(statistics));
         }
         if let Some(turn) = out.get("turn") {
             say!("{}", turn_table(turn));
@@ -289,7 +308,10 @@ fn print_budgets(
         let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
         if let Some(reading) = WidthReading::of_largest(edges) {
             say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
-            say!("{}", reading.budget(calibration, conditions).to_table(args.judge.coverage_factor()));
+            say!(
+                "{}",
+                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
+            );
         }
     }
 }

@@ -1,11 +1,12 @@
-//! What `measure` says beyond edges: stations, judgement, averages, statistics, form over a turn.
+//! What `measure` says beyond edges: stations, judgement, averages, statistics.
 
 use serde_json::{Map, Value, json};
 
 use super::Failure;
+use super::measure_turn::turn_json;
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
-use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
 use crate::gauge::judgement::{Judge, Judgement, Limits};
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
@@ -109,6 +110,27 @@ impl JudgeArgs {
     }
 }
 
+/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
+pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
+    let mut budget = reading.budget(calibration, conditions);
+    if is_uncalibrated(calibration) {
+        budget.contributions.push(Contribution {
+            source: "scale and edge offset".to_owned(),
+            input: "not stated".to_owned(),
+            shape: Shape::Normal,
+            share: Share::Common,
+            freedom: None,
+            u_mm: 0.0,
+        });
+    }
+    budget
+}
+
+/// Whether all there is is a scale: no masters, no uncertainty.
+fn is_uncalibrated(calibration: &Calibration) -> bool {
+    calibration.bench.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
+}
+
 /// A frame's largest diameter.
 #[derive(Clone, Copy)]
 struct Largest {
@@ -130,6 +152,7 @@ pub struct Follower<'a> {
     history: TurnHistory,
     jumps: Vec<Jump>,
     frames: usize,
+    no_zone_told: bool,
 }
 
 impl<'a> Follower<'a> {
@@ -153,6 +176,17 @@ impl<'a> Follower<'a> {
             })
             .transpose()
             .map_err(Failure::refuse)?;
+        if judge.is_some() && is_uncalibrated(calibration) {
+            tracing::warn!(
+                "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
+                 only as good as they are; --calibration states both"
+            );
+        }
+        if args.average.is_some() && args.station_mm.is_some() {
+            return Err(Failure::refuse(
+                "--average averages the mean of whole frames and --station-mm gives parts of each: one of them at a time",
+            ));
+        }
         Cutoff::upr(args.cutoff_upr).map_err(Failure::refuse)?;
         let plausibility = PlausibilitySettings {
             turn_limit_mm: 1e-3 * args.turn_limit_um,
@@ -171,6 +205,7 @@ impl<'a> Follower<'a> {
             history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
             jumps: Vec::new(),
             frames: 0,
+            no_zone_told: false,
         })
     }
 
@@ -197,8 +232,9 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        let largest = largest_caliper(edges)
-            .zip(WidthReading::of_largest(edges).map(|r| r.budget(self.calibration, &self.conditions)));
+        let largest = largest_caliper(edges).zip(
+            WidthReading::of_largest(edges).map(|r| stated_budget(&r, self.calibration, &self.conditions)),
+        );
         if let Some((_, budget)) = &largest {
             self.add_budget(budget, out);
         }
@@ -338,6 +374,13 @@ impl<'a> Follower<'a> {
         }
         let Some((judgement, word, z_mm, d)) = decisive else { return self.not_proven(out) };
         self.worst = worse(self.worst, judgement);
+        if let Err(error) = judge.check_uncertainty(d.u_mm()) {
+            if !self.no_zone_told {
+                tracing::warn!("{error}");
+            }
+            self.no_zone_told = true;
+            out.insert("acceptance_zone".to_owned(), json!(error.to_string()));
+        }
         out.insert("judgement".to_owned(), json!(judgement));
         let judged = json!({
             "what": word, "z_mm": z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(), "guard_mm": judge.guard_mm(&d),
@@ -359,7 +402,9 @@ impl<'a> Follower<'a> {
             out.insert("statistics".to_owned(), self.statistics_json());
         }
         if self.args.turn {
-            let mut turn = turn_json(&self.part_form()?);
+            let form = self.part_form()?;
+            let length = self.args.station_mm.unwrap_or(f64::INFINITY);
+            let mut turn = turn_json(&form, |z_mm| self.common_mm(z_mm, length));
             turn["implausible"] = json!(self.jumps);
             out.insert("turn".to_owned(), turn);
         }
@@ -369,8 +414,10 @@ impl<'a> Follower<'a> {
     fn statistics_json(&self) -> Value {
         let s = &self.statistics;
         let (min, max) = s.extremes().unwrap_or_default();
+        // One value says nothing of the scatter.
+        let scatter = |value: f64| (s.count() > 1).then_some(value);
         let mut all = json!({
-            "count": s.count(), "mean_mm": s.mean(), "sd_mm": s.sd(), "u_mean_mm": s.u_mean(),
+            "count": s.count(), "mean_mm": s.mean(), "sd_mm": scatter(s.sd()), "u_mean_mm": scatter(s.u_mean()),
             "min_mm": min, "max_mm": max, "range_mm": max - min,
         });
         if let Some((_, (lower, upper))) = self.judge {
@@ -378,6 +425,21 @@ impl<'a> Follower<'a> {
             all["cpk"] = json!(s.cpk(lower, upper, 0.95).ok());
         }
         all
+    }
+
+    /// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
+    fn common_mm(&self, z_mm: f64, length_mm: f64) -> Option<f64> {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for (meta, diameters) in &self.turn {
+            for (column, reading) in diameters.readings.iter().enumerate() {
+                if let (Some(d), true) =
+                    (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
+                {
+                    (sum, n) = (sum + d.u_common_mm, n + 1.0);
+                }
+            }
+        }
+        (n > 0.0).then(|| sum / n)
     }
 
     fn part_form(&self) -> Result<PartForm, Failure> {
@@ -405,6 +467,27 @@ impl<'a> Follower<'a> {
             _ => Ok(form),
         }
     }
+}
+
+/// Statistics for people.
+pub fn statistics_line(s: &Value) -> String {
+    let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let mut text = format!(
+        "mean diameters of {} frames: mean {} mm (u {}), sd {}, from {} to {}",
+        s["count"],
+        number(&s["mean_mm"], 5),
+        number(&s["u_mean_mm"], 6),
+        number(&s["sd_mm"], 6),
+        number(&s["min_mm"], 5),
+        number(&s["max_mm"], 5)
+    );
+    for (key, name) in [("cp", "Cp"), ("cpk", "Cpk")] {
+        if let Some(index) = s.get(key).filter(|c| c.is_object()) {
+            let [value, lower, upper] = ["index", "lower", "upper"].map(|k| number(&index[k], 2));
+            text += &format!(", {name} {value} (95 %: {lower} to {upper})");
+        }
+    }
+    text
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -435,60 +518,4 @@ fn rank(judgement: Judgement) -> u8 {
         Judgement::LO | Judgement::HI => 1,
         Judgement::LL | Judgement::HH => 2,
     }
-}
-
-fn turn_json(form: &PartForm) -> Value {
-    let mut all = json!(form);
-    all["of"] = json!("the silhouette: sizes and roundness of the sections' convex hulls");
-    all["refused"] = form.refused.iter().map(|(z, why)| json!({ "z_mm": z, "why": why })).collect();
-    if let Some(sections) = all["sections"].as_array_mut() {
-        for section in sections {
-            let [lsci, mzci, mici, mcci] = [0, 1, 2, 3].map(|k| section["roundness_mm"][k].clone());
-            section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
-        }
-    }
-    all
-}
-
-/// The part's form for people.
-pub fn turn_table(turn: &Value) -> String {
-    let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
-    let mm = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.5}"));
-    let mut text = format!(
-        "\nform over the turn, of {}\n{:>10} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
-        turn["of"].as_str().unwrap_or(""),
-        "z/mm",
-        "GG/mm",
-        "GN/mm",
-        "GX/mm",
-        "run-out",
-        "LSCI",
-        "MZCI",
-        "MICI",
-        "MCCI um"
-    );
-    for s in turn["sections"].as_array().into_iter().flatten() {
-        let r = &s["roundness_mm"];
-        text += &format!(
-            "{:>10.3} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
-            s["z_mm"].as_f64().unwrap_or(f64::NAN),
-            mm(&s["gg_mm"]),
-            mm(&s["gn_mm"]),
-            mm(&s["gx_mm"]),
-            um(&s["run_out_mm"]),
-            um(&r["lsci"]),
-            um(&r["mzci"]),
-            um(&r["mici"]),
-            um(&r["mcci"])
-        );
-    }
-    text += &format!(
-        "total run-out {}, cylindricity {}, straightness of axis {}, of flanks {} um; taper {} um/mm\n",
-        um(&turn["total_run_out_mm"]),
-        um(&turn["cylindricity_mm"]),
-        um(&turn["axis_straightness_mm"]),
-        um(&turn["generatrix_straightness_mm"]),
-        um(&turn["taper"])
-    );
-    text
 }

@@ -17,6 +17,7 @@ mod measure;
 mod measure_bench;
 mod measure_judge;
 pub mod measure_ring;
+mod measure_turn;
 mod nc;
 mod optimize;
 mod record;
