@@ -58,7 +58,7 @@ fn stderr(output: &Output) -> String {
 /// (what is changed, the change, exit code, words the error must have)
 #[test]
 fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
-    let cases: [(&str, String, i32, &[&str]); 9] = [
+    let cases: [(&str, String, i32, &[&str]); 11] = [
         ("unknown key", SMALL.replace("length_mm", "lenght_mm"), 2, &["lenght_mm", "length_mm"]),
         ("wrong unit", SMALL.replace("length_mm = 60.0", "length_cm = 6.0"), 2, &["length_cm", "length_mm"]),
         ("wrong type", SMALL.replace("length_mm = 60.0", "length_mm = \"60 mm\""), 2, &["60 mm", "f64"]),
@@ -81,6 +81,13 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
             SMALL.replace("[[masters.pins]]\ndiameter_mm = 12.5\nexpanded_u_mm = 0.0001", ""),
             2,
             &["masters.pins"],
+        ),
+        ("one angle", SMALL.replace("angles = 4", "angles = 1"), 2, &["scan.angles", "at least 2"]),
+        (
+            "a tolerance of another part",
+            SMALL.replace("nominal_mm = 11.0", "nominal_mm = 50.0"),
+            2,
+            &["part.tolerance.nominal_mm", "11.0000"],
         ),
         ("no TOML", "part = [".to_owned(), 2, &["wrong.toml"]),
     ];
@@ -234,6 +241,54 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
     std::fs::remove_file(killed.join("report.html")).unwrap();
     let other = run_small(folder.path(), "killed", &["--no-reference", "--seed", "9"]);
     assert_eq!(other.status.code(), Some(2), "{}", stderr(&other));
+}
+
+/// A part within U of a limit is not proven good: exit 1, and table, JSON, report and alarm say the same.
+#[test]
+fn a_part_within_u_of_its_limit_is_not_proven_good() {
+    let folder = tempfile::tempdir().unwrap();
+    // What the last pass measures at its largest and with which u, from a run without a tolerance.
+    let tolerance = "[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.01\nlower_mm = -0.01\n";
+    let free = SMALL.replace(tolerance, "");
+    let config = write(folder.path(), "free.toml", &free);
+    let out = folder.path().join("free").to_string_lossy().into_owned();
+    let run = |config: &str, out: &str| {
+        shadowgauge(&["run", config, "--out", out, "--backend", "cpu", "--no-reference", "--json"])
+    };
+    let output = run(&config, &out);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["in_tolerance"].is_null() && json["judgement"].is_null());
+    let mut stations = csv::Reader::from_path(folder.path().join("free/stations.csv")).unwrap();
+    let header = stations.headers().unwrap().clone();
+    let at = |name: &str| header.iter().position(|h| h == name).unwrap();
+    let largest = stations
+        .records()
+        .map(Result::unwrap)
+        .filter(|r| &r[at("pass")] == "2")
+        .map(|r| ["d_mm", "u_random_mm", "u_common_mm"].map(|name| r[at(name)].parse::<f64>().unwrap()))
+        .max_by(|a, b| a[0].total_cmp(&b[0]))
+        .unwrap();
+    let u_mm = largest[1].hypot(largest[2]);
+    for (name, upper_mm, judgement) in [
+        ("near", largest[0] + u_mm - 11.0, "not_proven"),
+        ("far", largest[0] + 4.0 * u_mm + 0.01 - 11.0, "conforms"),
+        ("out", largest[0] - 4.0 * u_mm - 11.0, "violates"),
+    ] {
+        let limits = format!("[part.tolerance]\nnominal_mm = 11.0\nupper_mm = {upper_mm}\nlower_mm = -0.5\n");
+        let text = SMALL.replace(tolerance, &limits);
+        let config = write(folder.path(), "judged.toml", &text);
+        let out = folder.path().join(name);
+        let output = run(&config, &out.to_string_lossy());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let good = judgement == "conforms";
+        assert_eq!(output.status.code(), Some(i32::from(!good)), "{name}: {json} {}", stderr(&output));
+        assert_eq!((&json["judgement"], &json["in_tolerance"]), (&judgement.into(), &good.into()), "{name}");
+        assert_eq!(json["alarm"].is_null(), good);
+        let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+        assert_eq!(report.contains("in tolerance at every station"), good, "{name}");
+        assert_eq!(report.contains("NOT PROVEN IN TOLERANCE"), name == "near");
+    }
 }
 
 /// A full or closed stdout ends a command by the contract, never with a panic.
