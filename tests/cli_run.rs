@@ -247,9 +247,10 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
 #[test]
 fn a_part_within_u_of_its_limit_is_not_proven_good() {
     let folder = tempfile::tempdir().unwrap();
-    // What the last pass measures at its largest and with which u, from a run without a tolerance.
+    // What the last pass measures at its smallest and with which u, from a run without a tolerance; no guard stands in its way.
     let tolerance = "[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.01\nlower_mm = -0.01\n";
-    let free = SMALL.replace(tolerance, "");
+    let guards = "[control.guards]\nlower_limit_mm = 9.0\n";
+    let free = SMALL.replace(tolerance, guards);
     let config = write(folder.path(), "free.toml", &free);
     let out = folder.path().join("free").to_string_lossy().into_owned();
     let run = |config: &str, out: &str| {
@@ -262,20 +263,21 @@ fn a_part_within_u_of_its_limit_is_not_proven_good() {
     let mut stations = csv::Reader::from_path(folder.path().join("free/stations.csv")).unwrap();
     let header = stations.headers().unwrap().clone();
     let at = |name: &str| header.iter().position(|h| h == name).unwrap();
-    let largest = stations
+    let smallest = stations
         .records()
         .map(Result::unwrap)
         .filter(|r| &r[at("pass")] == "2")
         .map(|r| ["d_mm", "u_random_mm", "u_common_mm"].map(|name| r[at(name)].parse::<f64>().unwrap()))
-        .max_by(|a, b| a[0].total_cmp(&b[0]))
+        .min_by(|a, b| a[0].total_cmp(&b[0]))
         .unwrap();
-    let u_mm = largest[1].hypot(largest[2]);
-    for (name, upper_mm, judgement) in [
-        ("near", largest[0] + u_mm - 11.0, "not_proven"),
-        ("far", largest[0] + 4.0 * u_mm + 0.01 - 11.0, "conforms"),
-        ("out", largest[0] - 4.0 * u_mm - 11.0, "violates"),
+    let u_mm = smallest[1].hypot(smallest[2]);
+    for (name, lower_mm, judgement) in [
+        ("near", smallest[0] - u_mm - 11.0, "not_proven"),
+        ("far", smallest[0] - 4.0 * u_mm - 11.0, "conforms"),
+        ("out", smallest[0] + 4.0 * u_mm - 11.0, "violates"),
     ] {
-        let limits = format!("[part.tolerance]\nnominal_mm = 11.0\nupper_mm = {upper_mm}\nlower_mm = -0.5\n");
+        let limits =
+            format!("{guards}[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.5\nlower_mm = {lower_mm}\n");
         let text = SMALL.replace(tolerance, &limits);
         let config = write(folder.path(), "judged.toml", &text);
         let out = folder.path().join(name);

@@ -156,7 +156,7 @@ fn good_is_what_is_proven_everywhere() {
     assert_eq!((code, &frames[0]["judgement"]), (Some(1), &"HH".into()), "{frames}");
     let mean_mm = frames[0]["mean_diameter_mm"].as_f64().unwrap();
     assert!((7.95..8.05).contains(&mean_mm), "{mean_mm}");
-    assert_eq!(frames[0]["judged"]["d_mm"], frames[0]["max_diameter_mm"], "{frames}");
+    assert!(frames[0]["judged"]["d_mm"].as_f64().unwrap() > 8.1, "{frames}");
     let (code, frames) = judged(&["taper.png"], &["--station-mm", "2"]);
     assert_eq!(code, Some(1));
     assert_eq!(frames[0]["stations"][15]["judgement"], "HH", "{frames}");

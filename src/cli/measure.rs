@@ -415,14 +415,14 @@ fn judged_by(figures: &Value) -> String {
 
 fn print_table(figures: &[Value], bench: Option<&Value>) {
     say_line!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} flags",
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} flags",
         "frame",
         "columns",
         "valid",
         "max px",
         "max mm",
         "u mm",
-        ""
+        "judged by"
     );
     let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     for f in figures {
