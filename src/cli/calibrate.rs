@@ -38,6 +38,12 @@ pub struct CalibrateArgs {
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk that fails.
 pub fn run(args: &CalibrateArgs) -> CommandResult {
+    if args.out.extension().is_none_or(|e| e != "json") {
+        let name = args.out.display();
+        return Err(Failure::refuse(format!(
+            "--out {name}: must end in .json; the report goes beside it as .html"
+        )));
+    }
     let text = ConfigText::read(&args.config)?;
     let plan: CalibrationPlan = text.parse()?;
     let calibrated = make(&plan, &text, Some(&args.config), args.backend)?;
@@ -53,7 +59,7 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
             args.out.display()
         );
     }
-    say(args, &calibrated, accepted);
+    say(args, &calibrated);
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
@@ -86,7 +92,7 @@ fn check(calibration: &Calibration) -> bool {
     calibration.bench.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
 
-fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
+fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     let calibration = &calibrated.calibration;
     let Some(bench) = &calibration.bench else { return };
     if args.json {
@@ -94,7 +100,8 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         say_line!(
             "{}",
             json!({
-                "accepted": accepted,
+                // Without a check pin nothing but the masters speaks for the calibration.
+                "accepted": bench.check.map(|c| c.accepted),
                 "optics_id": calibration.optics_id,
                 "scale_mm_per_px": calibration.scale_mm_per_px,
                 "offset_mm": calibration.offset_mm,
@@ -143,6 +150,9 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
             1e2 * field.fall_off
         );
     }
+    if bench.check.is_none() {
+        say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
+    }
     if let Some(check) = bench.check {
         say_line!(
             "check pin: {:+.3} um off, U = {:.3} um, E_n = {:.2}: {}",
@@ -153,7 +163,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(budget) = &calibrated.example {
-        say!("\nbudget of a part like the middle master\n{}", budget.to_table(2.0));
+        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(2.0));
     }
 }
 

@@ -247,6 +247,8 @@ fn a_wrong_plan_is_named() {
         ("valid_days = 365", "valid_months = 12", "valid_months"),
         ("limit_temperature_k = 0.2", "limit_temperature_k = -1.0", "thermometer.limit_temperature_k"),
         ("diameter_mm = 4.0", "diameter_mm = -4.0", "masters[0].diameter_mm"),
+        ("diameter_mm = 6.6", "diameter_mm = 4.0", "must differ by 1 %"),
+        ("diameter_mm = 6.6", "diameter_mm = 9.0", "masters[1].diameter_mm"),
         (
             "[simulate]\nseed = 8\nframes_each = 1\n[simulate.camera]\nrows = 512\ncolumns = 320\n",
             "",
@@ -265,6 +267,29 @@ fn a_wrong_plan_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let missing = shadowgauge(&["calibrate", "nowhere.toml", "--out", &path(folder.path(), "x.json")]);
     assert_eq!(missing.status.code(), Some(2));
+    // The report goes beside the calibration as .html and must not be overwritten by it.
+    let config = path(folder.path(), "plan.toml");
+    std::fs::write(&config, PLAN).unwrap();
+    let page = shadowgauge(&["calibrate", &config, "--out", &path(folder.path(), "x.html")]);
+    assert_eq!(page.status.code(), Some(2));
+    assert!(text(&page.stderr).contains("must end in .json"), "{}", text(&page.stderr));
+    let scenes = shadowgauge(&["study", "coverage", "--scenes", "0"]);
+    assert_eq!(scenes.status.code(), Some(2), "{}", text(&scenes.stderr));
+}
+
+/// Without a check pin nothing is accepted, and stdout says so.
+#[test]
+fn a_calibration_without_a_check_pin_is_not_called_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (check, simulate) = (PLAN.find("[check]").unwrap(), PLAN.find("[simulate]").unwrap());
+    let plan = format!("{}{}", &PLAN[..check], &PLAN[simulate..]);
+    let made = calibrate(folder.path(), &plan);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(json(&made)["accepted"].is_null());
+    let config = path(folder.path(), "plan.toml");
+    let out = path(folder.path(), "calibration.json");
+    let human = text(&shadowgauge(&["calibrate", &config, "--out", &out, "--backend", "cpu"]).stdout);
+    assert!(human.contains("no check pin") && !human.contains("middle master"), "{human}");
 }
 
 /// The same pins as files: recorded frames give a calibration, and a check pin with a wrong certificate is refused.
