@@ -75,7 +75,7 @@ fn cells(k: &KindResult) -> Vec<String> {
         k.harmful.to_string(),
         k.mishandled.to_string(),
         k.misled.to_string(),
-        format!("{:.3}", k.kept),
+        kept(k.kept),
         format!("{:.2}", k.worst_um),
     ]
 }
@@ -94,6 +94,11 @@ fn verdict(study: &ContaminationStudy) -> String {
     )
 }
 
+/// Share of stations kept; none where no frame was harmful.
+fn kept(share: Option<f64>) -> String {
+    share.map_or("-".to_owned(), |s| format!("{s:.3}"))
+}
+
 fn print(study: &ContaminationStudy) {
     say_line!(
         "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11}",
@@ -107,13 +112,13 @@ fn print(study: &ContaminationStudy) {
     );
     for k in &study.kinds {
         say_line!(
-            "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14.3} {:>11.2}",
+            "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11.2}",
             name(k.matter),
             k.frames,
             k.harmful,
             k.mishandled,
             k.misled,
-            k.kept,
+            kept(k.kept),
             k.worst_um
         );
     }
