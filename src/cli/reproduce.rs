@@ -44,6 +44,7 @@ pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
         say_line!("{}", serde_json::to_string_pretty(rows).map_err(Failure::fail)?);
         return Ok(Outcome::Done);
     }
+    say_line!("{:<13} {:<28} {:>12} {:>12}  quantity and reason", "verdict", "id", "paper", "ours");
     for row in rows {
         let paper = row.paper.map_or("-".to_owned(), short);
         let line = format!("{} [{}]", row.quantity, row.unit).replace(" []", "");

@@ -153,6 +153,7 @@ fn root_locus(study: &StabilityStudy) -> Result<String, Failure> {
         x_label: "real part".to_owned(),
         y_label: "imaginary part".to_owned(),
         series,
+        equal_axes: true,
         ..Chart::default()
     }
     .to_svg()

@@ -103,18 +103,18 @@ fn print(study: &WashersStudy) {
         study.names.len()
     );
     say_line!(
-        "{:<50} {:>9} {:>7} {:>9} {:>7} {:>10} {:>8}",
+        "{:<50} {:>9} {:>7} {:>9} {:>7} {:>10} {:>9}",
         "method, residuals in um",
         "outer sd",
         "robust",
         "inner sd",
         "robust",
         "um/px",
-        "offset"
+        "offset px"
     );
     let row = |m: &MethodFigures| {
         say_line!(
-            "{:<50} {:>9.2} {:>7.2} {:>9.2} {:>7.2} {:>10.4} {:>+8.3}",
+            "{:<50} {:>9.2} {:>7.2} {:>9.2} {:>7.2} {:>10.4} {:>+9.3}",
             m.name,
             m.sd_um[0],
             m.robust_sd_um[0],
