@@ -86,7 +86,7 @@ study parts_model "$bin" study parts --controller model --out "$out/parts_model"
 study process_bench cargo bench --locked --bench process
 
 # -- speed, beside the floor of a kernel that only writes a constant
-study render_bench "$bin" render "$preset" --bench 50 --out "$out/render_bench"
+study render_bench "$bin" render "$preset" --bench 50
 for backend in vulkan cpu; do
   study "render_bench_2048_$backend" "$bin" render configs/bench_2048.toml --bench 200 --json --backend "$backend"
   study "render_windows_$backend" "$bin" render configs/bench_2048.toml --bench 500 --windows 32 --json --backend "$backend"

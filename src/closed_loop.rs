@@ -165,6 +165,14 @@ struct Scanned {
     ends: Option<(Stamp, Stamp)>,
 }
 
+/// Verdict on a finished part by its re-measurement (ISO 14253-1, expanded by the guards' coverage factor); `None` without a tolerance.
+pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<control::conformity::Verdict> {
+    let (lower_mm, upper_mm) = job.part.tolerance?.limits_mm();
+    let coverage = job.control.guards.coverage;
+    let limits = control::conformity::Limits { lower_mm, upper_mm, coverage };
+    Some(control::conformity::judge(measured, &limits))
+}
+
 impl<'a> ClosedLoop<'a> {
     /// Checks the job and calibrates the gauge on the masters, unless a calibration is given (a resumed run).
     ///
@@ -438,13 +446,9 @@ impl<'a> ClosedLoop<'a> {
     /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie within the tolerance
     /// (ISO 14253-1, expanded by the guards' coverage factor).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
-        let tolerance = self.job.part.tolerance.filter(|_| plan.pass as usize == self.job.part.passes())?;
-        let limits = control::conformity::Limits {
-            lower_mm: tolerance.nominal_mm + tolerance.lower_mm,
-            upper_mm: tolerance.nominal_mm + tolerance.upper_mm,
-            coverage: self.job.control.guards.coverage,
-        };
-        control::conformity::judge(measured, &limits).alarm.map(|a| format!("finished part: {a}"))
+        let finished = plan.pass as usize == self.job.part.passes();
+        let verdict = finished.then(|| part_verdict(self.job, measured)).flatten()?;
+        verdict.alarm.map(|a| format!("finished part: {a}"))
     }
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The

@@ -48,9 +48,9 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// Whether a diameter lies within the limits.
-    pub fn contains(&self, d_mm: f64) -> bool {
-        (self.nominal_mm + self.lower_mm..=self.nominal_mm + self.upper_mm).contains(&d_mm)
+    /// Lower and upper limit of size, mm.
+    pub fn limits_mm(&self) -> (f64, f64) {
+        (self.nominal_mm + self.lower_mm, self.nominal_mm + self.upper_mm)
     }
 }
 
@@ -69,6 +69,7 @@ pub struct Part {
     /// Length of a station, mm.
     pub station_mm: f64,
     /// Tolerance of the finished part; without one no verdict is given.
+    #[serde(default)]
     pub tolerance: Option<Tolerance>,
 }
 
@@ -102,6 +103,22 @@ impl Part {
     pub fn station_z_mm(&self) -> Vec<f64> {
         let count = (self.length_mm / self.station_mm + 1e-9).floor() as usize;
         (0..count).map(|i| (i as f64 + 0.5) * self.station_mm).collect()
+    }
+
+    /// The last pass must aim inside the tolerance, or no part could ever be good.
+    fn check_aim(&self) -> Result<(), JobError> {
+        let Some(tolerance) = self.tolerance else { return Ok(()) };
+        let (aim, (lower, upper)) = (self.target_mm(self.passes() as u32), tolerance.limits_mm());
+        if (lower..=upper).contains(&aim) {
+            return Ok(());
+        }
+        Err(JobError::at(
+            "part.tolerance.nominal_mm",
+            format!(
+                "{} mm: the last pass aims at {aim:.4} mm (part.nominal_diameter_mm and part.aim_mm), outside {lower:.4} to {upper:.4} mm",
+                tolerance.nominal_mm
+            ),
+        ))
     }
 
     fn check(&self) -> Result<(), JobError> {
@@ -451,15 +468,24 @@ impl Job {
         Ok(())
     }
 
-    /// Whether the fields cover the part, and the shaft is one that can be turned: needed by a run, not by `render`.
+    /// Whether the fields cover the part, the angles tell its uncertainty, the last pass aims at the tolerance, and the shaft is one that
+    /// can be turned: needed by a run, not by `render`.
     ///
     /// # Errors
-    /// Names the number of fields that would be enough.
+    /// Names the key and what would be enough.
     pub fn check_coverage(&self) -> Result<(), JobError> {
         if let Some(key) = self.shaft.finished_key() {
             return Err(JobError::at(
                 key,
                 "describes a finished part, which `render` draws; a run turns a plain shaft: leave it out",
+            ));
+        }
+        self.part.check_aim()?;
+        if self.scan.angles < 2 {
+            return Err(JobError::at(
+                "scan.angles",
+                "1 angle tells nothing of the section's form, so that no uncertainty could be stated; at least 2, 4 to take \
+                 two lobes out of the mean",
             ));
         }
         let needed = (self.part.length_mm / self.field_length_mm()).ceil() as usize;

@@ -58,7 +58,7 @@ fn stderr(output: &Output) -> String {
 /// (what is changed, the change, exit code, words the error must have)
 #[test]
 fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
-    let cases: [(&str, String, i32, &[&str]); 9] = [
+    let cases: [(&str, String, i32, &[&str]); 11] = [
         ("unknown key", SMALL.replace("length_mm", "lenght_mm"), 2, &["lenght_mm", "length_mm"]),
         ("wrong unit", SMALL.replace("length_mm = 60.0", "length_cm = 6.0"), 2, &["length_cm", "length_mm"]),
         ("wrong type", SMALL.replace("length_mm = 60.0", "length_mm = \"60 mm\""), 2, &["60 mm", "f64"]),
@@ -81,6 +81,13 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
             SMALL.replace("[[masters.pins]]\ndiameter_mm = 12.5\nexpanded_u_mm = 0.0001", ""),
             2,
             &["masters.pins"],
+        ),
+        ("one angle", SMALL.replace("angles = 4", "angles = 1"), 2, &["scan.angles", "at least 2"]),
+        (
+            "a tolerance of another part",
+            SMALL.replace("nominal_mm = 11.0", "nominal_mm = 50.0"),
+            2,
+            &["part.tolerance.nominal_mm", "11.0000"],
         ),
         ("no TOML", "part = [".to_owned(), 2, &["wrong.toml"]),
     ];
@@ -147,6 +154,14 @@ fn a_run_leaves_the_files_of_the_contract_and_the_json_of_the_contract() {
     ] {
         assert!(folder.path().join("out").join(name).is_file(), "{name} is missing");
     }
+    // Four angles over half a turn tell two and three lobes, not four and five.
+    let mut form = csv::Reader::from_path(folder.path().join("out/form.csv")).unwrap();
+    let header = form.headers().unwrap().clone();
+    let row = form.records().next().unwrap().unwrap();
+    let value = |name: &str| row[header.iter().position(|h| h == name).unwrap()].to_owned();
+    assert!(value("lobes_2_mm").parse::<f64>().unwrap() > 0.0);
+    assert_eq!((value("lobes_4_mm"), value("lobes_5_form_spindle_mm")), (String::new(), String::new()));
+    assert!(value("u_gg_common_mm").parse::<f64>().unwrap() > 0.0);
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(
         !report.contains("http://")
@@ -226,4 +241,86 @@ fn a_killed_run_is_resumed_to_the_same_bytes() {
     std::fs::remove_file(killed.join("report.html")).unwrap();
     let other = run_small(folder.path(), "killed", &["--no-reference", "--seed", "9"]);
     assert_eq!(other.status.code(), Some(2), "{}", stderr(&other));
+}
+
+/// A part within U of a limit is not proven good: exit 1, and table, JSON, report and alarm say the same.
+#[test]
+fn a_part_within_u_of_its_limit_is_not_proven_good() {
+    let folder = tempfile::tempdir().unwrap();
+    // What the last pass measures at its smallest and with which u, from a run without a tolerance; no guard stands in its way.
+    let tolerance = "[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.01\nlower_mm = -0.01\n";
+    let guards = "[control.guards]\nlower_limit_mm = 9.0\n";
+    let free = SMALL.replace(tolerance, guards);
+    let config = write(folder.path(), "free.toml", &free);
+    let out = folder.path().join("free").to_string_lossy().into_owned();
+    let run = |config: &str, out: &str| {
+        shadowgauge(&["run", config, "--out", out, "--backend", "cpu", "--no-reference", "--json"])
+    };
+    let output = run(&config, &out);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["in_tolerance"].is_null() && json["judgement"].is_null());
+    let mut stations = csv::Reader::from_path(folder.path().join("free/stations.csv")).unwrap();
+    let header = stations.headers().unwrap().clone();
+    let at = |name: &str| header.iter().position(|h| h == name).unwrap();
+    let smallest = stations
+        .records()
+        .map(Result::unwrap)
+        .filter(|r| &r[at("pass")] == "2")
+        .map(|r| ["d_mm", "u_random_mm", "u_common_mm"].map(|name| r[at(name)].parse::<f64>().unwrap()))
+        .min_by(|a, b| a[0].total_cmp(&b[0]))
+        .unwrap();
+    let u_mm = smallest[1].hypot(smallest[2]);
+    for (name, lower_mm, judgement) in [
+        ("near", smallest[0] - u_mm - 11.0, "not_proven"),
+        ("far", smallest[0] - 4.0 * u_mm - 11.0, "conforms"),
+        ("out", smallest[0] + 4.0 * u_mm - 11.0, "violates"),
+    ] {
+        let limits =
+            format!("{guards}[part.tolerance]\nnominal_mm = 11.0\nupper_mm = 0.5\nlower_mm = {lower_mm}\n");
+        let text = SMALL.replace(tolerance, &limits);
+        let config = write(folder.path(), "judged.toml", &text);
+        let out = folder.path().join(name);
+        let output = run(&config, &out.to_string_lossy());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let good = judgement == "conforms";
+        assert_eq!(output.status.code(), Some(i32::from(!good)), "{name}: {json} {}", stderr(&output));
+        assert_eq!((&json["judgement"], &json["in_tolerance"]), (&judgement.into(), &good.into()), "{name}");
+        assert_eq!(json["alarm"].is_null(), good);
+        let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+        assert_eq!(report.contains("in tolerance at every station"), good, "{name}");
+        assert_eq!(report.contains("NOT PROVEN IN TOLERANCE"), name == "near");
+    }
+}
+
+/// A full or closed stdout ends a command by the contract, never with a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_or_closed_stdout_is_no_panic() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("a.png");
+    image::GrayImage::from_fn(320, 200, |_, y| image::Luma([if (60..140).contains(&y) { 20 } else { 200 }]))
+        .save(&picture)
+        .unwrap();
+    let picture = picture.to_string_lossy().into_owned();
+    let full = || Stdio::from(std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+    for arguments in [&["schema"][..], &["measure", &picture], &["measure", &picture, "--json"]] {
+        let command = || {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_shadowgauge"));
+            command.args(arguments).env("NO_COLOR", "1").stderr(Stdio::piped());
+            command
+        };
+        let output = command().stdout(full()).output().unwrap();
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains("stdout cannot be written"), "{}", stderr(&output));
+        let mut child = command().stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).is_empty(), "{}", stderr(&output));
+        // Nothing to say anything on: the exit code is left.
+        let status = command().stdout(full()).stderr(full()).status().unwrap();
+        assert_eq!(status.code(), Some(3), "{arguments:?}");
+    }
 }

@@ -127,6 +127,47 @@ fn a_folder_with_some_bad_frames_gives_gaps_and_good_ones_values() {
     assert!(text.lines().any(|l| l == "b,0,,,,,low_contrast"), "{text}");
 }
 
+/// A tolerance is judged by every size that a frame gives: a taper's ends, a frame and a place that could not be measured.
+#[test]
+fn good_is_what_is_proven_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Pcg64::seed_from_u64(5);
+    let soft = |d: f64| 30.0 + 170.0 / (1.0 + (-2.0 * d).exp());
+    let mut noisy = |y: u32, bottom: f64| {
+        let y = f64::from(y);
+        (if y < 100.0 { soft(60.2 - y) } else { soft(y - bottom) }) as u8 + rng.random_range(0..3)
+    };
+    save(&folder, "even.png", 320, 200, |_, y| noisy(y, 140.3));
+    save(&folder, "taper.png", 320, 200, |x, y| noisy(y, 138.7 + f64::from(x) / 100.0));
+    save(&folder, "gap.png", 320, 200, |x, y| if (120..200).contains(&x) { 200 } else { noisy(y, 140.3) });
+    save(&folder, "blank.png", 320, 200, |_, _| 255);
+    let judged = |names: &[&str], more: &[&str]| {
+        let paths: Vec<PathBuf> = names.iter().map(|name| folder.path().join(name)).collect();
+        let scale = ["--um-per-px", "100", "--tolerance", "7.85..8.1", "--json"];
+        let all = scale.iter().chain(more).map(Path::new).chain(paths.iter().map(PathBuf::as_path));
+        let output = measure(&all.collect::<Vec<_>>());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), json["frames"].clone())
+    };
+    let (code, frames) = judged(&["even.png"], &[]);
+    assert_eq!((code, &frames[0]["judgement"]), (Some(0), &"GO".into()), "{frames}");
+    // Its mean of 8.01 mm lies well inside, its ends do not.
+    let (code, frames) = judged(&["taper.png"], &[]);
+    assert_eq!((code, &frames[0]["judgement"]), (Some(1), &"HH".into()), "{frames}");
+    let mean_mm = frames[0]["mean_diameter_mm"].as_f64().unwrap();
+    assert!((7.95..8.05).contains(&mean_mm), "{mean_mm}");
+    assert!(frames[0]["judged"]["d_mm"].as_f64().unwrap() > 8.1, "{frames}");
+    let (code, frames) = judged(&["taper.png"], &["--station-mm", "2"]);
+    assert_eq!(code, Some(1));
+    assert_eq!(frames[0]["stations"][15]["judgement"], "HH", "{frames}");
+    for (name, flag) in [("blank.png", None), ("gap.png", Some("local"))] {
+        let (code, frames) = judged(&["even.png", name], &[]);
+        assert_eq!((code, &frames[0]["judgement"]), (Some(1), &"GO".into()), "{frames}");
+        assert!(frames[1].as_object().unwrap()["judgement"].is_null(), "{frames}");
+        assert_eq!(frames[1]["judged"]["what"].as_str(), flag, "{frames}");
+    }
+}
+
 #[test]
 fn the_command_line_and_calibrations_are_checked() {
     let folder = tempfile::tempdir().unwrap();

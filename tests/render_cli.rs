@@ -117,6 +117,10 @@ fn bench_and_doctor_speak_json() {
         .args(["--bench", "3", "--json", "--backend", "cpu"])
         .output()
         .unwrap();
+    let out = folder.path().join("frames");
+    let ignored =
+        shadowgauge().arg("render").arg(&config).args(["--bench", "3", "--out"]).arg(&out).output().unwrap();
+    assert_eq!(ignored.status.code(), Some(2), "--bench writes nothing");
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     for key in [
         "ms_per_frame_min",

@@ -38,6 +38,12 @@ pub struct CalibrateArgs {
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk that fails.
 pub fn run(args: &CalibrateArgs) -> CommandResult {
+    if args.out.extension().is_none_or(|e| e != "json") {
+        let name = args.out.display();
+        return Err(Failure::refuse(format!(
+            "--out {name}: must end in .json; the report goes beside it as .html"
+        )));
+    }
     let text = ConfigText::read(&args.config)?;
     let plan: CalibrationPlan = text.parse()?;
     let calibrated = make(&plan, &text, Some(&args.config), args.backend)?;
@@ -53,7 +59,7 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
             args.out.display()
         );
     }
-    say(args, &calibrated, accepted);
+    say(args, &calibrated);
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
@@ -86,15 +92,16 @@ fn check(calibration: &Calibration) -> bool {
     calibration.bench.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
 
-fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
+fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     let calibration = &calibrated.calibration;
     let Some(bench) = &calibration.bench else { return };
     if args.json {
         let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
-        println!(
+        say_line!(
             "{}",
             json!({
-                "accepted": accepted,
+                // Without a check pin nothing but the masters speaks for the calibration.
+                "accepted": bench.check.map(|c| c.accepted),
                 "optics_id": calibration.optics_id,
                 "scale_mm_per_px": calibration.scale_mm_per_px,
                 "offset_mm": calibration.offset_mm,
@@ -115,21 +122,21 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
         return;
     }
-    println!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
+    say_line!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
     for [name, value, u] in parameter_table(calibration) {
-        println!("{name:<42} {value:>14} {u:>12}");
+        say_line!("{name:<42} {value:>14} {u:>12}");
     }
     if let Some(misfit) = calibration.misfit() {
-        println!(
+        say_line!(
             "edge model misfits the masters' edges: chi2 {:.2} times the noise, {:.2} and {:.2} % of the contrast left; absorbed by the offset",
             misfit.chi2,
             1e2 * misfit.norm(0),
             1e2 * misfit.norm(1)
         );
     }
-    println!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
+    say_line!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
     if let Some(sensor) = &bench.sensor {
-        println!(
+        say_line!(
             "sensor: {:.4} electrons a count, read noise {:.2} e, PRNU {:.3} %",
             1.0 / sensor.gain_counts_per_electron,
             sensor.read_noise_electrons,
@@ -137,14 +144,17 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(field) = &bench.flat_field {
-        println!(
+        say_line!(
             "flat field: {} defective pixels, light falls by {:.2} %",
             field.defects.len(),
             1e2 * field.fall_off
         );
     }
+    if bench.check.is_none() {
+        say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
+    }
     if let Some(check) = bench.check {
-        println!(
+        say_line!(
             "check pin: {:+.3} um off, U = {:.3} um (k = {:.2}), E_n = {:.2}: {}",
             1e3 * check.error_mm,
             1e3 * check.expanded_u_mm,
@@ -154,7 +164,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated, accepted: bool) {
         );
     }
     if let Some(budget) = &calibrated.example {
-        print!("\nbudget of a part like the middle master\n{}", budget.to_table(None));
+        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(None));
     }
 }
 

@@ -29,8 +29,8 @@ pub fn run(args: &DemoArgs) -> CommandResult {
     let resolved = config::resolved(&job).map_err(Failure::fail)?;
     clear_earlier(&args.out, &resolved)?;
     let finished = execute(&job, &args.out, args.backend, true)?;
-    print!("{}", finished.to_table());
-    println!("report: {}", args.out.join("report.html").display());
+    say!("{}", finished.to_table());
+    say_line!("report: {}", args.out.join("report.html").display());
     Ok(Outcome::Done)
 }
 

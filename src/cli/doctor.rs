@@ -45,7 +45,7 @@ struct Missing {
 pub fn run(args: &DoctorArgs) -> CommandResult {
     let findings = look();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
+        say_line!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
     } else {
         print(&findings);
     }
@@ -102,18 +102,20 @@ fn simd() -> &'static str {
 }
 
 fn print(findings: &Findings) {
-    println!(
+    say_line!(
         "shadowgauge {}, {} threads, CPU path with {}",
-        findings.version, findings.threads, findings.simd
+        findings.version,
+        findings.threads,
+        findings.simd
     );
     for a in &findings.adapters {
-        println!("adapter: {} ({}, {}), driver {}", a.name, a.backend, a.kind, a.driver);
+        say_line!("adapter: {} ({}, {}), driver {}", a.name, a.backend, a.kind, a.driver);
     }
-    println!("auto takes: {} ({})", findings.auto.backend, findings.auto.adapter);
+    say_line!("auto takes: {} ({})", findings.auto.backend, findings.auto.adapter);
     for m in &findings.missing {
-        println!("missing: {}: {}\n  install: {}", m.what, m.consequence, m.install);
+        say_line!("missing: {}: {}\n  install: {}", m.what, m.consequence, m.install);
     }
     if findings.missing.is_empty() {
-        println!("nothing is missing");
+        say_line!("nothing is missing");
     }
 }

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::esf_argument::esf_model;
 use super::measure_bench;
-use super::measure_judge::{Follower, JudgeArgs, turn_table};
+use super::measure_judge::{Follower, JudgeArgs, stated_budget, statistics_line};
+use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::frame::{Frame, FrameMeta, FrameView};
@@ -43,7 +44,7 @@ pub struct MeasureArgs {
     /// Judges the calibration's validity on this day instead of today, YYYY-MM-DD.
     #[arg(long, value_name = "DATE", requires = "calibration")]
     as_of: Option<Date>,
-    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; the calibration's own without it.
+    /// Conditions of the part (TOML): temperature, expansion, place, with their limits; what it leaves out is the calibration's.
     #[arg(long, value_name = "FILE.toml")]
     conditions: Option<PathBuf>,
     /// Temperature of the part, °C, in place of the conditions' one.
@@ -192,13 +193,30 @@ fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
 
 /// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
+    let known = calibration.map_or_else(Conditions::default, Calibration::conditions);
     let mut conditions = match &args.conditions {
-        Some(path) => ConfigText::read(path)?.parse()?,
-        None => calibration.map_or_else(Conditions::default, Calibration::conditions),
+        Some(path) => merged(&ConfigText::read(path)?, &known)?,
+        None => known,
     };
     conditions.temperature_c = args.part_temperature.unwrap_or(conditions.temperature_c);
     conditions.validate().map_err(Failure::refuse)?;
     Ok(conditions)
+}
+
+/// The calibration's conditions with the keys that a file gives in their place.
+fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> {
+    // First as it stands: an unknown key or a wrong type is told with its place.
+    text.parse::<Conditions>()?;
+    let given: toml::Table = text.parse()?;
+    let mut all = toml::Table::try_from(known).map_err(|e| text.refuse(e))?;
+    let kept: Vec<String> = all
+        .iter()
+        .filter(|(key, _)| !given.contains_key(*key))
+        .map(|(key, v)| format!("{key} = {v}"))
+        .collect();
+    tracing::info!("{}: kept of the calibration's conditions: {}", text.name, kept.join(", "));
+    all.extend(given);
+    all.try_into().map_err(|e| text.refuse(e))
 }
 
 /// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
@@ -231,7 +249,9 @@ fn measure_all(
         match frame {
             Ok(frame) => {
                 let meta = frame.meta.clone();
-                results.push(measure_one(args, &mut stream, stem, meta, &view(args, &frame)));
+                let measured = measure_one(args, &mut stream, stem, meta, &view(args, &frame));
+                let accepted = args.judge.accepts_blur();
+                results.push(if accepted { measured } else { sharp(measured, calibration, &conditions) });
                 if args.bench.is_some() {
                     frames.push(frame);
                 }
@@ -263,21 +283,22 @@ fn measure_all(
     }
     if let Some(follower) = &follower {
         follower.finish(&mut out)?;
+        out.insert("conditions".to_owned(), json!(conditions));
     }
     out.extend(bench.map(|b| ("bench".to_owned(), b)));
     if args.json {
         out.insert("frames".to_owned(), figures.into());
-        println!("{}", Value::Object(out));
+        say_line!("{}", Value::Object(out));
     } else {
         print_table(&figures, out.get("bench"));
         if args.judge.budget() {
             print_budgets(args, &results, calibration, &conditions);
         }
         if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
-            println!("statistics of the frames' mean diameters: {statistics}");
+            say_line!("{}", statistics_line(statistics));
         }
         if let Some(turn) = out.get("turn") {
-            print!("{}", turn_table(turn));
+            say!("{}", turn_table(turn));
         }
     }
     Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
@@ -292,8 +313,11 @@ fn print_budgets(
     for measured in results {
         let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
         if let Some(reading) = WidthReading::of_largest(edges, calibration) {
-            println!("\nbudget of the largest diameter of frame {}", measured.stem);
-            print!("{}", reading.budget(calibration, conditions).to_table(args.judge.coverage_factor()));
+            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
+            say!(
+                "{}",
+                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
+            );
         }
     }
 }
@@ -329,6 +353,16 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
             "{count} frames measured with a Gaussian: their edges show too few sub-pixel phases to learn from; tilt the part by a pixel or more over the field"
         );
     }
+}
+
+/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
+fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
+    if let (Ok(edges), Some(bench)) = (&measured.result, calibration.and_then(|c| c.bench.as_ref()))
+        && let Err(error) = bench.check_focus(edges.figures.sigma_px, conditions)
+    {
+        measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
+    }
+    measured
 }
 
 /// Warns of refused frames; fails with the first one's reason where none could be measured.
@@ -369,7 +403,7 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         let budget = WidthReading::of_largest(edges, calibration)?.budget(calibration, conditions);
         Some((budget.diameter_mm, budget.u_mm()))
     });
-    json!({
+    let mut figures = json!({
         "frame": measured.stem,
         "columns": measured.columns,
         "valid": valid,
@@ -378,7 +412,11 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         "max_diameter_mm": in_mm.map(|v| v.0),
         "u_max_mm": in_mm.map(|v| v.1),
         "flags": flags,
-    })
+    });
+    if let Err((_, why)) = &measured.result {
+        figures["warnings"] = json!([why]);
+    }
+    figures
 }
 
 /// The reason that stands for a column: a gap's before an impairment's.
@@ -387,29 +425,49 @@ fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
     gap.or_else(|| top.reason()).or_else(|| bottom.reason())
 }
 
+/// A frame's judgement and the value that it rests on.
+fn judged_by(figures: &Value) -> String {
+    let Some(judgement) = figures.get("judgement") else { return String::new() };
+    let judged = &figures["judged"];
+    let what = judged["what"].as_str().unwrap_or("frame");
+    match (judgement.as_str(), judged["d_mm"].as_f64()) {
+        (Some(judgement), Some(d_mm)) => format!("{judgement} {what} {d_mm:.5} mm"),
+        _ => match judged["z_mm"].as_f64() {
+            Some(z_mm) => format!("- {what} at z {z_mm:.2} unmeasured"),
+            None => format!("- {what} unmeasured"),
+        },
+    }
+}
+
 fn print_table(figures: &[Value], bench: Option<&Value>) {
-    println!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} flags",
-        "frame", "columns", "valid", "max px", "max mm", "u mm", ""
+    say_line!(
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} flags",
+        "frame",
+        "columns",
+        "valid",
+        "max px",
+        "max mm",
+        "u mm",
+        "judged by"
     );
     let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     for f in figures {
         let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
-        println!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<5} {flags}",
+        say_line!(
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
             number(&f["max_diameter_px"], 4),
             number(&f["max_diameter_mm"], 5),
             number(&f["u_max_mm"], 6),
-            f["judgement"].as_str().unwrap_or(""),
+            judged_by(f),
         );
     }
     if let Some(bench) = bench {
-        println!("bench: {bench}");
+        say_line!("bench: {bench}");
     }
 }
 

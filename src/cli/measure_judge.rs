@@ -1,33 +1,37 @@
-//! What `measure` says beyond edges: stations, judgement, averages, statistics, form over a turn.
+//! What `measure` says beyond edges: stations, judgement, averages, statistics.
 
 use serde_json::{Map, Value, json};
 
 use super::Failure;
+use super::measure_turn::turn_json;
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
-use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
 use crate::gauge::judgement::{Judge, Judgement, Limits};
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
 use crate::gauge::tolerance::parse_tolerance;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
-use crate::gauge::{Calibration, ColumnDiameters, FrameEdges};
+use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
 use crate::profile::{Diameter, Reading, Reason};
 
+/// Columns of a local size that is judged where no stations are given: as many as the largest diameter is the median of.
+const LOCAL_COLUMNS: f64 = 65.0;
 /// Stretches along z that are compared from turn to turn where no stations are given, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
-    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good.
+    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
+    /// largest diameter, its local sizes (means over 65 columns, or over the stations of --station-mm) and its mean.
     #[arg(long, value_name = "T", value_parser = parse_tolerance)]
     tolerance: Option<Limits>,
     /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
-    /// Length of the stations that are judged, mm; the whole frame without it.
+    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
     station_mm: Option<f64>,
     /// Averages successive frames: moving:N, median:N or recursive:W.
@@ -96,10 +100,44 @@ impl JudgeArgs {
         self.budget
     }
 
+    /// Whether blurred frames give diameters.
+    pub fn accepts_blur(&self) -> bool {
+        self.accept_blur
+    }
+
     /// k, where it is given.
     pub fn coverage_factor(&self) -> Option<f64> {
         self.coverage_factor
     }
+}
+
+/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
+pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
+    let mut budget = reading.budget(calibration, conditions);
+    if is_uncalibrated(calibration) {
+        budget.contributions.push(Contribution {
+            source: "scale and edge offset".to_owned(),
+            input: "not stated".to_owned(),
+            shape: Shape::Normal,
+            share: Share::Common,
+            freedom: None,
+            u_mm: 0.0,
+        });
+    }
+    budget
+}
+
+/// Whether all there is is a scale: no masters, no uncertainty.
+fn is_uncalibrated(calibration: &Calibration) -> bool {
+    calibration.bench.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
+}
+
+/// A frame's largest diameter.
+#[derive(Clone, Copy)]
+struct Largest {
+    end_on: bool,
+    z_mm: f64,
+    diameter: Diameter,
 }
 
 /// Follows the frames of one command.
@@ -115,6 +153,7 @@ pub struct Follower<'a> {
     history: TurnHistory,
     jumps: Vec<Jump>,
     frames: usize,
+    no_zone_told: bool,
 }
 
 impl<'a> Follower<'a> {
@@ -138,6 +177,17 @@ impl<'a> Follower<'a> {
             })
             .transpose()
             .map_err(Failure::refuse)?;
+        if judge.is_some() && is_uncalibrated(calibration) {
+            tracing::warn!(
+                "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
+                 only as good as they are; --calibration states both"
+            );
+        }
+        if args.average.is_some() && args.station_mm.is_some() {
+            return Err(Failure::refuse(
+                "--average averages the mean of whole frames and --station-mm gives parts of each: one of them at a time",
+            ));
+        }
         Cutoff::upr(args.cutoff_upr).map_err(Failure::refuse)?;
         let plausibility = PlausibilitySettings {
             turn_limit_mm: 1e-3 * args.turn_limit_um,
@@ -156,6 +206,7 @@ impl<'a> Follower<'a> {
             history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
             jumps: Vec::new(),
             frames: 0,
+            no_zone_told: false,
         })
     }
 
@@ -163,17 +214,17 @@ impl<'a> Follower<'a> {
     pub fn add(&mut self, meta: &FrameMeta, edges: Option<&FrameEdges>, out: &mut Map<String, Value>) {
         let index = self.frames;
         self.frames += 1;
-        let Some(edges) = edges else { return };
+        let Some(edges) = edges else {
+            self.not_proven(out);
+            return;
+        };
         let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
         let mut meta = meta.clone();
         if let Some(step) = self.args.angle_step {
             meta.angle_deg = step * index as f64;
         }
-        if self.blurred(&meta, edges, out) {
-            return;
-        }
-        let budget = WidthReading::of_largest(edges, self.calibration)
-            .map(|r| r.budget(self.calibration, &self.conditions));
+        let reading = WidthReading::of_largest(edges, self.calibration);
+        let budget = reading.map(|r| stated_budget(&r, self.calibration, &self.conditions));
         if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
             let why = "its diameter or uncertainty is no number: it has no diameter";
             tracing::warn!("frame {}: {why}", meta.frame_id);
@@ -181,6 +232,7 @@ impl<'a> Follower<'a> {
             self.give_no_diameter(Reason::Implausible, edges, out);
             return;
         }
+        self.warn_of_blur(&meta, edges, out);
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -190,7 +242,8 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        if let Some(budget) = &budget {
+        let largest = largest_caliper(edges).zip(budget);
+        if let Some((_, budget)) = &largest {
             self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
@@ -198,25 +251,30 @@ impl<'a> Follower<'a> {
             put(out, "average_mm", d.d_mm);
             put(out, "u_average_mm", d.u_mm());
         }
-        self.judge_frame(&meta, &diameters, averaged, out);
+        let largest = largest.map(|(caliper, budget)| Largest {
+            end_on: caliper.end_on,
+            z_mm: diameters.z_mm(&meta, 0) + caliper.column_px * diameters.pitch_mm,
+            diameter: Diameter {
+                d_mm: budget.diameter_mm,
+                u_random_mm: budget.u_random_mm(),
+                u_common_mm: budget.u_common_mm(),
+            },
+        });
+        self.add_stations(&meta, &diameters, out);
+        let values = self.to_be_judged(&meta, &diameters, averaged, largest);
+        self.judge_frame(&values, out);
         if self.args.turn {
             self.turn.push((meta, diameters));
         }
     }
 
-    /// Whether a frame is refused, since its blur is not the masters': then it has no diameter, and every column is a gap.
-    fn blurred(&mut self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) -> bool {
+    /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
+    fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let bench = self.calibration.bench.as_ref();
-        let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) else {
-            return false;
-        };
-        tracing::warn!("frame {}: {error}", meta.frame_id);
-        out.insert("warnings".to_owned(), json!([error.to_string()]));
-        if self.args.accept_blur {
-            return false;
+        if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+            tracing::warn!("frame {}: {error}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([error.to_string()]));
         }
-        self.give_no_diameter(Reason::Blurred, edges, out);
-        true
     }
 
     /// Makes a gap of every column of a frame.
@@ -226,8 +284,12 @@ impl<'a> Follower<'a> {
         }
         out.insert("valid".to_owned(), json!(0));
         out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
+        self.not_proven(out);
+    }
+
+    /// What was not measured is not proven good.
+    fn not_proven(&mut self, out: &mut Map<String, Value>) {
         if self.judge.is_some() {
-            // What was not measured is not proven good.
             out.insert("judgement".to_owned(), Value::Null);
             self.worst = worse(self.worst, Judgement::HI);
         }
@@ -269,42 +331,79 @@ impl<'a> Follower<'a> {
         }
     }
 
-    fn judge_frame(
-        &mut self,
+    /// The stations of a frame, each with its own judgement.
+    fn add_stations(&self, meta: &FrameMeta, diameters: &ColumnDiameters, out: &mut Map<String, Value>) {
+        let Some(length) = self.args.station_mm else { return };
+        let row = |(z_mm, reading): &(f64, Reading)| {
+            let mut row = station_row(*z_mm, reading);
+            if let Some((judge, _)) = &self.judge {
+                row["judgement"] = json!(judge.judge_reading(reading).ok());
+                row["guard_mm"] = json!(reading.value().map(|d| judge.guard_mm(&d)));
+            }
+            row
+        };
+        let rows: Vec<Value> = diameters.record(meta, length).iter().map(row).collect();
+        out.insert("stations".to_owned(), rows.into());
+    }
+
+    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none.
+    fn to_be_judged(
+        &self,
         meta: &FrameMeta,
         diameters: &ColumnDiameters,
-        averaged: Reading,
-        out: &mut Map<String, Value>,
-    ) {
-        let stations: Vec<(f64, Reading)> = match (self.args.average, self.args.station_mm) {
-            (None, Some(length)) => diameters.record(meta, length),
-            _ => vec![(meta.z_mm, averaged)],
+        mean: Reading,
+        largest: Option<Largest>,
+    ) -> Vec<(&'static str, f64, Reading)> {
+        let largest_value = largest.map(|l| ("largest", l.z_mm, Reading::Value(l.diameter)));
+        if largest.is_some_and(|l| l.end_on) {
+            return Vec::from_iter(largest_value);
+        }
+        let (word, length) = match self.args.station_mm {
+            Some(length) => ("station", length),
+            None => ("local", LOCAL_COLUMNS * diameters.pitch_mm),
         };
-        let mut worst = None;
-        let rows: Vec<Value> = stations
-            .iter()
-            .map(|(z_mm, reading)| {
-                let mut row = station_row(*z_mm, reading);
-                if let (Some((judge, _)), Some(d)) = (&self.judge, reading.value()) {
-                    let judgement = judge.judge(&d);
-                    row["judgement"] = json!(judgement);
-                    row["guard_mm"] = json!(judge.guard_mm(&d));
-                    worst = Some(worse(worst.unwrap_or(Judgement::GO), judgement));
-                }
-                row
-            })
-            .collect();
-        if let Some(worst) = worst {
-            self.worst = worse(self.worst, worst);
-            out.insert("judgement".to_owned(), json!(worst));
-        } else if self.judge.is_some() {
-            // What was not measured is not proven good.
-            out.insert("judgement".to_owned(), Value::Null);
-            self.worst = worse(self.worst, Judgement::HI);
+        let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
+        let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
+        largest_value.into_iter().chain(places).chain([(mean_word, meta.z_mm, mean)]).collect()
+    }
+
+    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
+    fn judge_frame(&mut self, values: &[(&'static str, f64, Reading)], out: &mut Map<String, Value>) {
+        let Some((judge, (lower, upper))) = self.judge else { return };
+        let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
+        let mut decisive: Option<(Judgement, &str, f64, Diameter)> = None;
+        for (word, z_mm, reading) in values {
+            let Some(d) = reading.value() else { continue };
+            let judgement = judge.judge(&d);
+            let worst = decisive
+                .is_none_or(|(known, _, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
+            if worst {
+                decisive = Some((judgement, word, z_mm.to_owned(), d));
+            }
         }
-        if self.args.station_mm.is_some() {
-            out.insert("stations".to_owned(), rows.into());
+        let gap = values.iter().find_map(|(word, z_mm, reading)| match reading {
+            Reading::Gap(reason) => Some((word, z_mm, reason)),
+            Reading::Value(_) => None,
+        });
+        let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
+        if let (true, Some((word, z_mm, reason))) = (good, gap) {
+            out.insert("judged".to_owned(), json!({ "what": word, "z_mm": z_mm, "flag": reason.as_str() }));
+            return self.not_proven(out);
         }
+        let Some((judgement, word, z_mm, d)) = decisive else { return self.not_proven(out) };
+        self.worst = worse(self.worst, judgement);
+        if let Err(error) = judge.check_uncertainty(d.u_mm()) {
+            if !self.no_zone_told {
+                tracing::warn!("{error}");
+            }
+            self.no_zone_told = true;
+            out.insert("acceptance_zone".to_owned(), json!(error.to_string()));
+        }
+        out.insert("judgement".to_owned(), json!(judgement));
+        let judged = json!({
+            "what": word, "z_mm": z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(), "guard_mm": judge.guard_mm(&d),
+        });
+        out.insert("judged".to_owned(), judged);
     }
 
     /// Whether every value is proven good; true where nothing is judged.
@@ -321,7 +420,9 @@ impl<'a> Follower<'a> {
             out.insert("statistics".to_owned(), self.statistics_json());
         }
         if self.args.turn {
-            let mut turn = turn_json(&self.part_form()?);
+            let form = self.part_form()?;
+            let length = self.args.station_mm.unwrap_or(f64::INFINITY);
+            let mut turn = turn_json(&form, |z_mm| self.common_mm(z_mm, length));
             turn["implausible"] = json!(self.jumps);
             out.insert("turn".to_owned(), turn);
         }
@@ -331,8 +432,10 @@ impl<'a> Follower<'a> {
     fn statistics_json(&self) -> Value {
         let s = &self.statistics;
         let (min, max) = s.extremes().unwrap_or_default();
+        // One value says nothing of the scatter.
+        let scatter = |value: f64| (s.count() > 1).then_some(value);
         let mut all = json!({
-            "count": s.count(), "mean_mm": s.mean(), "sd_mm": s.sd(), "u_mean_mm": s.u_mean(),
+            "count": s.count(), "mean_mm": s.mean(), "sd_mm": scatter(s.sd()), "u_mean_mm": scatter(s.u_mean()),
             "min_mm": min, "max_mm": max, "range_mm": max - min,
         });
         if let Some((_, (lower, upper))) = self.judge {
@@ -340,6 +443,21 @@ impl<'a> Follower<'a> {
             all["cpk"] = json!(s.cpk(lower, upper, 0.95).ok());
         }
         all
+    }
+
+    /// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
+    fn common_mm(&self, z_mm: f64, length_mm: f64) -> Option<f64> {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for (meta, diameters) in &self.turn {
+            for (column, reading) in diameters.readings.iter().enumerate() {
+                if let (Some(d), true) =
+                    (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
+                {
+                    (sum, n) = (sum + d.u_common_mm, n + 1.0);
+                }
+            }
+        }
+        (n > 0.0).then(|| sum / n)
     }
 
     fn part_form(&self) -> Result<PartForm, Failure> {
@@ -369,6 +487,27 @@ impl<'a> Follower<'a> {
     }
 }
 
+/// Statistics for people.
+pub fn statistics_line(s: &Value) -> String {
+    let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let mut text = format!(
+        "mean diameters of {} frames: mean {} mm (u {}), sd {}, from {} to {}",
+        s["count"],
+        number(&s["mean_mm"], 5),
+        number(&s["u_mean_mm"], 6),
+        number(&s["sd_mm"], 6),
+        number(&s["min_mm"], 5),
+        number(&s["max_mm"], 5)
+    );
+    for (key, name) in [("cp", "Cp"), ("cpk", "Cpk")] {
+        if let Some(index) = s.get(key).filter(|c| c.is_object()) {
+            let [value, lower, upper] = ["index", "lower", "upper"].map(|k| number(&index[k], 2));
+            text += &format!(", {name} {value} (95 %: {lower} to {upper})");
+        }
+    }
+    text
+}
+
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
@@ -388,66 +527,13 @@ fn station_row(z_mm: f64, reading: &Reading) -> Value {
 
 /// The one that is farther from good.
 fn worse(a: Judgement, b: Judgement) -> Judgement {
-    let rank = |j: Judgement| match j {
-        Judgement::GO => 0,
-        Judgement::LO | Judgement::HI => 1,
-        Judgement::LL | Judgement::HH => 2,
-    };
     if rank(b) > rank(a) { b } else { a }
 }
 
-fn turn_json(form: &PartForm) -> Value {
-    let mut all = json!(form);
-    all["of"] = json!("the silhouette: sizes and roundness of the sections' convex hulls");
-    all["refused"] = form.refused.iter().map(|(z, why)| json!({ "z_mm": z, "why": why })).collect();
-    if let Some(sections) = all["sections"].as_array_mut() {
-        for section in sections {
-            let [lsci, mzci, mici, mcci] = [0, 1, 2, 3].map(|k| section["roundness_mm"][k].clone());
-            section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
-        }
+fn rank(judgement: Judgement) -> u8 {
+    match judgement {
+        Judgement::GO => 0,
+        Judgement::LO | Judgement::HI => 1,
+        Judgement::LL | Judgement::HH => 2,
     }
-    all
-}
-
-/// The part's form for people.
-pub fn turn_table(turn: &Value) -> String {
-    let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
-    let mm = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.5}"));
-    let mut text = format!(
-        "\nform over the turn, of {}\n{:>10} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
-        turn["of"].as_str().unwrap_or(""),
-        "z/mm",
-        "GG/mm",
-        "GN/mm",
-        "GX/mm",
-        "run-out",
-        "LSCI",
-        "MZCI",
-        "MICI",
-        "MCCI um"
-    );
-    for s in turn["sections"].as_array().into_iter().flatten() {
-        let r = &s["roundness_mm"];
-        text += &format!(
-            "{:>10.3} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
-            s["z_mm"].as_f64().unwrap_or(f64::NAN),
-            mm(&s["gg_mm"]),
-            mm(&s["gn_mm"]),
-            mm(&s["gx_mm"]),
-            um(&s["run_out_mm"]),
-            um(&r["lsci"]),
-            um(&r["mzci"]),
-            um(&r["mici"]),
-            um(&r["mcci"])
-        );
-    }
-    text += &format!(
-        "total run-out {}, cylindricity {}, straightness of axis {}, of flanks {} um; taper {} um/mm\n",
-        um(&turn["total_run_out_mm"]),
-        um(&turn["cylindricity_mm"]),
-        um(&turn["axis_straightness_mm"]),
-        um(&turn["generatrix_straightness_mm"]),
-        um(&turn["taper"])
-    );
-    text
 }

@@ -34,7 +34,7 @@ pub fn run(
                 measured += 1;
                 if !as_json {
                     let bore = ring.inner.as_ref().map_or(String::new(), |b| format!(", inner {}", line(b)));
-                    println!("{name}: outer {}{bore}", line(&ring.outer));
+                    say_line!("{name}: outer {}{bore}", line(&ring.outer));
                 }
                 ring.to_json()
             }
@@ -49,7 +49,7 @@ pub fn run(
         rows.push(row);
     }
     if as_json {
-        println!("{}", json!({ "frames": rows }));
+        say_line!("{}", json!({ "frames": rows }));
     }
     match (measured, last_error) {
         (0, Some(error)) => Err(Failure::fail(format!("no frame could be measured; the last said: {error}"))),

@@ -3,6 +3,9 @@
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
 
+#[macro_use]
+mod output;
+
 mod calibrate;
 mod demo;
 mod doctor;
@@ -14,6 +17,7 @@ mod measure;
 mod measure_bench;
 mod measure_judge;
 pub mod measure_ring;
+mod measure_turn;
 mod nc;
 mod optimize;
 mod record;
@@ -37,7 +41,7 @@ mod study_stability;
 mod study_uncertainty;
 mod study_washers;
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -143,11 +147,13 @@ fn dispatch(command: &Command) -> CommandResult {
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     log_to_stderr(arguments.verbose);
-    match dispatch(&arguments.command) {
+    let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));
+    match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::OutOfTolerance) => ExitCode::from(1),
         Err(failure) => {
-            eprintln!("{:?}", failure.report);
+            // Where stderr takes nothing either, the exit code is all that is left.
+            let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
             ExitCode::from(failure.exit)
         }
     }
@@ -161,6 +167,7 @@ fn log_to_stderr(verbose: u8) {
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
         .with_ansi(colour)
+        .log_internal_errors(false)
         .without_time()
         .with_target(false)
         .init();

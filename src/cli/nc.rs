@@ -72,7 +72,7 @@ pub fn run(args: &NcArgs) -> CommandResult {
     };
     match &args.out {
         Some(path) => write_atomically(path, text.as_bytes()).map_err(Failure::fail)?,
-        None => print!("{text}"),
+        None => say!("{text}"),
     }
     Ok(Outcome::Done)
 }

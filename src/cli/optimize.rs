@@ -39,9 +39,9 @@ pub fn run(args: &OptimizeArgs) -> CommandResult {
         write(folder, &config, &problem, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
-        print!("{}", in_words(&study));
+        say!("{}", in_words(&study));
     }
     Ok(if study.feasible { Outcome::Done } else { Outcome::OutOfTolerance })
 }

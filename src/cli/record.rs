@@ -3,8 +3,9 @@
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
-use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample};
+use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample, part_verdict};
 use crate::control::OnAlarm;
+use crate::control::conformity::Verdict;
 use crate::gauge::Calibration;
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
@@ -30,7 +31,7 @@ pub struct Recorded {
     /// Form of the part after the last pass of this process.
     pub form: Option<PartForm>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
-    pub in_tolerance: Option<bool>,
+    pub verdict: Option<Verdict>,
     /// Why not all passes were cut: an alarm.
     pub stopped: Option<String>,
 }
@@ -128,8 +129,8 @@ impl<'a> Recorder<'a> {
             form = Some(result.form);
             sample = result.sample.or(sample);
         }
-        let in_tolerance = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, form, in_tolerance, stopped })
+        let verdict = self.verdict();
+        Ok(Recorded { passes: self.passes, seconds, sample, form, verdict, stopped })
     }
 
     fn stops(&self) -> bool {
@@ -144,7 +145,8 @@ impl<'a> Recorder<'a> {
         self.stations
             .extend(result.profile.stations.iter().zip(truth).map(|(s, &t)| StationRow::new(pass, s, t)));
         self.diameters.extend(diameter_rows(result));
-        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s)));
+        let stations = &result.profile.stations;
+        self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
@@ -176,13 +178,10 @@ impl<'a> Recorder<'a> {
         self.folder.write("timings.json", format!("{json:#}\n").as_bytes()).map_err(folder_failure)
     }
 
-    fn verdict(&self) -> Option<bool> {
-        let tolerance = self.job.part.tolerance?;
+    fn verdict(&self) -> Option<Verdict> {
         let last = self.job.part.passes();
-        (self.passes.len() == last).then(|| {
-            let mut rows = self.stations.iter().filter(|s| s.pass as usize == last).peekable();
-            rows.peek().is_some() && rows.all(|s| s.d_mm.is_some_and(|d| tolerance.contains(d)))
-        })
+        let finished = self.passes.len() == last;
+        finished.then(|| part_verdict(self.job, &profile_of(last as u32, &self.stations))).flatten()
     }
 }
 

@@ -27,7 +27,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["config", "out", "bench"])]
     pub(super) gallery: Option<PathBuf>,
     /// Folder for the frames: absent or empty.
-    #[arg(long, value_name = "DIR", required_unless_present_any = ["bench", "gallery"])]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["bench", "gallery"], conflicts_with = "bench")]
     pub(super) out: Option<PathBuf>,
     /// Frames to draw; all of the config's scan by default, going round again beyond it.
     #[arg(long, value_name = "N")]
@@ -126,7 +126,7 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
         let _ = std::fs::remove_dir_all(&staging);
         return Err(failure);
     }
-    println!(
+    say_line!(
         "{count} frames by {} ({}) in {}",
         renderer.backend_name(),
         renderer.adapter_name(),

@@ -103,10 +103,10 @@ fn print(args: &RenderArgs, run: &Run, renderer: &Renderer, (width, height): (us
             "rss_after_1000_frames_mib": run.rss_mib[1],
             "rss_end_mib": run.rss_mib[2],
         });
-        println!("{report}");
+        say_line!("{report}");
         return;
     }
-    println!(
+    say_line!(
         "{width} x {height} by {} ({}): {median:.2} ms a frame (best {:.2}), write floor {floor:.2} ms, ratio {:.2}",
         renderer.backend_name(),
         renderer.adapter_name(),
@@ -115,7 +115,7 @@ fn print(args: &RenderArgs, run: &Run, renderer: &Renderer, (width, height): (us
     );
     if let [Some(start), after, Some(end)] = run.rss_mib {
         let after = after.map_or(String::new(), |mib| format!(" {mib:.1} MiB after {RSS_AFTER},"));
-        println!("resident memory {start:.1} MiB before,{after} {end:.1} MiB after {count} frames");
+        say_line!("resident memory {start:.1} MiB before,{after} {end:.1} MiB after {count} frames");
     }
 }
 

@@ -39,7 +39,7 @@ pub(super) fn gallery(args: &RenderArgs, out: &Path) -> CommandResult {
         let _ = std::fs::remove_dir_all(&staging);
         return Err(failure);
     }
-    println!(
+    say_line!(
         "{} frames and contact_sheet.png by {} ({}) in {}",
         CASES.len(),
         renderer.backend_name(),

@@ -41,13 +41,14 @@ fn word(verdict: Verdict) -> &'static str {
 /// Prints the rows as a JSON array or as a table.
 pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
     if json {
-        println!("{}", serde_json::to_string_pretty(rows).map_err(Failure::fail)?);
+        say_line!("{}", serde_json::to_string_pretty(rows).map_err(Failure::fail)?);
         return Ok(Outcome::Done);
     }
+    say_line!("{:<13} {:<28} {:>12} {:>12}  quantity and reason", "verdict", "id", "paper", "ours");
     for row in rows {
         let paper = row.paper.map_or("-".to_owned(), short);
         let line = format!("{} [{}]", row.quantity, row.unit).replace(" []", "");
-        println!(
+        say_line!(
             "{:<13} {:<28} {:>12} {:>12}  {line}: {}",
             word(row.verdict),
             row.id,
@@ -57,7 +58,7 @@ pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
         );
     }
     let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
-    println!(
+    say_line!(
         "{} rows: {} reproduced, {} consistent, {} contradictions in the paper",
         rows.len(),
         count(Verdict::Reproduced),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::config;
+use crate::control::conformity::{PartConformity, Verdict};
 use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
@@ -63,10 +64,10 @@ pub fn run(args: &RunArgs) -> CommandResult {
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {
-        println!("{}", finished.to_json());
+        say_line!("{}", finished.to_json());
     } else {
-        print!("{}", finished.to_table());
-        println!("report: {}", args.out.join("report.html").display());
+        say!("{}", finished.to_table());
+        say_line!("report: {}", args.out.join("report.html").display());
     }
     Ok(finished.outcome())
 }
@@ -79,7 +80,7 @@ pub struct Finished {
     passes: Vec<PassRow>,
     reference: Option<Vec<PassRow>>,
     seconds: Vec<(f64, f64)>,
-    in_tolerance: Option<bool>,
+    verdict: Option<Verdict>,
     stopped: Option<String>,
 }
 
@@ -113,7 +114,7 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
         job: job.clone(),
         backend: renderer.backend_name().to_owned(),
         adapter: renderer.adapter_name().to_owned(),
-        in_tolerance: main.in_tolerance,
+        verdict: main.verdict,
         stopped: main.stopped,
         seconds: main.seconds,
         passes: main.passes,
@@ -180,11 +181,8 @@ pub fn folder_failure(error: RunFolderError) -> Failure {
 
 impl Finished {
     fn outcome(&self) -> Outcome {
-        if self.in_tolerance == Some(false) || self.stopped.is_some() {
-            Outcome::OutOfTolerance
-        } else {
-            Outcome::Done
-        }
+        let proven = self.verdict.as_ref().is_none_or(|v| v.part() == PartConformity::Conforms);
+        if !proven || self.stopped.is_some() { Outcome::OutOfTolerance } else { Outcome::Done }
     }
 
     fn to_json(&self) -> serde_json::Value {
@@ -208,7 +206,9 @@ impl Finished {
             "backend": self.backend,
             "adapter": self.adapter,
             "passes": rows(&self.passes, &self.seconds),
-            "in_tolerance": self.in_tolerance,
+            "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
+            "judgement": self.verdict.as_ref().map(Verdict::part),
+            "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
             "stopped": self.stopped,
         });
         if let Some(reference) = &self.reference {
@@ -246,10 +246,8 @@ impl Finished {
         if let Some(stopped) = &self.stopped {
             text += &format!("\nALARM, {stopped}\n");
         }
-        match self.in_tolerance {
-            Some(true) => text += "\nin tolerance at every station\n",
-            Some(false) => text += "\nOUT OF TOLERANCE\n",
-            None => {}
+        if let Some(verdict) = &self.verdict {
+            text += &format!("\n{}\n", verdict.words());
         }
         text
     }

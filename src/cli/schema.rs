@@ -7,6 +7,6 @@ use super::{CommandResult, Outcome};
 /// # Errors
 /// Never.
 pub fn run() -> CommandResult {
-    println!("{}", crate::config::json_schema());
+    say_line!("{}", crate::config::json_schema());
     Ok(Outcome::Done)
 }

@@ -48,7 +48,7 @@ pub fn run(args: &StudyContaminationArgs) -> CommandResult {
         folder.write("report.html", page(&study)?.as_bytes())?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
         print(&study);
     }
@@ -75,7 +75,7 @@ fn cells(k: &KindResult) -> Vec<String> {
         k.harmful.to_string(),
         k.mishandled.to_string(),
         k.misled.to_string(),
-        format!("{:.3}", k.kept),
+        kept(k.kept),
         format!("{:.2}", k.worst_um),
     ]
 }
@@ -94,35 +94,46 @@ fn verdict(study: &ContaminationStudy) -> String {
     )
 }
 
+/// Share of stations kept; none where no frame was harmful.
+fn kept(share: Option<f64>) -> String {
+    share.map_or("-".to_owned(), |s| format!("{s:.3}"))
+}
+
 fn print(study: &ContaminationStudy) {
-    println!(
+    say_line!(
         "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11}",
-        "matter", "frames", "harmful", "mishandled", "misled", "stations kept", "worst / µm"
+        "matter",
+        "frames",
+        "harmful",
+        "mishandled",
+        "misled",
+        "stations kept",
+        "worst / µm"
     );
     for k in &study.kinds {
-        println!(
-            "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14.3} {:>11.2}",
+        say_line!(
+            "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11.2}",
             name(k.matter),
             k.frames,
             k.harmful,
             k.mishandled,
             k.misled,
-            k.kept,
+            kept(k.kept),
             k.worst_um
         );
     }
-    println!("{}", verdict(study));
+    say_line!("{}", verdict(study));
     for k in study.kinds.iter().filter(|k| k.mishandled > 0) {
-        println!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
+        say_line!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
     }
     print_curve("film of half length 0.6 mm over its height / µm", &study.by_height);
     print_curve("film 8 µm high over its half length / mm", &study.by_length);
 }
 
 fn print_curve(title: &str, points: &[CurvePoint]) {
-    println!("{title}: noticed, rms error of a station with and without refusing / µm");
+    say_line!("{title}: noticed, rms error of a station with and without refusing / µm");
     for p in points {
-        println!("  {:>6.1} {:>7.2} {:>8.3} {:>8.3}", p.size, p.noticed, p.rms_um, p.rms_off_um);
+        say_line!("  {:>6.1} {:>7.2} {:>8.3} {:>8.3}", p.size, p.noticed, p.rms_um, p.rms_off_um);
     }
 }
 

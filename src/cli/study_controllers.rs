@@ -66,7 +66,7 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
         write(folder, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
         print(&study);
     }
@@ -74,12 +74,12 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
 }
 
 fn print(study: &ControllerStudy) {
-    println!(
+    say_line!(
         "largest true error over the stations, µm: mean ± 95 % interval (median, worst; worst share of none)"
     );
     for c in &study.controllers {
         for p in &c.passes {
-            println!(
+            say_line!(
                 "{:<6} pass {}  {:8.2} ± {:>5}  ({:7.2}, {:7.2}; {:.3})",
                 c.controller,
                 p.pass,
@@ -91,7 +91,7 @@ fn print(study: &ControllerStudy) {
             );
         }
         if c.held > 0 {
-            println!("{:<6} held {} times", c.controller, c.held);
+            say_line!("{:<6} held {} times", c.controller, c.held);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
 #[derive(Debug, clap::Args)]
 pub struct StudyCoverageArgs {
     /// Scenes drawn from the budget's own distributions; a third as many deviate inside the limits, a quarter lie outside.
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = at_least_one)]
     scenes: usize,
     /// Seed of the draws.
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -33,7 +33,7 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
     let result = coverage(args.scenes, args.seed, &renderer).map_err(Failure::fail)?;
     let misses = result.misses(0.0);
     if args.json {
-        println!("{}", serde_json::json!({ "coverage": result, "misses": misses }));
+        say_line!("{}", serde_json::json!({ "coverage": result, "misses": misses }));
     } else {
         let wanted = "drawn from the budget's own distributions (94-96 % covered in all, 92 % a class)";
         table(wanted, &result.drawn, Some(&result.drawn_together));
@@ -46,10 +46,23 @@ pub fn run(args: &StudyCoverageArgs) -> CommandResult {
         );
         table("outside the limits, no frame shows it", &result.undetectable, None);
         for miss in &misses {
-            println!("MISSED  {miss}");
+            say_line!("MISSED  {miss}");
         }
     }
-    Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
+    if misses.is_empty() {
+        return Ok(Outcome::Done);
+    }
+    tracing::error!(
+        "{} of the study's limits are missed with {} scenes (exit 1): {}",
+        misses.len(),
+        args.scenes,
+        misses.join("; ")
+    );
+    Ok(Outcome::OutOfTolerance)
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "a number of at least 1 is needed".to_owned())
 }
 
 fn class(name: &str) -> Result<Class, String> {
@@ -62,7 +75,7 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
     let run = |class: &Class| class_figures(*class, args.scenes, args.seed, renderer);
     let figures = args.classes.iter().map(run).collect::<Result<Vec<_>, _>>().map_err(Failure::fail)?;
     if args.json {
-        println!("{}", serde_json::json!({ "classes": figures }));
+        say_line!("{}", serde_json::json!({ "classes": figures }));
     } else {
         table("classes asked for", &figures, None);
     }
@@ -71,7 +84,7 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
 
 /// Prints classes, with the row of all of them together where there is one, and what each of them declares.
 fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>) {
-    println!(
+    say_line!(
         "{title}\n{:<16} {:>7} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9} {:>12}",
         "class",
         "scenes",
@@ -84,26 +97,31 @@ fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>)
         "rms e/u"
     );
     for c in classes.iter().chain(together) {
-        println!(
-            "{:<16} {:>7} {:>9} {:>10.2} {:>10.2} {:>11.4} {:>11.4} {:>9.2} {:>12.3}",
+        // Where every scene is flagged there is no interval that could cover.
+        let accepted = |value: f64, digits: usize| match c.accepted {
+            0 => "-".to_owned(),
+            _ => format!("{value:.digits$}"),
+        };
+        say_line!(
+            "{:<16} {:>7} {:>9} {:>10} {:>10.2} {:>11} {:>11} {:>9} {:>12}",
             c.name(),
             c.scenes,
             c.accepted,
-            1e2 * c.covered,
+            accepted(1e2 * c.covered, 2),
             1e2 * c.flagged,
-            c.mean_half_um,
-            c.p95_error_um,
-            c.half_over_p95(),
-            c.rms_error_over_u
+            accepted(c.mean_half_um, 4),
+            accepted(c.p95_error_um, 4),
+            accepted(c.half_over_p95(), 2),
+            accepted(c.rms_error_over_u, 3)
         );
         if c.class.is_some() {
             for (reason, count) in &c.flags {
-                println!("{:<16} {count} flagged: {reason}", "");
+                say_line!("{:<16} {count} flagged: {reason}", "");
             }
         }
     }
     for class in classes.iter().filter_map(|c| c.class) {
-        println!("  {class:?}: {}", class.declared());
+        say_line!("  {class:?}: {}", class.declared());
     }
-    println!();
+    say_line!();
 }

@@ -37,13 +37,13 @@ pub fn run(args: &StudyDeflectionArgs) -> CommandResult {
         write(&StudyFolder::claim(out)?, &beam, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
-        println!("{:>10}  {:>14}", "z / mm", "µm/N");
+        say_line!("{:>10}  {:>14}", "z / mm", "µm/N");
         for p in &study.positions {
-            println!("{:10.2}  {:14.6}", p.z_mm, 1e3 * p.compliance_mm_per_n);
+            say_line!("{:10.2}  {:14.6}", p.z_mm, 1e3 * p.compliance_mm_per_n);
         }
-        println!("largest at {:.2} mm: {:.6} µm/N", study.max.z_mm, 1e3 * study.max.compliance_mm_per_n);
+        say_line!("largest at {:.2} mm: {:.6} µm/N", study.max.z_mm, 1e3 * study.max.compliance_mm_per_n);
     }
     Ok(Outcome::Done)
 }

@@ -52,12 +52,12 @@ pub fn run(args: &StudyFactorArgs) -> CommandResult {
         write(&StudyFolder::claim(out)?, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&Output { fitted: fitted.as_ref(), study: &study })?);
+        say_line!("{}", json_text(&Output { fitted: fitted.as_ref(), study: &study })?);
     } else {
         if let Some(fit) = &fitted {
-            print!("{}", constants("force law", &fit.estimates, fit.confidence));
+            say!("{}", constants("force law", &fit.estimates, fit.confidence));
         }
-        study.series.iter().for_each(|series| print!("{}", in_words(series, config.confidence)));
+        study.series.iter().for_each(|series| say!("{}", in_words(series, config.confidence)));
     }
     Ok(Outcome::Done)
 }

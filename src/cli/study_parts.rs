@@ -65,7 +65,7 @@ pub fn run(args: &StudyPartsArgs) -> CommandResult {
         write(folder, &job, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
         print(&study);
     }
@@ -85,20 +85,20 @@ fn event(event: PartEvent) -> &'static str {
 }
 
 fn print(study: &PartsStudy) {
-    println!("controller {}, {} parts; largest true error, µm:", study.controller, study.batch.parts);
+    say_line!("controller {}, {} parts; largest true error, µm:", study.controller, study.batch.parts);
     for learning in [false, true] {
-        println!("{}", way(learning));
+        say_line!("{}", way(learning));
         for part in 1..=study.batch.parts {
             let of: Vec<&PartPass> =
                 study.passes.iter().filter(|p| p.learning == learning && p.part == part).collect();
             let errors: String = of.iter().map(|p| format!("{:8.2}", p.true_worst_mm * 1e3)).collect();
             let held = of.iter().filter(|p| !p.held.is_empty()).count();
             let held = if held > 0 { format!("held {held} times") } else { String::new() };
-            println!("  part {part:>3} {errors}  {} {held}", event(study.batch.event(part)));
+            say_line!("  part {part:>3} {errors}  {} {held}", event(study.batch.event(part)));
         }
     }
     for s in &study.summaries {
-        println!("{}", sentence(s));
+        say_line!("{}", sentence(s));
     }
 }
 

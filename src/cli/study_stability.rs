@@ -55,7 +55,7 @@ pub fn run(args: &StudyStabilityArgs) -> CommandResult {
         write(&StudyFolder::claim(out)?, &study)?;
     }
     if args.json {
-        println!("{}", json_text(&study)?);
+        say_line!("{}", json_text(&study)?);
     } else {
         print(&study);
     }
@@ -81,19 +81,26 @@ fn print(study: &StabilityStudy) {
     for r in rows(study) {
         let verdict = if r.stable { "stable  " } else { "UNSTABLE" };
         let margin = r.gain_margin.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}"));
-        println!(
+        say_line!(
             "{verdict} at g = {:<5} radius {:.4}  margin {margin:>5}  peak {:>7.3}  {}  {}: {}",
-            r.plant_gain, r.spectral_radius, r.peak_error, r.controller, r.plant, r.stable_gains
+            r.plant_gain,
+            r.spectral_radius,
+            r.peak_error,
+            r.controller,
+            r.plant,
+            r.stable_gains
         );
     }
     for d in &study.delays {
-        println!(
+        say_line!(
             "run to run, delay {}: stable for 0 < λb/b̂ < {:.4} (closed form {:.4})",
-            d.delay, d.limit, d.closed_form
+            d.delay,
+            d.limit,
+            d.closed_form
         );
     }
     let l = &study.learning;
-    println!(
+    say_line!(
         "iterative learning along the shaft: spectral radius {:.4}, norm {:.4}{}",
         l.spectral_radius,
         l.norm,
@@ -146,6 +153,7 @@ fn root_locus(study: &StabilityStudy) -> Result<String, Failure> {
         x_label: "real part".to_owned(),
         y_label: "imaginary part".to_owned(),
         series,
+        equal_axes: true,
         ..Chart::default()
     }
     .to_svg()

@@ -79,9 +79,9 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
         folder.write("report.html", page.as_bytes())?;
     }
     if args.json {
-        println!("{}", serde_json::json!({ "uncertainty": result, "rendered": scenes }));
+        say_line!("{}", serde_json::json!({ "uncertainty": result, "rendered": scenes }));
     } else {
-        print!("{}", in_words(&result, scenes.as_ref()));
+        say!("{}", in_words(&result, scenes.as_ref()));
     }
     Ok(Outcome::Done)
 }

@@ -44,11 +44,11 @@ pub fn run(args: &StudyWashersArgs) -> CommandResult {
     }
     let misses = study.misses();
     if args.json {
-        println!("{}", json_text(&serde_json::json!({ "washers": study, "misses": misses }))?);
+        say_line!("{}", json_text(&serde_json::json!({ "washers": study, "misses": misses }))?);
     } else {
         print(&study);
         for miss in &misses {
-            println!("MISSED  {miss}");
+            say_line!("MISSED  {miss}");
         }
     }
     Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
@@ -98,17 +98,23 @@ fn machine_values(path: &Path) -> Result<HashMap<u32, Pair>, Failure> {
 }
 
 fn print(study: &WashersStudy) {
-    println!(
+    say_line!(
         "leave-one-out over {} parts, one scale and one edge offset for outer and inner",
         study.names.len()
     );
-    println!(
-        "{:<50} {:>9} {:>7} {:>9} {:>7} {:>10} {:>8}",
-        "method, residuals in um", "outer sd", "robust", "inner sd", "robust", "um/px", "offset"
+    say_line!(
+        "{:<50} {:>9} {:>7} {:>9} {:>7} {:>10} {:>9}",
+        "method, residuals in um",
+        "outer sd",
+        "robust",
+        "inner sd",
+        "robust",
+        "um/px",
+        "offset px"
     );
     let row = |m: &MethodFigures| {
-        println!(
-            "{:<50} {:>9.2} {:>7.2} {:>9.2} {:>7.2} {:>10.4} {:>+8.3}",
+        say_line!(
+            "{:<50} {:>9.2} {:>7.2} {:>9.2} {:>7.2} {:>10.4} {:>+9.3}",
             m.name,
             m.sd_um[0],
             m.robust_sd_um[0],
@@ -119,18 +125,25 @@ fn print(study: &WashersStudy) {
         );
     };
     [&study.ours, &study.level_crossing, &study.optical].into_iter().chain(&study.balls).for_each(row);
-    println!(
+    say_line!(
         "\n{:<12} {:>12} {:>9} {:>12} {:>9}   machine - method, um",
-        "picture", "outer: ours", "level", "inner: ours", "level"
+        "picture",
+        "outer: ours",
+        "level",
+        "inner: ours",
+        "level"
     );
     for (k, name) in study.names.iter().enumerate() {
         let (a, b) = (study.ours.residual_um[k], study.level_crossing.residual_um[k]);
-        println!("{name:<12} {:>+12.1} {:>+9.1} {:>+12.1} {:>+9.1}", a[0], b[0], a[1], b[1]);
+        say_line!("{name:<12} {:>+12.1} {:>+9.1} {:>+12.1} {:>+9.1}", a[0], b[0], a[1], b[1]);
     }
     for o in &study.outliers {
-        println!(
+        say_line!(
             "outlier: {}, {} {:+.1} um (level crossing {:+.1})",
-            o.name, SIDES[o.side], o.residual_um[0], o.residual_um[1]
+            o.name,
+            SIDES[o.side],
+            o.residual_um[0],
+            o.residual_um[1]
         );
     }
 }

@@ -43,6 +43,44 @@ pub struct Verdict {
     pub alarm: Option<String>,
 }
 
+/// What is known of a whole part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartConformity {
+    /// Proven within the limits at every station.
+    Conforms,
+    /// Nowhere proven outside, but not proven inside everywhere: within U of a limit, or not measured.
+    NotProven,
+    /// Proven outside at a station.
+    Violates,
+}
+
+impl Verdict {
+    /// The verdict in one word.
+    pub fn part(&self) -> PartConformity {
+        let any = |what: Conformity| self.stations.contains(&what);
+        if any(Conformity::Undersize) || any(Conformity::Oversize) {
+            PartConformity::Violates
+        } else if self.alarm.is_some() || self.stations.is_empty() {
+            PartConformity::NotProven
+        } else {
+            PartConformity::Conforms
+        }
+    }
+
+    /// The verdict for people.
+    pub fn words(&self) -> String {
+        let why = self.alarm.as_deref().unwrap_or("there is no station");
+        match self.part() {
+            PartConformity::Conforms => {
+                "in tolerance at every station, proven with the expanded uncertainty".to_owned()
+            }
+            PartConformity::NotProven => format!("NOT PROVEN IN TOLERANCE: {why}"),
+            PartConformity::Violates => format!("OUT OF TOLERANCE: {why}"),
+        }
+    }
+}
+
 /// Judges a re-measured part.
 pub fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
     let stations: Vec<Conformity> =

@@ -134,10 +134,11 @@ impl Judge {
             Judgement::LL
         } else if d > hi {
             Judgement::HI
-        } else if d < lo {
-            Judgement::LO
-        } else {
+        } else if d >= lo {
             Judgement::GO
+        } else {
+            // What is no number is not proven good either.
+            Judgement::LO
         }
     }
 
@@ -196,6 +197,10 @@ mod tests {
             assert_eq!(judge.judge(&reading(d)), expected, "{d}");
         }
         assert_eq!(judge.judge_reading(&Reading::Gap(Reason::NoEdge)), Err(Reason::NoEdge));
+        let nan = f64::NAN;
+        for d in [reading(nan), Diameter { u_common_mm: nan, ..reading(50.0) }] {
+            assert_eq!(judge.judge(&d), Judgement::LO, "{d:?}");
+        }
     }
 
     #[test]

@@ -289,7 +289,8 @@ fn reading(fit: &Result<AngleFit, Reason>, pooled: Option<f64>) -> Reading {
     let one_angle = match pooled {
         Some(pooled) if fit.lobes.residual > FAR * pooled => fit.lobes.residual,
         Some(pooled) => pooled,
-        None => 0.0,
+        // One angle a station: what form and texture do to it is unknown, and so is its uncertainty.
+        None => return Reading::Gap(Reason::TooFewColumns),
     };
     Reading::Value(Diameter {
         d_mm: fit.lobes.mean_mm,

@@ -5,8 +5,8 @@ use std::ops::Range;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito), in order of use.
-pub const PALETTE: [RGBColor; 7] = [
+/// Colours that stay apart for colour-blind readers (Okabe and Ito; a brown in place of their yellow), in order of use.
+pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -14,10 +14,15 @@ pub const PALETTE: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
     RGBColor(60, 60, 60),
+    RGBColor(122, 62, 24),
 ];
 
 const WIDTH: u32 = 860;
 const HEIGHT: u32 = 380;
+/// What surrounds the axes, px.
+const MARGIN: u32 = 12;
+const X_LABELS: u32 = 42;
+const Y_LABELS: u32 = 66;
 /// Height of a line of the legend, px.
 const LEGEND_LINE: u32 = 20;
 /// Left end of the legend, where the y axis stands, px.
@@ -120,6 +125,8 @@ pub struct Chart {
     pub y_range: Option<(f64, f64)>,
     /// Most labels on the x axis, where fewer than usual are right (whole numbers).
     pub x_labels: Option<usize>,
+    /// One unit is as long along x as along y (both linear): circles are round.
+    pub equal_axes: bool,
 }
 
 impl Chart {
@@ -175,7 +182,7 @@ impl Chart {
 
     fn builder<'a, 'b>(&self, root: &'a Area<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
         let mut builder = ChartBuilder::on(root);
-        builder.margin(12).x_label_area_size(42).y_label_area_size(66);
+        builder.margin(MARGIN).x_label_area_size(X_LABELS).y_label_area_size(Y_LABELS);
         if !self.title.is_empty() {
             builder.caption(&self.title, ("sans-serif", 17));
         }
@@ -256,6 +263,9 @@ impl Chart {
             return (x0..x1, 10f64.powf((y0 / 1.2).log10().floor())..10f64.powf((1.2 * y1).log10().ceil()));
         }
         let pad = 0.06 * (y1 - y0);
+        if self.equal_axes {
+            return equally(x0 - pad..x1 + pad, y0 - pad..y1 + pad);
+        }
         (x0..x1, y0 - pad..y1 + pad)
     }
 }
@@ -263,6 +273,17 @@ impl Chart {
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Axes<'a, 'b, Y> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<plotters::coord::types::RangedCoordf64, Y>>;
+
+/// The ranges widened about their middles so that a unit takes as many pixels along either axis.
+fn equally(x: Range<f64>, y: Range<f64>) -> (Range<f64>, Range<f64>) {
+    let (width, height) = (WIDTH - 2 * MARGIN - Y_LABELS, HEIGHT - 2 * MARGIN - X_LABELS);
+    let per_px = ((x.end - x.start) / f64::from(width)).max((y.end - y.start) / f64::from(height));
+    let wide = |range: Range<f64>, px: u32| {
+        let (middle, half) = (0.5 * (range.start + range.end), 0.5 * per_px * f64::from(px));
+        middle - half..middle + half
+    };
+    (wide(x, width), wide(y, height))
+}
 
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -305,6 +326,30 @@ mod tests {
         assert!(svg.contains("z / mm") && svg.contains("e / µm") && svg.contains("measured"));
         let log = Chart { log_y: true, ..chart }.to_svg().unwrap();
         assert_ne!(log, svg);
+    }
+
+    #[test]
+    fn a_circle_is_round_on_equal_axes() {
+        let circle =
+            (0..=64).map(|i| f64::from(i) * std::f64::consts::TAU / 64.0).map(|a| (a.cos(), a.sin()));
+        let series = vec![Series::new("", Mark::Line, 0, circle.collect())];
+        let svg = Chart { series, equal_axes: true, ..Chart::default() }.to_svg().unwrap();
+        let points = svg.split("<polyline").last().unwrap().split("points=\"").nth(1).unwrap();
+        let points: Vec<(f64, f64)> = points
+            .split('"')
+            .next()
+            .unwrap()
+            .split_whitespace()
+            .map(|p| p.split_once(',').unwrap())
+            .map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap()))
+            .collect();
+        let size = |values: Vec<f64>| {
+            let (low, high) = extent(values.into_iter());
+            high - low
+        };
+        let width = size(points.iter().map(|p| p.0).collect());
+        let height = size(points.iter().map(|p| p.1).collect());
+        assert!(width > 200.0 && (width - height).abs() <= 2.0, "{width} x {height}");
     }
 
     #[test]

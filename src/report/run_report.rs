@@ -4,13 +4,13 @@ use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use super::sample;
-use crate::closed_loop::Sample;
+use crate::closed_loop::{Sample, part_verdict};
 use crate::control::ControllerName;
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
-use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow};
+use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow, profile_of};
 
 /// What a report is made from.
 #[derive(Clone, Copy)]
@@ -137,19 +137,21 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
         "decision",
     ];
     page.heading("Passes").table(&header, &table);
-    let Some(tolerance) = view.job.part.tolerance.filter(|_| rows.passes.len() == view.job.part.passes())
-    else {
-        return;
-    };
-    let last: Vec<f64> = rows.of_pass(rows.passes.len() as u32).filter_map(|s| s.d_mm).collect();
-    let inside = last.iter().filter(|&&d| tolerance.contains(d)).count();
-    page.text(&format!(
-        "Finished part: {inside} of {} measured stations lie within {} {:+.3}/{:+.3} mm.",
-        last.len(),
-        tolerance.nominal_mm,
-        tolerance.upper_mm,
-        tolerance.lower_mm
-    ));
+    let finished = rows.passes.len() == view.job.part.passes();
+    let last = profile_of(rows.passes.len() as u32, &rows.stations);
+    let verdict = part_verdict(view.job, &last).filter(|_| finished);
+    if let (Some(verdict), Some(tolerance)) = (verdict, view.job.part.tolerance) {
+        page.text(&format!(
+            "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, U = {}·u).",
+            verdict.words(),
+            verdict.conforming,
+            verdict.stations.len(),
+            tolerance.nominal_mm,
+            tolerance.upper_mm,
+            tolerance.lower_mm,
+            view.job.control.guards.coverage
+        ));
+    }
 }
 
 /// Measured error of a pass, one colour a pass.

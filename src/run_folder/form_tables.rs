@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{RunFolder, RunFolderError};
 use crate::gauge::turn_form::{PartForm, SectionForm};
+use crate::profile::Station;
 
 /// A row of `form.csv`: sizes and form of a section of the silhouette's hull over the angles of a pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +19,7 @@ pub struct FormRow {
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,
-    /// Its random standard uncertainty, mm.
+    /// Its random standard uncertainty, mm; the common one stands in `u_gg_common_mm`.
     pub u_gg_mm: f64,
     /// Minimum circumscribed size GN, mm.
     pub gn_mm: f64,
@@ -40,21 +41,24 @@ pub struct FormRow {
     pub mici_mm: f64,
     /// Roundness about MCCI, mm.
     pub mcci_mm: f64,
-    /// Amplitude of two lobes (form), mm.
-    pub lobes_2_mm: f64,
+    /// Amplitude of two lobes (form), mm; empty where the angles do not tell.
+    pub lobes_2_mm: Option<f64>,
     /// Amplitude of three lobes (form + spindle), mm.
-    pub lobes_3_form_spindle_mm: f64,
+    pub lobes_3_form_spindle_mm: Option<f64>,
     /// Amplitude of four lobes (form), mm.
-    pub lobes_4_mm: f64,
+    pub lobes_4_mm: Option<f64>,
     /// Amplitude of five lobes (form + spindle), mm.
-    pub lobes_5_form_spindle_mm: f64,
+    pub lobes_5_form_spindle_mm: Option<f64>,
+    /// Common standard uncertainty of GG, mm: that of the station's mean diameter.
+    #[serde(default)]
+    pub u_gg_common_mm: Option<f64>,
 }
 
 impl FormRow {
-    /// The row of a section.
-    pub fn new(pass: u32, s: &SectionForm) -> Self {
-        let lobes =
-            |k: usize| s.harmonics.section.iter().find(|h| h.lobes == k).map_or(0.0, |h| h.amplitude_mm);
+    /// The row of a section; `stations` know the common uncertainty at its z.
+    pub fn new(pass: u32, s: &SectionForm, stations: &[Station]) -> Self {
+        let lobes = |k: usize| s.harmonics.section.iter().find(|h| h.lobes == k).map(|h| h.amplitude_mm);
+        let station = stations.iter().find(|station| (station.z_mm - s.z_mm).abs() < 1e-6);
         let [lsci_mm, mzci_mm, mici_mm, mcci_mm] = s.roundness_mm;
         Self {
             pass,
@@ -77,6 +81,7 @@ impl FormRow {
             lobes_3_form_spindle_mm: lobes(3),
             lobes_4_mm: lobes(4),
             lobes_5_form_spindle_mm: lobes(5),
+            u_gg_common_mm: station.and_then(|s| s.reading.value()).map(|d| d.u_common_mm),
         }
     }
 }

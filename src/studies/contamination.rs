@@ -32,7 +32,7 @@ pub struct KindResult {
     /// Frames of any kind with such a station.
     pub misled: usize,
     /// Stations of harmful frames that stayed values, as a share.
-    pub kept: f64,
+    pub kept: Option<f64>,
     /// Largest |error| of a station that stayed a value, in all frames, µm.
     pub worst_um: f64,
 }
@@ -193,7 +193,7 @@ fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindRes
         mishandled: mishandled_seeds.len(),
         mishandled_seeds,
         misled: outcomes.iter().filter(|o| o.misled).count(),
-        kept: kept as f64 / all.max(1) as f64,
+        kept: (all > 0).then(|| kept as f64 / all as f64),
         worst_um: outcomes.iter().map(|o| o.worst_um).fold(0.0, f64::max),
     })
 }

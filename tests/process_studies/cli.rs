@@ -263,7 +263,7 @@ fn forces_outside_the_fitted_range_are_said_to_be_extrapolated() {
     // feed .4 mm/r: the papers' tables end at .35
     let text = include_str!("../../configs/slender_shaft.toml")
         .replace("feed_mm_per_rev = 0.1", "feed_mm_per_rev = 0.4")
-        .replace("angles = 8", "angles = 1");
+        .replace("angles = 8", "angles = 2");
     std::fs::write(&config, text).unwrap();
     let arguments = [
         "run",

@@ -158,6 +158,24 @@ fn a_calibration_is_made_and_used() {
     }
     let random = number(&frame["u_random_mm"]).hypot(number(&frame["u_common_mm"]));
     assert!((random / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9);
+    // A file that names one condition leaves the others, and so u, as the calibration has them.
+    let one = path(folder.path(), "one.toml");
+    std::fs::write(&one, "temperature_c = 20.0\n").unwrap();
+    let same = json(&measure(&["--conditions", &one]));
+    assert_eq!(same["frames"][0]["u_max_mm"], frame["u_max_mm"]);
+    assert_eq!(
+        (&same["conditions"]["limit_axis_y_mm"], &same["conditions"]["temperature_c"]),
+        (&0.3.into(), &20.0.into())
+    );
+    std::fs::write(&one, "limit_axis_y_mm = 3.0\n").unwrap();
+    let far = json(&measure(&["--conditions", &one]));
+    assert!(number(&far["frames"][0]["u_max_mm"]) > number(&frame["u_max_mm"]));
+    // One value has no scatter.
+    let first = path(folder.path(), "part/000.png");
+    let single = json(&shadowgauge(&["measure", &first, "--um-per-px", "15.27", "--json", "--budget"]));
+    assert!(single["statistics"]["sd_mm"].is_null() && single["statistics"]["u_mean_mm"].is_null());
+    let stated = single["frames"][0]["budget"].as_array().unwrap();
+    assert!(stated.iter().any(|row| row["input"] == "not stated" && row["u_mm"] == 0.0), "{stated:?}");
     // Ten kelvin warmer: 11.5 ppm a kelvin smaller at 20 °C.
     let warm = json(&measure(&["--part-temperature", "30"]));
     let ratio = number(&warm["frames"][0]["max_diameter_mm"]) / number(&frame["max_diameter_mm"]);
@@ -169,6 +187,13 @@ fn a_calibration_is_made_and_used() {
     assert_eq!(good["frames"][3]["judgement"], "GO");
     assert!(good["frames"][3]["average_mm"].is_number() && good["statistics"]["count"] == 4);
     assert!(good["statistics"]["cpk"]["index"].as_f64().unwrap() > 1.0);
+    let none = measure(&["--tolerance", "4.9999..5.0001"]);
+    assert_eq!(none.status.code(), Some(1));
+    assert!(text(&none.stderr).contains("leaves no acceptance zone"), "{}", text(&none.stderr));
+    let human = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--tolerance", "4.9..5.1"]);
+    let (said, warned) = (text(&human.stdout), text(&human.stderr));
+    assert!(said.contains("mean diameters of 4 frames: mean ") && !said.contains('{'), "{said}");
+    assert!(warned.contains("scale and edge offset are not calibrated"), "{warned}");
     let bad = measure(&["--tolerance", "5 h6", "--station-mm", "1"]);
     // 5 h6 ends at 5.000 mm: the part stands on the limit, which is not proven good.
     assert_eq!(bad.status.code(), Some(1));
@@ -198,6 +223,12 @@ fn what_does_not_belong_to_a_calibration_is_refused() {
         (&input, &["--as-of", "2026-12-01", "--tolerance", "5 k99"][..], 2, "tolerance"),
         (&input, &["--as-of", "yesterday"][..], 2, "YYYY-MM-DD"),
         (&input, &["--as-of", "2026-12-01", "--average", "moving:0"][..], 2, "readings"),
+        (
+            &input,
+            &["--as-of", "2026-12-01", "--average", "moving:2", "--station-mm", "1"][..],
+            2,
+            "one of them at a time",
+        ),
         (&input, &["--as-of", "2026-12-01", "--part-temperature", "9999"][..], 2, "conditions.temperature_c"),
     ] {
         let output = run(input, more);
@@ -222,6 +253,8 @@ fn a_wrong_plan_is_named() {
         ("valid_days = 365", "valid_months = 12", "valid_months"),
         ("limit_temperature_k = 0.2", "limit_temperature_k = -1.0", "thermometer.limit_temperature_k"),
         ("diameter_mm = 4.0", "diameter_mm = -4.0", "masters[0].diameter_mm"),
+        ("diameter_mm = 6.6", "diameter_mm = 4.0", "must differ by 1 %"),
+        ("diameter_mm = 6.6", "diameter_mm = 9.0", "masters[1].diameter_mm"),
         (
             "[simulate]\nseed = 8\nframes_each = 1\n[simulate.camera]\nrows = 512\ncolumns = 320\n",
             "",
@@ -240,6 +273,29 @@ fn a_wrong_plan_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let missing = shadowgauge(&["calibrate", "nowhere.toml", "--out", &path(folder.path(), "x.json")]);
     assert_eq!(missing.status.code(), Some(2));
+    // The report goes beside the calibration as .html and must not be overwritten by it.
+    let config = path(folder.path(), "plan.toml");
+    std::fs::write(&config, PLAN).unwrap();
+    let page = shadowgauge(&["calibrate", &config, "--out", &path(folder.path(), "x.html")]);
+    assert_eq!(page.status.code(), Some(2));
+    assert!(text(&page.stderr).contains("must end in .json"), "{}", text(&page.stderr));
+    let scenes = shadowgauge(&["study", "coverage", "--scenes", "0"]);
+    assert_eq!(scenes.status.code(), Some(2), "{}", text(&scenes.stderr));
+}
+
+/// Without a check pin nothing is accepted, and stdout says so.
+#[test]
+fn a_calibration_without_a_check_pin_is_not_called_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (check, simulate) = (PLAN.find("[check]").unwrap(), PLAN.find("[simulate]").unwrap());
+    let plan = format!("{}{}", &PLAN[..check], &PLAN[simulate..]);
+    let made = calibrate(folder.path(), &plan);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(json(&made)["accepted"].is_null());
+    let config = path(folder.path(), "plan.toml");
+    let out = path(folder.path(), "calibration.json");
+    let human = text(&shadowgauge(&["calibrate", &config, "--out", &out, "--backend", "cpu"]).stdout);
+    assert!(human.contains("no check pin") && !human.contains("middle master"), "{human}");
 }
 
 /// The same pins as files: recorded frames give a calibration, and a check pin with a wrong certificate is refused.
@@ -324,6 +380,21 @@ fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
         assert!((0.005..0.014).contains(&roundness), "{reference} {roundness}");
     }
     assert!(all["turn"]["of"].as_str().unwrap().contains("silhouette"));
+    assert_eq!(section["u_gg_mm"], section["u_gg_random_mm"]);
+    assert!(number(&section["u_gg_common_mm"]) > number(&section["u_gg_mm"]), "{section}");
+    assert!(number(&section["harmonics"]["even_spindle"][0]["amplitude_mm"]) >= 0.0);
+    // 16 tangents a revolution carry up to 8 undulations, not 15.
+    assert!(
+        all["turn"]["filter"].as_str().unwrap().contains("as far as the angles reach: 16"),
+        "{}",
+        all["turn"]
+    );
+    // Half a turn takes the spindle as still: it tells nothing of its motion.
+    let half: Vec<String> = (0..8).map(|i| format!("{input}/{i:06}.png")).collect();
+    let files = ["measure", "--um-per-px", "15.27", "--turn", "--angle-step", "22.5", "--json"].into_iter();
+    let half = json(&shadowgauge(&files.chain(half.iter().map(String::as_str)).collect::<Vec<_>>()));
+    let section = &half["turn"]["sections"][0];
+    assert!(section["half_turn"] == true && section["harmonics"]["even_spindle"].is_null(), "{section}");
     let human = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--turn"]);
     assert!(text(&human.stdout).contains("total run-out"), "{}", text(&human.stderr));
 }

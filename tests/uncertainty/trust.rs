@@ -205,6 +205,15 @@ fn a_frame_out_of_focus_gives_no_diameter() {
     assert!(bad["max_diameter_mm"].is_null() && bad["mean_diameter_mm"].is_null(), "{bad}");
     assert_eq!((&bad["flags"]["blurred"], &bad["valid"]), (&Value::from(320), &Value::from(0)));
     assert!(bad["warnings"][0].as_str().unwrap().contains("out of focus, moving, or other optics"));
+    assert!(bad["max_diameter_px"].is_null() && bad["u_max_px"].is_null(), "{bad}");
+    // Its edges are gaps with a reason; where no other frame is left, the command fails.
+    let edges = path(folder.path(), "edges.csv");
+    assert_eq!(measure(&["--edges", &edges]).status.code(), Some(0));
+    let edges = std::fs::read_to_string(edges).unwrap();
+    assert_eq!(edges.lines().filter(|l| l.starts_with("b,") && l.ends_with(",,,,,blurred")).count(), 320);
+    let alone = path(folder.path(), "part/b.png");
+    let none = shadowgauge(&["measure", &alone, "--calibration", &calibration, "--as-of", "2026-12-01"]);
+    assert_eq!(none.status.code(), Some(3), "{}", text(&none.stderr));
     // What was not measured is not proven good.
     assert_eq!(measure(&["--tolerance", "4.9..5.1"]).status.code(), Some(1));
     let consent = measure(&["--tolerance", "4.9..5.1", "--accept-blur"]);

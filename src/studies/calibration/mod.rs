@@ -98,7 +98,7 @@ pub struct Calibrated {
     pub calibration: Calibration,
     /// The adjustment behind it, for propagation of distributions.
     pub adjustment: Adjustment,
-    /// Mean shadow of the middle master, for a budget that people can read.
+    /// Budget of one of the masters' mean shadows, for people to read.
     pub example: Option<Budget>,
 }
 

@@ -190,6 +190,16 @@ impl CalibrationPlan {
         if let Some(pin) = &self.check {
             self.check_pin("check", pin)?;
         }
+        let diameters = || self.masters.iter().map(|pin| pin.diameter_mm);
+        let (least, most) = (diameters().fold(f64::INFINITY, f64::min), diameters().fold(0.0, f64::max));
+        if most - least < 0.01 * most {
+            return Err(PlanError::new(
+                "masters",
+                format!(
+                    "{least} to {most} mm: must differ by 1 % in diameter to separate scale from edge offset"
+                ),
+            ));
+        }
         if self.simulate.is_none() {
             if self.fields.dark.is_none() && !self.fields.flats.is_empty() {
                 return Err(PlanError::new(
@@ -224,6 +234,16 @@ impl CalibrationPlan {
                 return Err(PlanError::new(
                     format!("{key}.{name}"),
                     format!("{value} must be a positive number"),
+                ));
+            }
+        }
+        if let Some(simulate) = &self.simulate {
+            let bench = simulate.bench();
+            let field_mm = f64::from(bench.camera.rows) * bench.nominal_pixel_mm();
+            if pin.diameter_mm > 0.97 * field_mm {
+                return Err(PlanError::new(
+                    format!("{key}.diameter_mm"),
+                    format!("a pin of {} mm does not fit the field of {field_mm:.2} mm", pin.diameter_mm),
                 ));
             }
         }

@@ -424,7 +424,10 @@ fn measure_stations(
         let meta = FrameMeta { angle_deg, ..FrameMeta::default() };
         averager.add(&meta, &calibration.diameters_under(&edges, &drawn.conditions));
         common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
-        flags = flag(calibration, &drawn.conditions, &edges);
+        // A scene is flagged by any of its frames.
+        if flags.is_empty() {
+            flags = flag(calibration, &drawn.conditions, &edges);
+        }
     }
     let station = averager.finish(1).stations[STATIONS / 2];
     let (Some(d), Some(reading)) = (station.reading.value(), common) else {

@@ -1,0 +1,51 @@
+//! What a command says on stdout. A stream that takes no more must not break a command off half way: the first error is kept, the rest
+//! is dropped, and [`finish`] tells at the end (as GNU's `close_stdout` does).
+
+use std::fmt::Arguments;
+use std::io::{Error, ErrorKind, Write as _, stdout};
+use std::sync::OnceLock;
+
+use super::Failure;
+
+static FIRST_ERROR: OnceLock<Error> = OnceLock::new();
+
+/// Writes to stdout; after an error no more.
+pub fn write(text: Arguments<'_>) {
+    if FIRST_ERROR.get().is_none() {
+        keep(stdout().lock().write_fmt(text));
+    }
+}
+
+fn keep(result: Result<(), Error>) {
+    if let Err(error) = result {
+        // Only the first one is told.
+        let _ = FIRST_ERROR.set(error);
+    }
+}
+
+/// Whether everything was taken. A reader that has gone (`… | head -1`) has what it wanted.
+///
+/// # Errors
+/// Exit 3 where stdout cannot be written.
+pub fn finish() -> Result<(), Failure> {
+    if FIRST_ERROR.get().is_none() {
+        keep(stdout().lock().flush());
+    }
+    match FIRST_ERROR.get() {
+        Some(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::fail(format!("stdout cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// As `print!`, without its panic.
+macro_rules! say {
+    ($($text:tt)*) => { $crate::cli::output::write(::std::format_args!($($text)*)) };
+}
+
+/// As `println!`, without its panic.
+macro_rules! say_line {
+    () => { say!("\n") };
+    ($($text:tt)*) => { say!("{}\n", format_args!($($text)*)) };
+}
