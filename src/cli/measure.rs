@@ -13,7 +13,7 @@ use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::frame::{Frame, FrameMeta, FrameView};
-use crate::gauge::bench::{Conditions, Date};
+use crate::gauge::bench::{Conditions, Date, ShaftRuns};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{
@@ -225,7 +225,10 @@ fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>)
     let view = view(args, &frame);
     bench.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
     Ok(match &bench.flat_field {
-        Some(field) => field.corrected(frame),
+        Some(field) => {
+            let shaft = if args.vertical { ShaftRuns::AlongColumns } else { ShaftRuns::AlongRows };
+            field.corrected_along(frame, shaft)
+        }
         None => frame,
     })
 }
