@@ -25,7 +25,7 @@ const TURN_STRETCH_MM: f64 = 1.0;
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
     /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
-    /// largest diameter, its local sizes (means over 65 columns, or over the stations of --station-mm) and its mean.
+    /// largest diameter, its local sizes (means over about 65 columns, or over the stations of --station-mm) and its mean.
     #[arg(long, value_name = "T", value_parser = parse_tolerance)]
     tolerance: Option<Limits>,
     /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
@@ -108,6 +108,12 @@ impl JudgeArgs {
     pub fn coverage_factor(&self) -> f64 {
         self.coverage_factor
     }
+}
+
+/// About [`LOCAL_COLUMNS`], so that no rest of a few columns stays at the end of a frame.
+fn local_columns(columns: usize) -> f64 {
+    let places = (columns as f64 / LOCAL_COLUMNS).round().max(1.0);
+    (columns as f64 / places).ceil()
 }
 
 /// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
@@ -342,7 +348,7 @@ impl<'a> Follower<'a> {
         }
         let (word, length) = match self.args.station_mm {
             Some(length) => ("station", length),
-            None => ("local", LOCAL_COLUMNS * diameters.pitch_mm),
+            None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
         };
         let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
         let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
