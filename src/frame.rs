@@ -45,6 +45,8 @@ pub enum PixelFormat {
     Mono10,
     /// 12-bit grey in 16-bit containers, 0..=4095.
     Mono12,
+    /// 14-bit grey in 16-bit containers, 0..=16383.
+    Mono14,
     /// 16-bit grey, 0..=65535.
     Mono16,
     /// Unquantised f32 counts; full scale is not defined.
@@ -58,6 +60,7 @@ impl PixelFormat {
             Self::Mono8 => Some(255),
             Self::Mono10 => Some(1023),
             Self::Mono12 => Some(4095),
+            Self::Mono14 => Some(16383),
             Self::Mono16 => Some(65535),
             Self::F32 => None,
         }
@@ -69,6 +72,7 @@ impl PixelFormat {
             Self::Mono8 => 8,
             Self::Mono10 => 10,
             Self::Mono12 => 12,
+            Self::Mono14 => 14,
             Self::Mono16 => 16,
             Self::F32 => 32,
         }
@@ -220,7 +224,10 @@ impl<'a> FrameView<'a> {
 fn check_container(pixels: &Pixels<'_>, format: PixelFormat) -> Result<(), FrameError> {
     match (pixels, format) {
         (Pixels::U8(_), PixelFormat::Mono8)
-        | (Pixels::U16(_), PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono16)
+        | (
+            Pixels::U16(_),
+            PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono14 | PixelFormat::Mono16,
+        )
         | (Pixels::F32(_), PixelFormat::F32) => Ok(()),
         (Pixels::U8(_), _) => Err(FrameError::Container { format, container: "8-bit" }),
         (Pixels::U16(_), _) => Err(FrameError::Container { format, container: "16-bit" }),

@@ -129,6 +129,24 @@ fn a_bent_response_shows_in_the_linearity_error() {
     within("linearity error", found.linearity_error, best.1, 0.15);
 }
 
+/// Three flats of one exposure and a brighter one gave a responsivity of a quarter of the truth, from rounding.
+#[test]
+fn exposures_that_do_not_differ_are_refused() {
+    let mut random = Pcg64::seed_from_u64(15);
+    let sensor = Sensor::new(&mut random, 0.25, 8.0, 0.005, 2.0, PixelFormat::Mono12);
+    for exposures in [
+        &[4000.0, 4000.0, 4000.0, 10_000.0][..],
+        &[4000.0, 4010.0, 4020.0, 10_000.0],
+        // Two of them lie below 5 % of saturation: none but one is left for the line.
+        &[100.0, 200.0, 4000.0, 10_000.0],
+    ] {
+        let refused = sensor.measure(&mut random, exposures);
+        assert!(matches!(refused, Err(PhotonTransferError::SameExposures { .. })), "{refused:?}");
+    }
+    let found = sensor.measure(&mut random, &[2000.0, 4000.0, 4000.0, 6000.0, 10_000.0]).unwrap();
+    within("responsivity", found.responsivity, 0.25, 0.01);
+}
+
 #[test]
 fn clipped_exposures_are_left_out_and_poor_series_refused() {
     let mut random = Pcg64::seed_from_u64(14);

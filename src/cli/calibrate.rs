@@ -155,15 +155,16 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     }
     if let Some(check) = bench.check {
         say_line!(
-            "check pin: {:+.3} um off, U = {:.3} um, E_n = {:.2}: {}",
+            "check pin: {:+.3} um off, U = {:.3} um (k = {:.2}), E_n = {:.2}: {}",
             1e3 * check.error_mm,
             1e3 * check.expanded_u_mm,
+            check.coverage_factor,
             check.e_n,
             if check.accepted { "accepted" } else { "REFUSED" }
         );
     }
     if let Some(budget) = &calibrated.example {
-        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(2.0));
+        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(None));
     }
 }
 

@@ -12,6 +12,8 @@ use crate::render::esf_families::MeasuredEdge;
 const STEP_PX: f64 = 0.05;
 /// Farthest distance of its samples, px.
 const REACH_PX: f64 = 60.0;
+/// Distance from which ripples fade out, px: windows are 72 px long.
+const FADE_PX: f64 = 44.0;
 
 /// The model of `gaussian`, `learnt`, a CSV file `d_um,intensity`, or the `[optics]` of a config.
 ///
@@ -58,10 +60,17 @@ fn of_config(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     Ok(sampled(-reach, reach, |d_px| table.light(&at, d_px)))
 }
 
-/// Samples over the range, widened by a pixel so that the ends are flat.
+/// 1 up to [`FADE_PX`] into the light, 0 from [`REACH_PX`] on.
+fn fade(d_px: f64) -> f64 {
+    let t = ((d_px - FADE_PX) / (REACH_PX - FADE_PX)).clamp(0.0, 1.0);
+    0.5 + 0.5 * (std::f64::consts::PI * t).cos()
+}
+
+/// Samples over the range, widened by a pixel so that the ends are flat. Ripples that reach farther than a table may (a laser's) fade out
+/// from where no window reads them.
 fn sampled(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
     let end = |d: f64| ((d.abs() + 1.0).min(REACH_PX) / STEP_PX).ceil() as i32;
     let distance_px: Vec<f64> = (-end(from_px)..=end(to_px)).map(|k| STEP_PX * f64::from(k)).collect();
-    let light = distance_px.iter().map(|d| light(*d)).collect();
+    let light = distance_px.iter().map(|d| 1.0 + (light(*d) - 1.0) * fade(*d)).collect();
     EsfModel::Table(EsfSamples { distance_px, light })
 }

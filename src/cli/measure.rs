@@ -17,7 +17,7 @@ use crate::gauge::bench::{Conditions, Date};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::{
-    Calibration, Edge, EdgeStream, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
+    Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper,
 };
 use crate::profile::Reason;
@@ -64,6 +64,9 @@ pub struct MeasureArgs {
     /// The shaft's axis stands upright in the images.
     #[arg(long)]
     vertical: bool,
+    /// Rows of the sensor between two windows that each frame was read out as, the one around the upper edge first.
+    #[arg(long, value_name = "ROWS", default_value_t = 0)]
+    rows_between: u32,
     /// The part is lit before a dark ground.
     #[arg(long)]
     bright_on_dark: bool,
@@ -116,6 +119,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     }
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
     let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
+    calibration.as_ref().map_or(Ok(()), |c| c.check_edge_model(&esf)).map_err(Failure::refuse)?;
     let gauge =
         Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
     let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
@@ -151,8 +155,8 @@ fn rings(
     let (mut frames, mut first_error) = (Vec::new(), None);
     while let Some(read) = source.next_stored() {
         let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
-            let frame =
-                prepared(stored.frame, calibration).map_err(|e| format!("frame {}: {e}", stored.stem))?;
+            let frame = prepared(args, stored.frame, calibration)
+                .map_err(|e| format!("frame {}: {e}", stored.stem))?;
             Ok((stored.stem, frame))
         });
         match frame {
@@ -184,7 +188,7 @@ fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
         }
         tracing::warn!("{}: {error}; used with consent", path.display());
     }
-    Ok(Some(calibration))
+    Ok(Some(if args.vertical { calibration.transposed() } else { calibration }))
 }
 
 /// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
@@ -216,9 +220,9 @@ fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> 
 }
 
 /// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
-fn prepared(frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
+fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
     let Some(bench) = calibration.and_then(|c| c.bench.as_ref()) else { return Ok(frame) };
-    let view = frame.view();
+    let view = view(args, &frame);
     bench.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
     Ok(match &bench.flat_field {
         Some(field) => field.corrected(frame),
@@ -239,12 +243,13 @@ fn measure_all(
     while let Some(stem) = source.next_stem() {
         let Some(read) = source.next_stored() else { break };
         let read = read.map_err(|e| e.to_string());
-        let frame = read
-            .and_then(|stored| prepared(stored.frame, calibration).map_err(|e| format!("frame {stem}: {e}")));
+        let frame = read.and_then(|stored| {
+            prepared(args, stored.frame, calibration).map_err(|e| format!("frame {stem}: {e}"))
+        });
         match frame {
             Ok(frame) => {
                 let meta = frame.meta.clone();
-                let measured = measure_one(&mut stream, stem, meta, &view(args, &frame));
+                let measured = measure_one(args, &mut stream, stem, meta, &view(args, &frame));
                 let accepted = args.judge.accepts_blur();
                 results.push(if accepted { measured } else { sharp(measured, calibration, &conditions) });
                 if args.bench.is_some() {
@@ -258,6 +263,7 @@ fn measure_all(
         }
     }
     report_refusals(&results)?;
+    report_unlearnt(gauge, &results);
     if let Some(path) = &args.edges {
         write_edges(path, &results)?;
     }
@@ -306,7 +312,7 @@ fn print_budgets(
 ) {
     for measured in results {
         let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
-        if let Some(reading) = WidthReading::of_largest(edges) {
+        if let Some(reading) = WidthReading::of_largest(edges, calibration) {
             say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
             say!(
                 "{}",
@@ -320,10 +326,19 @@ fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
     if args.vertical { frame.view().transposed() } else { frame.view() }
 }
 
-fn measure_one(stream: &mut EdgeStream, stem: String, meta: FrameMeta, view: &FrameView<'_>) -> Measured {
+fn measure_one(
+    args: &MeasureArgs,
+    stream: &mut EdgeStream,
+    stem: String,
+    meta: FrameMeta,
+    view: &FrameView<'_>,
+) -> Measured {
     let mut edges = FrameEdges::default();
     let result = match stream.measure(view, &mut edges) {
-        Ok(()) => Ok(edges),
+        Ok(()) => {
+            edges.place_windows(0.0, f64::from(args.rows_between));
+            Ok(edges)
+        }
         Err(refused) => Err((refused.reason, format!("frame {stem}: {refused}"))),
     };
     Measured { stem, meta, columns: view.columns(), result }
@@ -337,6 +352,17 @@ fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: 
         measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
     }
     measured
+}
+
+/// Warns where an edge-spread function was to be learnt and could not be.
+fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
+    let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.unknown_place_px == [0.0; 2]);
+    let count = results.iter().filter(unlearnt).count();
+    if gauge.settings().esf == (EsfModel::Learnt {}) && count > 0 {
+        tracing::warn!(
+            "{count} frames measured with a Gaussian: their edges show too few sub-pixel phases to learn from; tilt the part by a pixel or more over the field"
+        );
+    }
 }
 
 /// Warns of refused frames; fails with the first one's reason where none could be measured.
@@ -374,7 +400,7 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         }
     }
     let in_mm = calibration.zip(measured.result.as_ref().ok()).and_then(|(calibration, edges)| {
-        let budget = WidthReading::of_largest(edges)?.budget(calibration, conditions);
+        let budget = WidthReading::of_largest(edges, calibration)?.budget(calibration, conditions);
         Some((budget.diameter_mm, budget.u_mm()))
     });
     let mut figures = json!({

@@ -37,9 +37,10 @@ pub struct JudgeArgs {
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
-    /// Coverage factor k of the expanded uncertainties.
-    #[arg(long, value_name = "K", default_value_t = 2.0, value_parser = length)]
-    coverage_factor: f64,
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective degrees of freedom: 2 where
+    /// there are many.
+    #[arg(long, value_name = "K", value_parser = length)]
+    coverage_factor: Option<f64>,
     /// Uncertainty budget of every frame's largest diameter.
     #[arg(long)]
     budget: bool,
@@ -104,8 +105,8 @@ impl JudgeArgs {
         self.accept_blur
     }
 
-    /// k.
-    pub fn coverage_factor(&self) -> f64 {
+    /// k, where it is given.
+    pub fn coverage_factor(&self) -> Option<f64> {
         self.coverage_factor
     }
 }
@@ -229,6 +230,15 @@ impl<'a> Follower<'a> {
             meta.angle_deg = step * index as f64;
         }
         self.warn_of_blur(&meta, edges, out);
+        let reading = WidthReading::of_largest(edges, self.calibration);
+        let budget = reading.as_ref().map(|r| stated_budget(r, self.calibration, &self.conditions));
+        if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
+            let why = "its diameter or uncertainty is no number: it has no diameter";
+            tracing::warn!("frame {}: {why}", meta.frame_id);
+            out.insert("warnings".to_owned(), json!([why]));
+            self.give_no_diameter(Reason::Implausible, edges, out);
+            return;
+        }
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }
@@ -238,10 +248,7 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        let largest = largest_caliper(edges).zip(
-            WidthReading::of_largest(edges).map(|r| stated_budget(&r, self.calibration, &self.conditions)),
-        );
-        if let Some((_, budget)) = &largest {
+        if let Some(budget) = &budget {
             self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
@@ -249,9 +256,9 @@ impl<'a> Follower<'a> {
             put(out, "average_mm", d.d_mm);
             put(out, "u_average_mm", d.u_mm());
         }
-        let largest = largest.map(|(caliper, budget)| Largest {
-            end_on: caliper.end_on,
-            z_mm: diameters.z_mm(&meta, 0) + caliper.column_px * diameters.pitch_mm,
+        let largest = reading.zip(budget).map(|(reading, budget)| Largest {
+            end_on: largest_caliper(edges).is_some_and(|largest| largest.end_on),
+            z_mm: diameters.z_mm(&meta, 0) + reading.column_px * diameters.pitch_mm,
             diameter: Diameter {
                 d_mm: budget.diameter_mm,
                 u_random_mm: budget.u_random_mm(),
@@ -273,6 +280,16 @@ impl<'a> Follower<'a> {
             tracing::warn!("frame {}: {error}", meta.frame_id);
             out.insert("warnings".to_owned(), json!([error.to_string()]));
         }
+    }
+
+    /// Makes a gap of every column of a frame.
+    fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
+        for key in ["max_diameter_px", "u_max_px", "max_diameter_mm", "u_max_mm"] {
+            out.insert(key.to_owned(), Value::Null);
+        }
+        out.insert("valid".to_owned(), json!(0));
+        out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
+        self.not_proven(out);
     }
 
     /// What was not measured is not proven good.
@@ -308,7 +325,7 @@ impl<'a> Follower<'a> {
     }
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
-        let k = self.args.coverage_factor;
+        let k = budget.factor_or(self.args.coverage_factor);
         put(out, "u_random_mm", budget.u_random_mm());
         put(out, "u_common_mm", budget.u_common_mm());
         put(out, "expanded_u_max_mm", k * budget.u_mm());

@@ -18,7 +18,8 @@ pub(super) fn calibrate(
         let gauge = gauge.clone().expecting(misfit.as_ref());
         measurements = masters(job, cell, &gauge, &mut MisfitLesson::default())?;
     }
-    Ok(Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit))
+    let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit);
+    Ok(calibration.with_edge_model(&gauge.settings().esf))
 }
 
 /// Scans the masters.

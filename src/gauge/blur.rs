@@ -17,7 +17,7 @@ pub(crate) const BLOCKS: usize = 8;
 const PER_BLOCK: usize = 32;
 /// Columns of a block from which its blur is known.
 const LEAST_COUNT: f64 = 6.0;
-/// Bounds of a believable blur, px.
+/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Sums for the blur of one block.
@@ -141,7 +141,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
         }
         let step = (score / information).clamp(-0.3 * sigma, 0.5 * sigma);
         let last = sigma;
-        sigma = (sigma + step).clamp(SIGMA_RANGE.0, SIGMA_RANGE.1);
+        sigma = (sigma + step).clamp(context.shape.least_sigma(), SIGMA_RANGE.1);
         if (sigma - last).abs() < 5e-4 * sigma {
             break;
         }
@@ -181,7 +181,8 @@ fn block_sums(
 /// of them are known.
 fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
     let slope2 = mean_square_slope(context);
-    let plain = |s: f64| ((s * s - slope2 / 12.0).max(0.04) / (1.0 + slope2)).sqrt();
+    let least = context.shape.least_sigma();
+    let plain = |s: f64| ((s * s - slope2 / 12.0).max(least * least) / (1.0 + slope2)).sqrt();
     let residual: f64 =
         sums.iter().map(|s| s.residual).sum::<f64>() / sums.iter().map(|s| s.count).sum::<f64>().max(1.0);
     let variance = residual.max(context.relative_variance).max(1e-12);
@@ -196,7 +197,7 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
     for (block, value) in estimate.sigma.iter_mut().enumerate() {
         let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
         let delta = parabola[0] + parabola[1] * t + parabola[2] * t * t;
-        *value = plain((sigma + delta).clamp(0.5 * sigma, 2.0 * sigma)).max(SIGMA_RANGE.0);
+        *value = plain((sigma + delta).clamp(0.5 * sigma, 2.0 * sigma)).max(least);
     }
     estimate
 }

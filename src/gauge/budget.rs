@@ -7,13 +7,15 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::bench::{Along, Conditions, CovariancePart};
+use super::bench::{Along, Conditions, CovariancePart, LensModel};
+use super::block_scatter::FEW_COLUMNS;
+pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
-use super::caliper::largest_caliper;
+use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
 use super::diameter::Pose;
-use super::edges::FrameEdges;
+use super::edges::{FrameEdges, FrameFigures};
 use super::monte_carlo::Distribution;
 
 /// Whether a source's errors differ from reading to reading.
@@ -27,15 +29,34 @@ pub enum Share {
 }
 
 /// Shape of a source's distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Normal.
     Normal,
     /// Rectangular: only limits are known.
     Rectangular,
-    /// Product of two errors with limits.
-    Product,
+    /// Product of a factor that is known to a normal standard uncertainty and an error of which only limits are known.
+    Product {
+        /// The factor's estimate over its root mean square, 0 to 1.
+        known: f64,
+    },
+}
+
+impl Shape {
+    /// Its word in tables and files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Rectangular => "rectangular",
+            Self::Product { .. } => "product",
+        }
+    }
+}
+
+impl Serialize for Shape {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
 }
 
 /// One row.
@@ -64,6 +85,9 @@ pub struct Budget {
     pub contributions: Vec<Contribution>,
 }
 
+/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
+
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
 pub const DRAWS: usize = 20_000;
 
@@ -71,9 +95,8 @@ impl Contribution {
     /// Its distribution, scaled to the diameter.
     fn distribution(&self) -> Distribution {
         match (self.shape, self.freedom) {
-            (Shape::Rectangular | Shape::Product, _) => {
-                Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() }
-            }
+            (Shape::Rectangular, _) => Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() },
+            (Shape::Product { known }, _) => Distribution::Product { u: self.u_mm, known },
             (Shape::Normal, Some(freedom)) if freedom < 100.0 => {
                 Distribution::StudentT { scale: self.u_mm, freedom: freedom.max(2.1) }
             }
@@ -120,6 +143,11 @@ impl Budget {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
     }
 
+    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom: 2 where there are many.
+    pub fn factor_or(&self, given: Option<f64>) -> f64 {
+        given.unwrap_or_else(|| self.coverage_factor(PROBABILITY))
+    }
+
     /// Half width of the interval about the diameter that holds a probability when every row has its own distribution
     /// (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with one dominant rectangular row it is narrower than k·u of
     /// a normal.
@@ -134,15 +162,26 @@ impl Budget {
         *sums.select_nth_unstable_by(at, f64::total_cmp).1
     }
 
-    /// Adds a row, unless it is nothing.
+    /// Adds a row, unless it is nothing. What is no number stays: the sum is then no number either, where leaving it out would
+    /// pass for certainty.
     pub fn push(&mut self, contribution: Contribution) {
-        if contribution.u_mm > 0.0 {
+        if contribution.u_mm != 0.0 {
             self.contributions.push(contribution);
         }
     }
 
-    /// The rows for people: largest first, percentages of the variance.
-    pub fn to_table(&self, coverage_factor: f64) -> String {
+    /// The rows for people: largest first, percentages of the variance. U is k·u for a coverage factor given, else for
+    /// [`Self::factor_or`]'s.
+    pub fn to_table(&self, given: Option<f64>) -> String {
+        let k = self.factor_or(given);
+        let freedom = match self.effective_freedom() {
+            n if n < 1e4 => format!("{n:.1}"),
+            _ => "many".to_owned(),
+        };
+        let covers = match given {
+            Some(_) => format!("; {:.3} covers", self.coverage_factor(PROBABILITY)),
+            None => " covers".to_owned(),
+        };
         let mut rows: Vec<&Contribution> = self.contributions.iter().collect();
         rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));
         let total = self.u_mm().powi(2);
@@ -156,7 +195,7 @@ impl Budget {
                 "{:<48} {:<34} {:<12} {:<7} {:>9.4} {:>7.2}",
                 row.source,
                 row.input,
-                format!("{:?}", row.shape).to_lowercase(),
+                row.shape.as_str(),
                 format!("{:?}", row.share).to_lowercase(),
                 1e3 * row.u_mm,
                 100.0 * row.u_mm * row.u_mm / total
@@ -164,19 +203,21 @@ impl Budget {
         }
         let _ = writeln!(
             text,
-            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {coverage_factor})",
+            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {}{covers} 95.45 % at {freedom} effective degrees of freedom)",
             self.diameter_mm,
             1e3 * self.u_random_mm(),
             1e3 * self.u_common_mm(),
             1e3 * self.u_mm(),
-            1e3 * coverage_factor * self.u_mm()
+            1e3 * k * self.u_mm(),
+            // Up to three digits, none of them for nothing.
+            (1e3 * k).round() / 1e3
         );
         text
     }
 }
 
 /// A width in the image whose diameter's budget is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WidthReading {
     /// Column where it stands (the middle of those averaged), px.
     pub column_px: f64,
@@ -198,10 +239,10 @@ pub struct WidthReading {
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
     pub u_sigma_px: f64,
-    /// Standard uncertainty by form, texture and sampling: scatter of what was averaged, px.
-    pub u_form_px: f64,
-    /// Degrees of freedom of that scatter.
-    pub form_freedom: f64,
+    /// The frame's figures: what its edge-spread function leaves open.
+    pub figures: FrameFigures,
+    /// Form, texture and sampling: scatter of what was averaged.
+    pub form: Scatter,
 }
 
 impl WidthReading {
@@ -209,39 +250,32 @@ impl WidthReading {
     pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
         let chord = Pose::of(edges).chord_factor();
         let over = ColumnMeans::over(edges, columns)?;
-        let used = &over.used;
-        // Neighbouring columns share texture: the scatter of a few blocks' means, beyond noise, about a line (taper is form
-        // that is meant to be seen).
-        let blocks = (used.len() / 16).clamp(2, 12);
-        let means: Vec<f64> = (0..blocks)
-            .map(|b| {
-                let part = &used[b * used.len() / blocks..(b + 1) * used.len() / blocks];
-                part.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / part.len().max(1) as f64
-            })
-            .collect();
-        let form_freedom = (blocks as f64 - 2.0).max(1.0);
-        let form = scatter_about_line(&means) / blocks as f64;
-        let noise = over.own_variance_px2;
-        let (u_blur_px, u_sigma_px) = u_blur_px(edges, used);
+        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
         Some(Self {
             column_px: over.column_px,
             column_variance_px2: over.column_variance_px2,
             rows_px: over.rows_px,
             chord,
-            u_noise_px: noise.sqrt(),
+            u_noise_px: over.own_variance_px2.sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2)).max(0.0).sqrt(),
             u_misfit_px: over.u_misfit_px,
             u_blur_px,
             u_sigma_px,
-            u_form_px: (form - noise).max(0.0).sqrt(),
-            form_freedom,
+            figures: edges.figures,
+            form: Scatter::of_blocks(edges, &over),
         })
     }
 
-    /// The largest caliper diameter of a frame, as [`largest_caliper`] finds it.
-    pub fn of_largest(edges: &FrameEdges) -> Option<Self> {
-        let largest = largest_caliper(edges)?;
+    /// The largest caliper diameter of a frame, as [`super::largest_caliper`] finds it, behind the lens of a calibration.
+    pub fn of_largest(edges: &FrameEdges, calibration: &Calibration) -> Option<Self> {
+        let largest = match &calibration.bench {
+            Some(bench) => largest_caliper_where(edges, |column, top_px, bottom_px| {
+                let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
+                row(bottom_px) - row(top_px)
+            }),
+            None => largest_caliper(edges),
+        }?;
         let half = 0.5 * largest.diameter_px;
         let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
         let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));
@@ -254,9 +288,12 @@ impl WidthReading {
         let square = |v: f32| f64::from(v).powi(2);
         let middle = mean(&|c| 0.5 * (edges.top[c].row_px + edges.bottom[c].row_px));
         let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
-        // Variance of a median over that of a mean.
-        let noise = std::f64::consts::FRAC_PI_2 * own / n;
+        // Variance of a median over that of a mean; of a shaft's run every other column is read.
+        let read = if largest.end_on { n } else { 0.5 * n };
+        let noise = std::f64::consts::FRAC_PI_2 * own / read;
         let own_u = largest.u_own_px.powi(2);
+        // Few columns scatter less than their noise by chance.
+        let noise = if used.len() < FEW_COLUMNS { noise } else { noise.min(own_u) };
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
         let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
@@ -265,14 +302,14 @@ impl WidthReading {
             column_variance_px2: 0.0,
             rows_px: (middle - half, middle + half),
             chord: 1.0,
-            u_noise_px: noise.min(own_u).sqrt(),
+            u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
             u_levels_px: (shared - misfit).sqrt(),
             u_misfit_px: misfit.sqrt(),
             u_blur_px,
             u_sigma_px,
-            u_form_px: (own_u - noise).max(0.0).sqrt(),
-            form_freedom: (n - 1.0).max(1.0),
+            figures: edges.figures,
+            form: Scatter::Known { u_px: (own_u - noise).max(0.0).sqrt(), freedom: (read - 1.0).max(1.0) },
         })
     }
 
@@ -289,7 +326,8 @@ impl WidthReading {
         };
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_edges(&mut budget, scale * self.chord);
+        self.add_edges(&mut budget, scale * self.chord, calibration.bench.as_ref().map(|b| &b.lens));
+        budget.push(self.place(calibration));
         match (&calibration.bench, by) {
             (Some(bench), Some(by)) => {
                 for part in &bench.parts {
@@ -302,7 +340,21 @@ impl WidthReading {
         budget
     }
 
-    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64) {
+    /// The row of edges whose place is unknown because their edge-spread function was learnt without masters.
+    fn place(&self, calibration: &Calibration) -> Contribution {
+        let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        Contribution {
+            source: "place of learnt edges, no masters".to_owned(),
+            input: format!("0 to {limit:.3} px of width less"),
+            shape: Shape::Rectangular,
+            share: Share::Common,
+            freedom: None,
+            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_place_px(&self.figures),
+        }
+    }
+
+    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>) {
+        let (u_form_px, form_freedom) = self.form.u_px(lens, self.u_noise_px);
         let share = self.quantisation_share.clamp(0.0, 1.0);
         let width = |u_px: f64| format!("{u_px:.5} px of width");
         let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
@@ -319,17 +371,22 @@ impl WidthReading {
         random("noise of the edges", width(noise), noise, None);
         random("quantisation", width(quantisation), quantisation, None);
         random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
-        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
-        random("form, texture and sampling", width(self.u_form_px), self.u_form_px, Some(self.form_freedom));
-        // The same light falls on every frame: it does not average.
-        budget.push(Contribution {
-            source: "misfit of the edge model".to_owned(),
-            input: format!("{:.5} px beyond the masters'", self.u_misfit_px),
-            shape: Shape::Normal,
-            share: Share::Common,
-            freedom: None,
-            u_mm: mm_per_px * self.u_misfit_px,
-        });
+        random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
+        // The same light falls on every frame, and a stream keeps its blur: neither averages.
+        let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
+        for (source, input, u_px) in [
+            ("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px),
+            ("misfit of the edge model", misfit, self.u_misfit_px),
+        ] {
+            budget.push(Contribution {
+                source: source.to_owned(),
+                input,
+                shape: Shape::Normal,
+                share: Share::Common,
+                freedom: None,
+                u_mm: mm_per_px * u_px,
+            });
+        }
     }
 }
 
@@ -338,22 +395,6 @@ fn quantisation_share(edges: &FrameEdges) -> f64 {
     let [dark, light] = edges.figures.noise;
     let mid = 0.5 * (dark * dark + light * light);
     if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
-}
-
-/// Variance of one value about the least-squares line through evenly spaced ones.
-fn scatter_about_line(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    if n < 3.0 {
-        return 0.0;
-    }
-    let middle = 0.5 * (n - 1.0);
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = (0..values.len()).map(|i| (i as f64 - middle).powi(2)).sum();
-    let slope =
-        values.iter().enumerate().map(|(i, v)| (i as f64 - middle) * (v - mean)).sum::<f64>() / square;
-    let rest: f64 =
-        values.iter().enumerate().map(|(i, v)| (v - mean - slope * (i as f64 - middle)).powi(2)).sum();
-    rest / (n - 2.0)
 }
 
 /// The row of one source of the calibration, by the diameter's derivatives.
@@ -428,7 +469,7 @@ pub(super) fn add_conditions(
         (
             "focus: place of the axis x telecentricity",
             format!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm),
-            Shape::Product,
+            Shape::Product { known: t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE) },
             conditions.u_focus_mm(at_t, t, u_t),
         ),
         (
@@ -471,6 +512,56 @@ mod tests {
         assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
     }
 
+    /// GUM G.3: with 10 degrees of freedom 95.45 % need k = 2.28 (table G.2), not 2.
+    #[test]
+    fn few_degrees_of_freedom_widen_the_interval() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        budget.push(row(1e-3, Share::Random, Some(10.0)));
+        assert!((budget.factor_or(None) - 2.28).abs() < 0.005, "{}", budget.factor_or(None));
+        assert_eq!(budget.factor_or(Some(2.0)), 2.0);
+        let table = budget.to_table(None);
+        assert!(table.contains("(k = 2.284 covers 95.45 % at 10.0 effective"), "{table}");
+        assert!(
+            budget.to_table(Some(2.0)).contains("(k = 2; 2.284 covers 95.45 %"),
+            "{}",
+            budget.to_table(Some(2.0))
+        );
+        let mut known = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        known.push(row(1e-3, Share::Common, None));
+        assert!((known.factor_or(None) - 2.0).abs() < 1e-6 && known.to_table(None).contains("(k = 2 covers"));
+    }
+
+    /// A factor known exactly leaves the rectangle of the limits, 0.95·√3·u; one around 0 has a normal's long tails in a rectangle:
+    /// P(|√3·u·R·Z| ≤ w) = ∫₀¹ erf(w/(√6·u·r)) dr by sums.
+    #[test]
+    fn a_product_is_drawn_as_one() {
+        let half = |known| {
+            let shape = Shape::Product { known };
+            let contributions = vec![Contribution { shape, ..row(1.0, Share::Common, None) }];
+            Budget { diameter_mm: 50.0, contributions }.half_width_mm(0.95)
+        };
+        assert!((half(1.0) / (0.95 * 3.0_f64.sqrt()) - 1.0).abs() < 0.01, "{}", half(1.0));
+        let n = 2000;
+        let covered = |w: f64| {
+            let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
+            let normal = Normal::standard();
+            (0..n).map(|i| 2.0 * normal.cdf(w / (3.0_f64.sqrt() * at(i))) - 1.0).sum::<f64>() / f64::from(n)
+        };
+        assert!((covered(half(0.0)) - 0.95).abs() < 0.005, "{} {}", half(0.0), covered(half(0.0)));
+        assert!(half(0.0) > 2.0);
+    }
+
+    /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
+    #[test]
+    fn what_is_no_number_does_not_vanish() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        budget.push(row(1e-4, Share::Random, None));
+        budget.push(row(0.0, Share::Random, None));
+        budget.push(row(f64::NAN, Share::Common, None));
+        assert!(budget.contributions.len() == 2 && budget.u_mm().is_nan() && budget.u_common_mm().is_nan());
+        assert!(budget.to_table(Some(2.0)).contains("NaN"));
+    }
+
     #[test]
     fn two_masters_shares_are_the_covariance_of_scale_and_offset() {
         let master = |diameter_mm, width_px| MasterFigure {
@@ -480,6 +571,7 @@ mod tests {
         };
         let calibration = Calibration::fit_figures(&[master(20.0, 1300.0), master(28.0, 1820.0)]).unwrap();
         let reading = WidthReading {
+            figures: FrameFigures::default(),
             column_px: 0.0,
             column_variance_px2: 0.0,
             rows_px: (10.0, 1410.0),
@@ -490,19 +582,18 @@ mod tests {
             u_misfit_px: 0.0,
             u_blur_px: 0.0,
             u_sigma_px: 0.0,
-            u_form_px: 0.0,
-            form_freedom: 1.0,
+            form: Scatter::Known { u_px: 0.0, freedom: 1.0 },
         };
         let budget = reading.budget(&calibration, &Conditions::default());
         assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
         assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
-        assert!(budget.to_table(2.0).contains("quantisation"));
-        assert!(!budget.to_table(2.0).contains("misfit"));
+        assert!(budget.to_table(Some(2.0)).contains("quantisation"));
+        assert!(!budget.to_table(Some(2.0)).contains("misfit"));
         let misfitting =
             WidthReading { u_misfit_px: 0.02, ..reading }.budget(&calibration, &Conditions::default());
         let misfit_mm = 0.02 * calibration.scale_mm_per_px;
         assert!((misfitting.u_common_mm() / budget.u_common_mm().hypot(misfit_mm) - 1.0).abs() < 1e-9);
-        assert!(misfitting.to_table(2.0).contains("misfit of the edge model"));
+        assert!(misfitting.to_table(Some(2.0)).contains("misfit of the edge model"));
         assert!(budget.coverage_factor(0.95) > 1.9599 && budget.coverage_factor(0.95) < 1.9601);
     }
 }

@@ -13,10 +13,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::bench::{Adjusted, BenchCalibration, Conditions, PARAMETERS};
+use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
-use super::edges::FrameEdges;
+use super::edges::{FrameEdges, FrameFigures};
+use super::settings::EsfModel;
 
 /// Version of the file format.
 pub const CALIBRATION_VERSION: u32 = 1;
@@ -138,6 +139,16 @@ pub enum CalibrationError {
         /// Version in the file.
         found: u32,
     },
+    /// Edges of another model than the masters'.
+    #[error(
+        "the masters' edges were fitted by the edge-spread function {calibrated}, asked for is {asked}: measure as calibrated (--esf), or calibrate anew"
+    )]
+    OtherEdgeModel {
+        /// Name of the masters' model.
+        calibrated: String,
+        /// Name of the model asked for.
+        asked: &'static str,
+    },
     /// The calibration belongs to other optics.
     #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
     OtherOptics {
@@ -175,6 +186,10 @@ pub struct Calibration {
     pub offset_mm: f64,
     /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
     pub covariance: [f64; 3],
+    /// Edge-spread function that was fitted to the masters' edges ([`EsfModel::name`]): the offset holds for it alone. `None` where no
+    /// master was seen, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_model: Option<String>,
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
@@ -207,11 +222,7 @@ impl Calibration {
         for (index, master) in masters.iter().enumerate() {
             master.certificate.check(index)?;
         }
-        let widths = || masters.iter().map(|m| m.width_px);
-        let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
-        if !(spread_px >= LEAST_SPREAD_PX) {
-            return Err(CalibrationError::SameSize { spread_px });
-        }
+        check_spread(masters)?;
         let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
         let mut fit = LineFit::default();
         // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
@@ -228,6 +239,7 @@ impl Calibration {
             masters: masters.to_vec(),
             bench: None,
             misfit: None,
+            edge_model: None,
         })
     }
 
@@ -243,6 +255,7 @@ impl Calibration {
             masters,
             bench: Some(Box::new(bench)),
             misfit: None,
+            edge_model: None,
         }
     }
 
@@ -255,6 +268,30 @@ impl Calibration {
     /// What the masters' edges left of the edge model, for [`super::Gauge::expecting`].
     pub fn misfit(&self) -> Option<&EdgeMisfit> {
         self.misfit.as_deref()
+    }
+
+    /// Names the edge-spread function that was fitted to the masters' edges.
+    #[must_use]
+    pub fn with_edge_model(self, esf: &EsfModel) -> Self {
+        Self { edge_model: Some(esf.name().to_owned()), ..self }
+    }
+
+    /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
+    ///
+    /// # Errors
+    /// Where both are known and differ.
+    pub fn check_edge_model(&self, esf: &EsfModel) -> Result<(), CalibrationError> {
+        match &self.edge_model {
+            Some(calibrated) if calibrated != esf.name() => {
+                Err(CalibrationError::OtherEdgeModel { calibrated: calibrated.clone(), asked: esf.name() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Standard uncertainty of a width by the unknown place of learnt edges, px; none where the masters' edges were learnt, too.
+    pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
+        if self.edge_model.as_deref() == Some("learnt") { 0.0 } else { figures.u_place_px() }
     }
 
     /// Names the optics it belongs to.
@@ -274,6 +311,7 @@ impl Calibration {
             masters: Vec::new(),
             bench: None,
             misfit: None,
+            edge_model: None,
         }
     }
 
@@ -286,17 +324,17 @@ impl Calibration {
         if calibration.version != CALIBRATION_VERSION {
             return Err(CalibrationError::Version { found: calibration.version });
         }
-        let positive = "a scale above 0 in mm/px";
+        let positive = "a scale above 0 in mm/px, at most 1000";
         let scale = calibration.scale_mm_per_px;
-        if !(scale.is_finite() && scale > 0.0) {
+        if !(scale > 0.0 && scale <= 1e3) {
             return Err(CalibrationError::Value { key: "scale_mm_per_px", value: scale, right: positive });
         }
         let offset = calibration.offset_mm;
-        if !offset.is_finite() {
+        if !(offset.abs() <= 1e3) {
             return Err(CalibrationError::Value {
                 key: "offset_mm",
                 value: offset,
-                right: "a finite length",
+                right: "a length within ± 1000 mm",
             });
         }
         let [vs, c, vo] = calibration.covariance;
@@ -310,34 +348,31 @@ impl Calibration {
         if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
+        calibration.check_masters()?;
         calibration.check_bench()?;
         Ok(calibration)
     }
 
+    /// The budget takes certificates and levers from the masters: what says nothing of them must not pass for certainty.
+    fn check_masters(&self) -> Result<(), CalibrationError> {
+        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
+        for (index, master) in self.masters.iter().enumerate() {
+            master.certificate.check(index)?;
+            let (width, u) = (master.width_px, master.u_width_px);
+            if !(width > 0.0 && width.is_finite()) {
+                return impossible("masters.width_px", width, "a width above 0 px");
+            }
+            if !(u >= 0.0 && u.is_finite()) {
+                return impossible("masters.u_width_px", u, "0 px or more");
+            }
+        }
+        if self.masters.is_empty() { Ok(()) } else { check_spread(&self.masters) }
+    }
+
     fn check_bench(&self) -> Result<(), CalibrationError> {
         let Some(bench) = &self.bench else { return Ok(()) };
-        let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
-        let lens = &bench.lens;
-        let small =
-            [lens.radial, lens.keystone_across, lens.keystone_along].into_iter().find(|v| !(v.abs() < 0.2));
-        if let Some(value) = small {
-            return impossible("bench.lens", value, "distortion and keystone below 0.2");
-        }
-        if !(lens.half_diagonal_px >= 1.0 && lens.half_diagonal_px.is_finite()) {
-            return impossible("bench.lens.half_diagonal_px", lens.half_diagonal_px, "1 px or more");
-        }
-        let finite = [lens.telecentricity_per_mm, lens.centre_row_px, lens.centre_column_px];
-        if let Some(value) = finite.into_iter().find(|v| !v.is_finite()) {
-            return impossible("bench.lens", value, "finite numbers");
-        }
-        let entries = bench.parts.iter().flat_map(|p| p.matrix.iter().flatten());
-        if let Some(value) = entries.copied().find(|v| !v.is_finite()) {
-            return impossible("bench.parts", value, "finite numbers");
-        }
-        let negative =
-            bench.parts.iter().flat_map(|p| (0..PARAMETERS).map(|i| p.matrix[i][i])).find(|v| *v < 0.0);
-        if let Some(value) = negative {
-            return impossible("bench.parts", value, "variances of 0 or more");
+        if let Some((key, value, right)) = bench.impossible() {
+            return Err(CalibrationError::Value { key, value, right });
         }
         bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }
@@ -355,6 +390,12 @@ impl Calibration {
                 expected: optics_id.to_owned(),
             })
         }
+    }
+
+    /// The calibration of the same bench for frames read column by column (a vertical shaft).
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self { bench: self.bench.as_ref().map(|bench| Box::new(bench.transposed())), ..self.clone() }
     }
 
     /// Diameter of a width across the axis, mm.
@@ -388,6 +429,13 @@ impl Calibration {
     pub fn conditions(&self) -> Conditions {
         self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
     }
+}
+
+/// Whether the masters' widths differ enough to tell scale from edge offset.
+fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
+    let widths = || masters.iter().map(|m| m.width_px);
+    let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
+    if spread_px >= LEAST_SPREAD_PX { Ok(()) } else { Err(CalibrationError::SameSize { spread_px }) }
 }
 
 #[derive(Default)]
@@ -463,6 +511,20 @@ mod tests {
             Calibration::read(loud.as_bytes()),
             Err(CalibrationError::Value { key: "misfit.residual", .. })
         ));
+        // A certificate without U and k would be certain, twins would have levers without end.
+        let refused =
+            |from: &str, to: &str| Calibration::read(text.replace(from, to).as_bytes()).unwrap_err();
+        let certain = refused(
+            "\"expanded_u_mm\":0.0006,\"coverage_factor\":2.0",
+            "\"expanded_u_mm\":0.0,\"coverage_factor\":0.0",
+        );
+        assert!(matches!(certain, CalibrationError::Certificate { master: 1 }), "{certain}");
+        let twins = refused("\"width_px\":1500.0", "\"width_px\":1000.0");
+        assert!(matches!(twins, CalibrationError::SameSize { .. }), "{twins}");
+        let thin = refused("\"width_px\":1000.0", "\"width_px\":-1000.0");
+        assert!(matches!(thin, CalibrationError::Value { key: "masters.width_px", .. }), "{thin}");
+        let sure = refused("\"u_width_px\":0.0", "\"u_width_px\":-1.0");
+        assert!(matches!(sure, CalibrationError::Value { key: "masters.u_width_px", .. }), "{sure}");
         let newer = text.replace("\"version\":1", "\"version\":9");
         assert!(matches!(Calibration::read(newer.as_bytes()), Err(CalibrationError::Version { found: 9 })));
         assert!(Calibration::read(&b"{"[..]).is_err());

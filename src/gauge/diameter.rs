@@ -6,6 +6,7 @@
 //! diameter is taken to 20 °C.
 
 use super::bench::{Along, Conditions, CovariancePart, PARAMETERS};
+use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
 use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
@@ -231,6 +232,10 @@ pub(crate) fn column_diameters(
     conditions: &Conditions,
 ) -> ColumnDiameters {
     let reader = Reader::new(calibration, conditions, Pose::of(edges));
+    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    // All columns have the frame's blur, and a stream keeps it from frame to frame: neither averages it.
+    let (u_blur_px, _) = u_blur_px(edges, &both);
+    let u_all_px = u_blur_px.hypot(calibration.u_place_px(&edges.figures));
     let scale = calibration.scale_mm_per_px * reader.factor * conditions.to_reference();
     let [bias_top, bias_bottom] = [
         curvature_bias(&edges.top, edges.figures.sigma_px[0]),
@@ -257,7 +262,9 @@ pub(crate) fn column_diameters(
         out.readings.push(Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),
             u_random_mm: random(top.u_px(), bottom.u_px()),
-            u_common_mm: reader.u_common_mm(column, rows_px, width_px).hypot(scale * misfit.sqrt()),
+            u_common_mm: reader
+                .u_common_mm(column, rows_px, width_px)
+                .hypot(scale * misfit.sqrt().hypot(u_all_px)),
         }));
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);

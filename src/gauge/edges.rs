@@ -66,6 +66,9 @@ impl Edge {
 pub struct FrameFigures {
     /// Blur at the upper and lower edge, px (standard deviation without the pixel's own area).
     pub sigma_px: [f64; 2],
+    /// How far into the shadow of the place stated the geometric edge may lie because its edge-spread function was learnt from the frame
+    /// itself, px; 0 with any other. Masters measured in the same way take it out.
+    pub unknown_place_px: [f64; 2],
     /// Mean dark level at the upper and lower edge, counts.
     pub dark: [f64; 2],
     /// Mean light level at the upper and lower edge, counts.
@@ -79,6 +82,13 @@ pub struct FrameFigures {
     pub misfit: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,
+}
+
+impl FrameFigures {
+    /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie inwards by anything up to the limits.
+    pub fn u_place_px(&self) -> f64 {
+        (self.unknown_place_px[0] + self.unknown_place_px[1]) / 3.0_f64.sqrt()
+    }
 }
 
 /// Columns over which residuals are averaged to tell a misfit that neighbours share.

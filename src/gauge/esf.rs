@@ -13,10 +13,11 @@
 
 use std::sync::Arc;
 
+use super::blur::SIGMA_RANGE;
 use super::model::{EdgeSample, border as gaussian_border, edge_samples};
 
-/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.3 px.
-const KNOTS_PER_PX: f64 = 32.0;
+/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
+const KNOTS_PER_PX: f64 = 64.0;
 /// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends by more than [`TAIL`], its tails are
 /// left out of the fit: they would need windows as long as the field is high.
 const FARTHEST: f64 = 12.0;
@@ -110,6 +111,19 @@ impl StepTable {
         [scale * integral, value, (integral - t * value) / self.sigma]
     }
 
+    /// Distance from a quarter of the light to half of it at a blur, px.
+    fn quarter_to_half(&self, sigma: f64) -> f64 {
+        let crossing = |level: f64| {
+            let (mut low, mut high) = (-self.reach, self.reach);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if self.at(middle).1 < level { low = middle } else { high = middle }
+            }
+            low
+        };
+        (crossing(0.5) - crossing(0.25)) * sigma / self.sigma
+    }
+
     /// σ₀, px.
     pub(crate) fn sigma(&self) -> f64 {
         self.sigma
@@ -167,6 +181,14 @@ impl EdgeShape {
         }
     }
 
+    /// Least blur that is believed, px: a sharp edge that is given as a table may be sharper than any that is found.
+    pub(crate) fn least_sigma(&self) -> f64 {
+        match self {
+            Self::Gaussian => SIGMA_RANGE.0,
+            Self::Table(table) => SIGMA_RANGE.0.min(0.5 * table.sigma),
+        }
+    }
+
     /// Where the area of the light puts the edge, px into the light from where it is.
     pub(crate) fn centroid(&self, sigma: f64) -> f64 {
         match self {
@@ -192,6 +214,15 @@ impl EdgeShape {
         }
         let count = f64::from(PHASES) * flat as f64;
         (dark / count, light / count)
+    }
+
+    /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
+    /// light under incoherent light and at a quarter of it (half the amplitude) under coherent light, and a frame does not tell which.
+    pub(crate) fn unknown_place(&self, sigma: f64) -> f64 {
+        match self {
+            Self::Gaussian => 0.0,
+            Self::Table(table) => table.quarter_to_half(sigma),
+        }
     }
 
     /// σ₀ of a table.

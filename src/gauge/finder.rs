@@ -529,6 +529,10 @@ impl EdgeStream {
         let mid = scene.noise.variance(0.5 * (dark + light)).sqrt();
         FrameFigures {
             sigma_px: [top.blur.mean(), bottom.blur.mean()],
+            unknown_place_px: match self.settings.esf {
+                EsfModel::Learnt {} => [top.unknown_place(), bottom.unknown_place()],
+                EsfModel::Gaussian {} | EsfModel::Table(_) => [0.0; 2],
+            },
             dark: [top.dark.mean, bottom.dark.mean],
             light: [top.light.mean, bottom.light.mean],
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],

@@ -2,6 +2,7 @@
 
 mod axis;
 pub mod bench;
+mod block_scatter;
 mod blur;
 mod blur_share;
 pub mod budget;

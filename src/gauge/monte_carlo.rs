@@ -35,13 +35,20 @@ pub enum Distribution {
         /// Degrees of freedom, above 2.
         freedom: f64,
     },
+    /// Product of a normal factor and a rectangular error about zero.
+    Product {
+        /// Standard deviation of the product.
+        u: f64,
+        /// The factor's mean over its root mean square, 0 to 1.
+        known: f64,
+    },
 }
 
 impl Distribution {
     /// Standard deviation.
     pub fn u(&self) -> f64 {
         match *self {
-            Self::Normal { u } => u,
+            Self::Normal { u } | Self::Product { u, .. } => u,
             Self::Rectangular { half } => half / 3.0_f64.sqrt(),
             Self::StudentT { scale, freedom } => scale * (freedom / (freedom - 2.0)).sqrt(),
         }
@@ -59,6 +66,11 @@ impl Distribution {
             }
             Self::StudentT { scale, freedom } => {
                 StudentT::new(freedom).map_or(0.0, |d| scale * d.sample(random))
+            }
+            Self::Product { u, known } => {
+                let z: f64 = StandardNormal.sample(random);
+                let factor = known + (1.0 - known * known).max(0.0).sqrt() * z;
+                factor * Self::Rectangular { half: u * 3.0_f64.sqrt() }.draw(random)
             }
         }
     }

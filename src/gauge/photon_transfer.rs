@@ -18,6 +18,9 @@ use thiserror::Error;
 
 use crate::frame::{FrameView, Pixels};
 
+/// Exposures differ where they do so by this share of the brightest: more than a lamp drifts.
+const LEAST_DIFFERENCE: f64 = 0.02;
+
 /// Two frames of the same scene and exposure.
 #[derive(Clone, Copy, Debug)]
 pub struct FramePair<'a> {
@@ -87,6 +90,18 @@ pub enum PhotonTransferError {
         /// Pairs usable.
         usable: usize,
     },
+    /// Exposures that are one and the same, or nearly: no line goes through them.
+    #[error(
+        "{different} different exposures among the {given} flat pairs {place}; at least 3 are needed that differ by 2 % of the brightest of them"
+    )]
+    SameExposures {
+        /// Pairs there.
+        given: usize,
+        /// How many of them differ.
+        different: usize,
+        /// Which part of the range they lie in.
+        place: &'static str,
+    },
     /// No dark pair.
     #[error("no dark pair given: read noise and black level need one")]
     NoDark,
@@ -129,7 +144,7 @@ struct PairStatistics {
 /// Photon transfer from pairs of flat frames at three or more exposures and one or more dark pairs.
 ///
 /// # Errors
-/// Frames that do not match, too few usable exposures, no dark pair, no gain.
+/// Frames that do not match, too few usable or different exposures, no dark pair, no gain.
 pub fn photon_transfer(
     flats: &[FramePair<'_>],
     darks: &[FramePair<'_>],
@@ -149,6 +164,8 @@ pub fn photon_transfer(
     if usable < 3 {
         return Err(PhotonTransferError::TooFewExposures { given: flats.len(), usable });
     }
+    let used: Vec<f64> = curve.iter().filter(|p| p.used).map(|p| p.exposure).collect();
+    check_different(&used, "below 70 % of saturation")?;
     let (gain, u_gain) = gain(&curve, &dark, darks.len() as f64);
     if gain.is_nan() || gain <= 0.0 {
         return Err(PhotonTransferError::NoGain { slope: gain });
@@ -157,7 +174,7 @@ pub fn photon_transfer(
         Pixels::F32(_) => 0.0,
         _ => 1.0 / 12.0,
     };
-    let (responsivity, linearity_error) = linearity(&curve, saturation);
+    let (responsivity, linearity_error) = linearity(&curve, saturation)?;
     Ok(PhotonTransfer {
         gain_counts_per_electron: gain,
         u_gain_relative: u_gain / gain,
@@ -358,17 +375,39 @@ fn prnu(curve: &[TransferPoint], dark: &PairStatistics, saturation: f64) -> f64 
 
 /// Line through the signal over exposure with an offset, least squares of relative deviations over 5-95 % of saturation;
 /// gives slope and mean relative deviation.
-fn linearity(curve: &[TransferPoint], saturation: f64) -> (f64, f64) {
+fn linearity(curve: &[TransferPoint], saturation: f64) -> Result<(f64, f64), PhotonTransferError> {
     let points: Vec<(f64, f64)> = curve
         .iter()
         .filter(|p| (0.05 * saturation..=0.95 * saturation).contains(&p.signal_counts) && p.clipped <= 1e-4)
         .map(|p| (p.exposure, p.signal_counts))
         .collect();
+    let exposures: Vec<f64> = points.iter().map(|p| p.0).collect();
+    check_different(&exposures, "between 5 and 95 % of saturation")?;
     let weight: f64 = points.iter().map(|(_, y)| y.powi(-2)).sum();
     let mean =
         |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|(x, y)| f(*x, *y) / (y * y)).sum::<f64>() / weight;
     let (mx, my) = (mean(&|x, _| x), mean(&|_, y| y));
     let slope = mean(&|x, y| (x - mx) * (y - my)) / mean(&|x, _| (x - mx).powi(2));
     let deviation = |(x, y): &(f64, f64)| ((y - my - slope * (x - mx)) / y).abs();
-    (slope, points.iter().map(deviation).sum::<f64>() / points.len().max(1) as f64)
+    Ok((slope, points.iter().map(deviation).sum::<f64>() / points.len().max(1) as f64))
+}
+
+/// Refuses fewer than three exposures that differ: a line through what is one point has the slope of its rounding.
+fn check_different(exposures: &[f64], place: &'static str) -> Result<(), PhotonTransferError> {
+    let mut sorted = exposures.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let least = LEAST_DIFFERENCE * sorted.last().copied().unwrap_or(0.0);
+    let mut last = f64::NEG_INFINITY;
+    let different = sorted.iter().filter(|e| {
+        let differs = **e > last + least;
+        if differs {
+            last = **e;
+        }
+        differs
+    });
+    let different = different.count();
+    if different >= 3 {
+        return Ok(());
+    }
+    Err(PhotonTransferError::SameExposures { given: exposures.len(), different, place })
 }

@@ -101,6 +101,17 @@ pub enum EsfModel {
     Learnt {},
 }
 
+impl EsfModel {
+    /// Its name, as in `[gauge.esf]`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Gaussian {} => "gaussian",
+            Self::Table(_) => "table",
+            Self::Learnt {} => "learnt",
+        }
+    }
+}
+
 impl Default for EsfModel {
     fn default() -> Self {
         Self::Gaussian {}

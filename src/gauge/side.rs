@@ -160,6 +160,11 @@ impl SideState {
         window_width(&self.shape, sigma)
     }
 
+    /// How far the geometric edge may lie from where a learnt edge-spread function puts it, px.
+    pub(crate) fn unknown_place(&self) -> f64 {
+        self.shape.unknown_place(self.blur.mean())
+    }
+
     /// Learns the edge-spread function from the places in `line`; false where the frame does not tell it.
     pub(crate) fn learn(&mut self, line: &[Edge]) -> bool {
         let lesson = Lesson {

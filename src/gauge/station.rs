@@ -74,15 +74,21 @@ impl AngleSums {
 
     /// Variance of the mean from the edges' own statements and from what was not seen of the station, mm².
     fn noise(&self) -> f64 {
-        let n = self.columns as f64;
-        let span_over_reach = n / (1.5 * self.length.max(1.0));
-        let correlation = if span_over_reach <= 1.0 {
-            1.0 - span_over_reach / 3.0
-        } else {
-            1.0 / span_over_reach - 1.0 / (3.0 * span_over_reach * span_over_reach)
-        };
-        self.own / (n * n) + correlation * self.shared / n + self.seen.u_of_the_rest().powi(2)
+        variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
+            + self.seen.u_of_the_rest().powi(2)
     }
+}
+
+/// Variance of a mean over `n` columns from the sums of their own and of their shared variances; what is shared falls off linearly over
+/// `length` columns and half of it again.
+pub(crate) fn variance_of_mean(n: f64, own: f64, shared: f64, length: f64) -> f64 {
+    let span_over_reach = n / (1.5 * length.max(1.0));
+    let correlation = if span_over_reach <= 1.0 {
+        1.0 - span_over_reach / 3.0
+    } else {
+        1.0 / span_over_reach - 1.0 / (3.0 * span_over_reach * span_over_reach)
+    };
+    own / (n * n) + correlation * shared / n
 }
 
 /// Averages a scan's frames into stations.

@@ -18,6 +18,7 @@ use super::form::{
     least_squares_circle, polar_profile, roundness, silhouette_cylinder, straightness, total_run_out,
 };
 use super::size::turn_sizes;
+use super::station::variance_of_mean;
 use crate::frame::FrameMeta;
 use crate::profile::Reading;
 
@@ -31,7 +32,11 @@ struct Sums {
     n: f64,
     d_mm: f64,
     middle_mm: f64,
-    variance: f64,
+    /// Σ own variance, mm².
+    own: f64,
+    /// Σ shared variance, mm².
+    shared: f64,
+    length: f64,
 }
 
 /// Gathers a scan's frames by station and angle.
@@ -115,7 +120,7 @@ impl TurnAverager {
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
-        let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64;
+        let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
         for (column, reading) in diameters.readings.iter().enumerate() {
             let Reading::Value(d) = reading else { continue };
@@ -128,7 +133,10 @@ impl TurnAverager {
             sums.n += 1.0;
             sums.d_mm += d.d_mm;
             sums.middle_mm += diameters.middle_mm[column];
-            sums.variance += d.u_random_mm * d.u_random_mm;
+            let shared = diameters.shared_mm[column].powi(2);
+            sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
+            sums.shared += shared;
+            sums.length = diameters.shared_length;
         }
     }
 
@@ -162,7 +170,8 @@ fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Sect
         })
         .collect();
     let (turn, half_turn) = turn_of(&readings)?;
-    let variance = good.iter().map(|(_, s)| s.variance / (s.n * s.n)).sum::<f64>() / good.len() as f64;
+    let variance = good.iter().map(|(_, s)| variance_of_mean(s.n, s.own, s.shared, s.length)).sum::<f64>()
+        / good.len() as f64;
     let u_edge_mm = (0.5 * variance).sqrt();
     let form = section_form(z_mm, &turn, (readings.len(), half_turn), cutoff, u_edge_mm)?;
     Ok(Section { z_mm, turn, form })
@@ -211,7 +220,9 @@ fn section_form(
     cutoff: Cutoff,
     u_edge_mm: f64,
 ) -> Result<SectionForm, FormError> {
-    let sizes = turn_sizes(turn, cutoff, u_edge_mm)?;
+    // Over half a turn every edge stands in two places: the turn holds each reading twice.
+    let u_reading_mm = if half_turn { u_edge_mm * std::f64::consts::SQRT_2 } else { u_edge_mm };
+    let sizes = turn_sizes(turn, cutoff, u_reading_mm)?;
     let profile = polar_profile(&turn.support_mm(), cutoff)?;
     let points = polar(&profile);
     let centre = least_squares_circle(&points)?.fit.circle.centre;
@@ -240,7 +251,7 @@ fn section_form(
         roundness_mm,
         cutoff_upr: cutoff.undulations(),
         u_edge_mm,
-        harmonics: harmonics(turn, MOST_LOBES, u_edge_mm),
+        harmonics: harmonics(turn, MOST_LOBES, u_reading_mm),
         profile_mm: points.iter().map(|p| p.distance(centre)).collect(),
     })
 }

@@ -163,7 +163,7 @@ pub struct Job<'a> {
 pub fn pixels_per_word(format: PixelFormat) -> u32 {
     match format {
         PixelFormat::Mono8 => 4,
-        PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono16 => 2,
+        PixelFormat::Mono10 | PixelFormat::Mono12 | PixelFormat::Mono14 | PixelFormat::Mono16 => 2,
         PixelFormat::F32 => 1,
     }
 }

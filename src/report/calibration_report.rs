@@ -39,16 +39,17 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
     residuals(&mut page, plan, &bench.residuals)?;
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
-        page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm)).text(
-            &format!(
-                "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = 2.",
-                budget.diameter_mm,
-                1e3 * budget.u_mm(),
-                1e3 * budget.u_random_mm(),
-                1e3 * budget.u_common_mm(),
-                2e3 * budget.u_mm()
-            ),
-        );
+        let k = budget.factor_or(None);
+        let title = format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm);
+        page.heading(&title).text(&format!(
+            "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = {:.2}.",
+            budget.diameter_mm,
+            1e3 * budget.u_mm(),
+            1e3 * budget.u_random_mm(),
+            1e3 * budget.u_common_mm(),
+            1e3 * k * budget.u_mm(),
+            k
+        ));
         page.table(&super::BUDGET_HEADER, &super::budget_rows(budget));
     }
     sensor(&mut page, bench)?;
@@ -63,11 +64,12 @@ fn verdict(page: &mut Page, bench: &BenchCalibration) {
         return;
     };
     page.text(&format!(
-        "Check pin: certified {:.5} mm, measured {:.5} mm, error {:+.3} µm, U = {:.3} µm (k = 2), E_n = {:.2}: {}.",
+        "Check pin: certified {:.5} mm, measured {:.5} mm, error {:+.3} µm, U = {:.3} µm (k = {:.2}), E_n = {:.2}: {}.",
         check.certified_mm,
         check.measured_mm,
         1e3 * check.error_mm,
         1e3 * check.expanded_u_mm,
+        check.coverage_factor,
         check.e_n,
         if check.accepted { "accepted" } else { "REFUSED, no calibration was written" }
     ));

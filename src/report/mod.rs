@@ -27,7 +27,7 @@ pub fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
             vec![
                 c.source.clone(),
                 c.input.clone(),
-                format!("{:?}", c.shape).to_lowercase(),
+                c.shape.as_str().to_owned(),
                 format!("{:?}", c.share).to_lowercase(),
                 format!("{:.4}", 1e3 * c.u_mm),
                 format!("{:.2}", 1e2 * c.u_mm * c.u_mm / total),

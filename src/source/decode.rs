@@ -1,6 +1,6 @@
 //! Image bytes to grey frames: PNG, TIFF (8, 16 bit and f32), JPEG, BMP, PGM.
 //!
-//! Grey values are taken as they stand; 10- and 12-bit values stand unshifted in 16-bit files. Without further knowledge a
+//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files. Without further knowledge a
 //! 16-bit file is 12-bit where no value exceeds 4095, else 16-bit.
 
 use std::io::Cursor;
@@ -60,6 +60,9 @@ pub enum DecodeError {
         /// Rows.
         rows: usize,
     },
+    /// A bit depth that says not where full scale is.
+    #[error("a bit depth of {0}; 8, 10, 12, 14 or 16 are needed")]
+    Depth(u8),
     /// Values that the stated bit depth cannot carry.
     #[error("a grey value of {found} in a frame said to have {bits} bits")]
     BeyondDepth {
@@ -70,7 +73,7 @@ pub enum DecodeError {
     },
 }
 
-/// Decodes one image. `bit_depth` is what is known beside the file (`frames.csv`), 8 to 16.
+/// Decodes one image. `bit_depth` is what is known beside the file (`frames.csv`): 8, 10, 12, 14 or 16 (16-bit files only).
 ///
 /// # Errors
 /// Refuses what is empty, no image, damaged, coloured, too large or beyond its stated bit depth.
@@ -85,6 +88,12 @@ pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Fr
         _ => decode_other(bytes, format)?,
     };
     let format = pixel_format(&buffer, bit_depth)?;
+    let buffer = match buffer {
+        Buffer::U16(values) if format == PixelFormat::Mono8 => {
+            Buffer::U8(values.into_iter().map(|v| v as u8).collect())
+        }
+        buffer => buffer,
+    };
     Frame::new(buffer, format, rows as usize, columns as usize, meta)
         .map_err(|e| DecodeError::Damaged(e.to_string()))
 }
@@ -176,9 +185,12 @@ fn pixel_format(buffer: &Buffer, bit_depth: Option<u8>) -> Result<PixelFormat, D
     };
     let largest = values.iter().copied().max().unwrap_or(0);
     let format = match bit_depth {
-        Some(0..=10) => PixelFormat::Mono10,
-        Some(11..=12) => PixelFormat::Mono12,
-        Some(_) => PixelFormat::Mono16,
+        Some(8) => PixelFormat::Mono8,
+        Some(10) => PixelFormat::Mono10,
+        Some(12) => PixelFormat::Mono12,
+        Some(14) => PixelFormat::Mono14,
+        Some(16) => PixelFormat::Mono16,
+        Some(other) => return Err(DecodeError::Depth(other)),
         None if largest <= 4095 => PixelFormat::Mono12,
         None => PixelFormat::Mono16,
     };
@@ -225,6 +237,14 @@ mod tests {
             decode(&bytes, Some(10), FrameMeta::default()),
             Err(DecodeError::BeyondDepth { found: 4095, bits: 10 })
         ));
+        let depth = |bits| decode(&bytes, Some(bits), FrameMeta::default()).map(|f| f.view().format());
+        assert_eq!(depth(14), Ok(PixelFormat::Mono14));
+        assert_eq!(depth(13), Err(DecodeError::Depth(13)));
+        // Full scale of eight bits is 255, whatever the container.
+        let values: Vec<u8> = [255_u16, 3].iter().flat_map(|v| v.to_ne_bytes()).collect();
+        let bytes = png(2, 1, image::ExtendedColorType::L16, &values);
+        let frame = decode(&bytes, Some(8), FrameMeta::default()).unwrap();
+        assert_eq!((frame.view().get(0, 0), frame.view().format()), (Some(255.0), PixelFormat::Mono8));
     }
 
     #[test]

@@ -50,6 +50,16 @@ pub enum ReadError {
         /// What is wrong.
         cause: csv::Error,
     },
+    /// A value of `frames.csv` that is no number.
+    #[error("{path}: {column} of frame {frame} is not finite")]
+    NotFinite {
+        /// The file.
+        path: String,
+        /// The frame.
+        frame: String,
+        /// The column.
+        column: &'static str,
+    },
 }
 
 /// One row of `frames.csv`.
@@ -99,6 +109,17 @@ impl FrameTable {
         let mut rows = HashMap::new();
         for row in reader.deserialize::<FrameInfo>() {
             let row = row.map_err(table)?;
+            for (column, value) in
+                [("z_mm", row.z_mm), ("angle_deg", row.angle_deg), ("exposure_us", row.exposure_us)]
+            {
+                if !value.is_finite() {
+                    return Err(ReadError::NotFinite {
+                        path: path.display().to_string(),
+                        frame: row.frame,
+                        column,
+                    });
+                }
+            }
             rows.insert(key(&row.frame), row);
         }
         Ok(Self { rows })

@@ -9,9 +9,9 @@ use shadowgauge::render::esf_families::{EdgeSpread, PartiallyCoherentEdge};
 const UNIT_PX: f64 = 3.0;
 
 /// A telecentric lens in focus; distances in px.
-fn diffraction(coherence_ratio: f64) -> (EdgeSpread, f64) {
+fn diffraction(coherence_ratio: f64, unit_px: f64) -> (EdgeSpread, f64) {
     let edge = PartiallyCoherentEdge { coherence_ratio, ..PartiallyCoherentEdge::default() };
-    let pixel_um = edge.unit_um() / UNIT_PX;
+    let pixel_um = edge.unit_um() / unit_px;
     (edge.edge_spread().unwrap(), pixel_um)
 }
 
@@ -57,14 +57,19 @@ fn still() -> Synth {
     Synth { format: PixelFormat::F32, ..Synth::with_snr(1.0, 100.0, true) }
 }
 
+/// The table of a spread as the gauge takes it.
+fn given(spread: &EdgeSpread, pixel_um: f64) -> Gauge {
+    let distance_px: Vec<f64> = (-400..=400).map(|k| f64::from(k) * 0.05).collect();
+    let light: Vec<f64> = distance_px.iter().map(|d| spread.value(d * pixel_um)).collect();
+    gauge(EsfModel::Table(EsfSamples { distance_px, light }))
+}
+
 #[test]
 fn a_given_diffraction_edge_is_placed_without_phase_bias() {
     for coherence in [0.5, 1.0, 1.5] {
-        let (spread, pixel_um) = diffraction(coherence);
+        let (spread, pixel_um) = diffraction(coherence, UNIT_PX);
         let frame = still().frame_of(drifting, |d| over_pixel(&spread, pixel_um, d), None);
-        let distance_px: Vec<f64> = (-400..=400).map(|k| f64::from(k) * 0.05).collect();
-        let light: Vec<f64> = distance_px.iter().map(|d| spread.value(d * pixel_um)).collect();
-        let given = gauge(EsfModel::Table(EsfSamples { distance_px, light })).edges(&frame.view()).unwrap();
+        let given = given(&spread, pixel_um).edges(&frame.view()).unwrap();
         let plain = gauge(EsfModel::Gaussian {}).edges(&frame.view()).unwrap();
         let learnt = gauge(EsfModel::Learnt {}).edges(&frame.view()).unwrap();
         let (mean, worst) = phase_bias(&given);
@@ -76,19 +81,37 @@ fn a_given_diffraction_edge_is_placed_without_phase_bias() {
         );
         assert!(worst <= 1e-3, "S {coherence}: {worst}");
         assert!(by_phase <= 2e-3, "S {coherence}: {by_phase}");
+        // What a learnt function cannot know of its place is stated: width of both edges, standard uncertainty of a rectangle.
+        let stated = learnt.figures.u_place_px();
+        assert!(2.0 * learnt_mean < 2.0 * stated && stated < 0.5, "S {coherence}: {learnt_mean} {stated}");
+        assert_eq!(given.figures.u_place_px() + plain.figures.u_place_px(), 0.0);
+    }
+}
+
+/// Edges sharper than a pixel: their blur lies below any that a frame could tell by itself.
+#[test]
+fn a_given_edge_sharper_than_a_pixel_is_placed_without_bias() {
+    for (coherence, unit_px) in [(0.5, 2.0), (0.5, 1.1), (0.8, 0.9), (0.8, 0.55)] {
+        let (spread, pixel_um) = diffraction(coherence, unit_px);
+        let frame = still().frame_of(drifting, |d| over_pixel(&spread, pixel_um, d), None);
+        let found = given(&spread, pixel_um).edges(&frame.view()).unwrap();
+        let (mean, worst) = phase_bias(&found);
+        println!(
+            "S {coherence}, {unit_px} px: {worst:.5} px over the phase (mean {mean:.5}), sigma {:?}",
+            found.figures.sigma_px
+        );
+        assert!(worst <= 1e-3 && mean <= 2e-3, "S {coherence}, {unit_px} px: {worst} {mean}");
     }
 }
 
 /// What learning costs where there is noise: the error stays that of the edge given, and the Gaussian's is no better.
 #[test]
 fn a_learnt_edge_is_as_good_as_a_given_one_in_noise() {
-    let (spread, pixel_um) = diffraction(0.5);
+    let (spread, pixel_um) = diffraction(0.5, UNIT_PX);
     let synth = Synth { format: PixelFormat::Mono16, ..Synth::with_snr(1.0, 80.0, true) };
     let frame = synth.frame_of(drifting, |d| over_pixel(&spread, pixel_um, d), Some(3));
-    let distance_px: Vec<f64> = (-400..=400).map(|k| f64::from(k) * 0.05).collect();
-    let light: Vec<f64> = distance_px.iter().map(|d| spread.value(d * pixel_um)).collect();
-    let scatter = |esf: EsfModel| {
-        let edges = gauge(esf).edges(&frame.view()).unwrap();
+    let scatter = |gauge: Gauge| {
+        let edges = gauge.edges(&frame.view()).unwrap();
         let errors: Vec<f64> = (0..2048)
             .filter(|c| edges.top[*c].is_usable())
             .map(|c| edges.top[c].row_px - drifting(c).0)
@@ -97,9 +120,8 @@ fn a_learnt_edge_is_as_good_as_a_given_one_in_noise() {
         let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>();
         (errors.len(), (square / errors.len() as f64).sqrt(), edges.figures.misfit)
     };
-    let (given, learnt) =
-        (scatter(EsfModel::Table(EsfSamples { distance_px, light })), scatter(EsfModel::Learnt {}));
-    let gaussian = scatter(EsfModel::Gaussian {});
+    let (given, learnt) = (scatter(given(&spread, pixel_um)), scatter(gauge(EsfModel::Learnt {})));
+    let gaussian = scatter(gauge(EsfModel::Gaussian {}));
     println!("kept, scatter px, misfit: given {given:?}, learnt {learnt:?}, Gaussian {gaussian:?}");
     assert!(given.0 >= 2040 && learnt.0 >= 2000, "{given:?} {learnt:?}");
     assert!(learnt.1 <= 1.05 * given.1, "{learnt:?} {given:?}");

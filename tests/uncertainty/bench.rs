@@ -204,6 +204,26 @@ fn deviated_data_move_the_result_as_the_covariance_says() {
     assert!((change.abs() / part.variance(&by).sqrt() - 1.0).abs() < 1e-3, "{change}");
 }
 
+/// A clean first block must not hide what the other columns of its frame share.
+#[test]
+fn what_any_block_of_a_frame_shares_counts() {
+    let u_of = |shared: [f64; 6]| {
+        let mut rng = Pcg64::seed_from_u64(6);
+        let mut seen = observations(&world(), &[16.0, 26.0], &mut rng);
+        seen.iter_mut().enumerate().for_each(|(i, o)| o.u_shared_px = shared[i % 6]);
+        let mut adjustment = adjust(seen, vec![master("A", 16.0, 2e-6), master("B", 26.0, 2e-6)]).unwrap();
+        let found = adjustment.fit().unwrap();
+        let part = found.parts.iter().find(|p| p.source.starts_with("masters' edges")).unwrap();
+        part.variance(&[1300.0, 1.0, 0.0, 0.0, 0.0, 0.0]).sqrt()
+    };
+    let even = u_of([0.05; 6]);
+    // The same mean square, the first block clean, and the other way round.
+    let late = u_of([0.0, 0.05, 0.05, 0.05, 0.05, 0.05 * 2.0_f64.sqrt()]);
+    let early = u_of([0.05 * 6.0_f64.sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
+    println!("{even} {late} {early} mm");
+    assert!(even > 1e-4 && (late / even - 1.0).abs() < 1e-6 && (early / even - 1.0).abs() < 1e-6);
+}
+
 #[test]
 fn masters_that_determine_no_bench_are_refused() {
     let mut rng = Pcg64::seed_from_u64(5);

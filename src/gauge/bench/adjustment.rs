@@ -242,8 +242,12 @@ impl Adjustment {
         unit
     }
 
+    /// What the columns of a frame share, px: root mean square over its blocks. Levels are pooled over fewer columns than a frame
+    /// has, and one clean block does not vouch for the others.
     fn u_frame(&self, frame: usize) -> f64 {
-        self.observations.iter().find(|o| o.frame == frame).map_or(0.0, |o| o.u_shared_px)
+        let of_frame = self.observations.iter().filter(|o| o.frame == frame);
+        let (sum, n) = of_frame.fold((0.0, 0.0), |(sum, n), o| (sum + o.u_shared_px.powi(2), n + 1.0_f64));
+        (sum / n.max(1.0)).sqrt()
     }
 
     fn first_master(&self) -> usize {

@@ -137,6 +137,28 @@ impl BenchCalibration {
         }
     }
 
+    /// The bench as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
+    /// other's place. What a decentred lens does differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]):
+    /// a share of its own. The flat field stays that of the sensor.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        const Q: usize = 3;
+        const G: usize = 4;
+        let mut turned =
+            Self { rows: self.columns, columns: self.rows, lens: self.lens.transposed(), ..self.clone() };
+        for part in &mut turned.parts {
+            part.matrix.swap(Q, G);
+            part.matrix.iter_mut().for_each(|row| row.swap(Q, G));
+        }
+        let limit = self.lens.keystone_across.abs() + self.lens.keystone_along.abs();
+        let mut matrix = [[0.0; PARAMETERS]; PARAMETERS];
+        (matrix[Q][Q], matrix[G][G]) = (limit * limit / 3.0, limit * limit / 3.0);
+        turned
+            .parts
+            .push(CovariancePart { source: "distortion across the other direction".to_owned(), matrix });
+        turned
+    }
+
     /// Whether it holds on a day.
     ///
     /// # Errors

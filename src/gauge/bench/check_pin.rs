@@ -13,6 +13,8 @@ pub struct CheckPin {
     pub measured_mm: f64,
     /// Standard uncertainty of the measured diameter, mm.
     pub u_measured_mm: f64,
+    /// Coverage factor of both together: 2, or that of few degrees of freedom.
+    pub coverage_factor: f64,
 }
 
 /// Verdict on a calibration.
@@ -25,25 +27,34 @@ pub struct CheckResult {
     pub measured_mm: f64,
     /// Measured minus certified, mm.
     pub error_mm: f64,
-    /// Expanded uncertainty (k = 2) of measured and certified together, mm.
+    /// Expanded uncertainty of measured and certified together, mm.
     pub expanded_u_mm: f64,
+    /// Its coverage factor.
+    #[serde(default = "two")]
+    pub coverage_factor: f64,
     /// |error| over that: accepted up to 1.
     pub e_n: f64,
     /// Whether the calibration passed.
     pub accepted: bool,
 }
 
+/// What files say that do not.
+fn two() -> f64 {
+    2.0
+}
+
 impl CheckPin {
-    /// E_n = |x − X|/√(U_x² + U_X²), both at k = 2.
+    /// E_n = |x − X|/√(U_x² + U_X²), both at the same coverage factor.
     pub fn judge(&self) -> CheckResult {
         let error_mm = self.measured_mm - self.certificate.diameter_mm;
-        let expanded_u_mm = 2.0 * self.u_measured_mm.hypot(self.certificate.u_mm());
+        let expanded_u_mm = self.coverage_factor * self.u_measured_mm.hypot(self.certificate.u_mm());
         let e_n = error_mm.abs() / expanded_u_mm;
         CheckResult {
             certified_mm: self.certificate.diameter_mm,
             measured_mm: self.measured_mm,
             error_mm,
             expanded_u_mm,
+            coverage_factor: self.coverage_factor,
             e_n,
             accepted: e_n <= 1.0,
         }

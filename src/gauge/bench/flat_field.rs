@@ -4,8 +4,8 @@
 //! m' = black + (m − black)·l_min/l(u, v)        l: quadratic surface through the flat field, 1 at its brightest
 //! ```
 //!
-//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes the mean of its nearest
-//! good neighbours along the shaft, where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
+//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes what its nearest
+//! good neighbours along the shaft show (see `defects`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
 //! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
 //! while a map of it would carry the noise of the flats that it was made from.
 
@@ -13,12 +13,17 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::defects::{Grey, ShaftRuns, heal};
 use crate::frame::{Frame, FrameView, PixelsMut};
 
 /// A pixel this many robust standard deviations off is defective.
 const DEFECT_SIGMAS: f64 = 8.0;
 /// Fall-off below which the light is not corrected: its gradient moves an edge by σ²·l'/l, well below 1e-3 px.
 const EVEN: f64 = 0.01;
+/// Least light that still shows a part, of the brightest.
+const DARKEST: f64 = 0.3;
+/// Rounding of a surface that was scaled to 1 at its brightest.
+const LIGHT_ROUNDING: f64 = 1e-6;
 /// More defects than this share of the pixels are no defects but a wrong picture.
 const MOST_DEFECTS: f64 = 0.01;
 /// Pixels that the surface is fitted to, along either side.
@@ -111,6 +116,8 @@ struct Mean {
     values: Vec<f32>,
     /// Temporal variance of the mean, counts².
     variance: f64,
+    /// Share of the frames' pixels at full scale: in their mean a pixel that is clipped now and then lies below it.
+    clipped: f64,
 }
 
 impl Mean {
@@ -118,7 +125,7 @@ impl Mean {
         let [first, _, ..] = frames else { return Err(FlatFieldError::TooFew { what }) };
         let (rows, columns) = (first.rows(), first.columns());
         let mut sum = vec![0.0_f32; rows * columns];
-        let mut squares = 0.0;
+        let (mut squares, mut clipped) = (0.0, 0_usize);
         for (index, frame) in frames.iter().enumerate() {
             if (frame.rows(), frame.columns()) != (rows, columns) {
                 return Err(FlatFieldError::Size {
@@ -130,11 +137,13 @@ impl Mean {
                     first_columns: columns,
                 });
             }
+            let full = frame.format().full_scale().map_or(f32::INFINITY, f32::from);
             for (i, s) in sum.iter_mut().enumerate() {
                 let value = frame.get(i / columns, i % columns).unwrap_or(0.0);
                 // Differences from the first frame carry the noise of both.
                 let before = first.get(i / columns, i % columns).unwrap_or(0.0);
                 squares += f64::from(value - before).powi(2);
+                clipped += usize::from(value >= full);
                 *s += value;
             }
         }
@@ -142,7 +151,8 @@ impl Mean {
         sum.iter_mut().for_each(|s| *s /= n);
         let pixels = (rows * columns) as f64;
         let variance = squares / (2.0 * pixels * f64::from(n - 1.0)) / f64::from(n);
-        Ok(Self { rows, columns, values: sum, variance })
+        let clipped = clipped as f64 / (pixels * f64::from(n));
+        Ok(Self { rows, columns, values: sum, variance, clipped })
     }
 }
 
@@ -188,8 +198,7 @@ impl FlatField {
         }
         let (black_counts, dark_spread) = spread(&darks.values);
         let (rows, columns) = (darks.rows, darks.columns);
-        let full = flat[0].format().full_scale().map_or(f32::INFINITY, f32::from);
-        let clipped = flats.values.iter().filter(|v| **v >= full).count() as f64 / flats.values.len() as f64;
+        let clipped = flats.clipped;
         let (level, _) = spread(&flats.values);
         let signal = level - black_counts;
         if !(signal > 10.0 * dark_spread.max(0.5)) || clipped > 0.01 {
@@ -199,7 +208,7 @@ impl FlatField {
         let at = |light: &[f64; 6], r: usize, c: usize| value(light, unit(c, columns), unit(r, rows));
         let (low, high) = extremes(&light);
         light.iter_mut().for_each(|l| *l /= high);
-        if low / high < 0.3 {
+        if low / high < DARKEST {
             return Err(FlatFieldError::NotFlat { darkest: low / high });
         }
         let response: Vec<f32> = flats
@@ -225,32 +234,70 @@ impl FlatField {
         })
     }
 
+    /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key, value, what would be right).
+    pub(super) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
+        let (low, high) = extremes(&self.light);
+        let wrong =
+            [low, high].into_iter().find(|l| !(DARKEST - LIGHT_ROUNDING..=1.0 + LIGHT_ROUNDING).contains(l));
+        if let Some(value) = wrong {
+            return Some(("bench.flat_field.light", value, "a surface from 0.3 to 1 all over the field"));
+        }
+        let fall_off = 1.0 - low / high;
+        let off = (self.fall_off - fall_off).abs();
+        (!(off <= LIGHT_ROUNDING)).then_some((
+            "bench.flat_field.fall_off",
+            self.fall_off,
+            "what `light` falls by, 0 to 0.7",
+        ))
+    }
+
+    /// Names a defective pixel that is none of the frame's, or is out of order.
+    pub(super) fn impossible_defects(&self) -> Option<(&'static str, f64, &'static str)> {
+        let key = "bench.flat_field.defects";
+        let most = MOST_DEFECTS * self.rows as f64 * self.columns as f64;
+        if self.defects.len() as f64 > most {
+            return Some((key, self.defects.len() as f64, "at most 1 % of the pixels"));
+        }
+        let outside = self.defects.iter().find_map(|[r, c]| {
+            let row = (*r as usize >= self.rows).then_some(*r);
+            row.or_else(|| (*c as usize >= self.columns).then_some(*c))
+        });
+        if let Some(value) = outside {
+            return Some((key, f64::from(value), "rows and columns of the frame"));
+        }
+        let unsorted = self.defects.windows(2).find(|pair| pair[0] >= pair[1]);
+        unsorted.map(|pair| (key, f64::from(pair[1][0]), "every pixel once, by row and column"))
+    }
+
     /// Whether the light is uneven enough to be corrected.
     pub fn corrects_light(&self) -> bool {
         self.fall_off > EVEN
     }
 
-    /// Corrects a frame of the size calibrated, in its own format; other sizes and unquantised frames stay as they are.
+    /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other sizes stay as they are.
     #[must_use]
-    pub fn corrected(&self, mut frame: Frame) -> Frame {
+    pub fn corrected(&self, frame: Frame) -> Frame {
+        self.corrected_along(frame, ShaftRuns::AlongRows)
+    }
+
+    /// As [`Self::corrected`], of a shaft that runs so.
+    #[must_use]
+    pub fn corrected_along(&self, mut frame: Frame, shaft: ShaftRuns) -> Frame {
         let view = frame.view();
         if (view.rows(), view.columns()) != (self.rows, self.columns) {
             return frame;
         }
         let full = view.format().full_scale().map_or(f32::INFINITY, f32::from);
         match frame.pixels_mut() {
-            PixelsMut::U8(p) => self.correct(p, full),
-            PixelsMut::U16(p) => self.correct(p, full),
-            PixelsMut::F32(p) => self.correct(p, full),
+            PixelsMut::U8(p) => self.correct(p, full, shaft),
+            PixelsMut::U16(p) => self.correct(p, full, shaft),
+            PixelsMut::F32(p) => self.correct(p, full, shaft),
         }
         frame
     }
 
-    fn correct<T: Grey>(&self, pixels: &mut [T], full: f32) {
-        for [row, column] in &self.defects {
-            let row = &mut pixels[*row as usize * self.columns..][..self.columns];
-            row[*column as usize] = self.neighbours(row, *column as usize);
-        }
+    fn correct<T: Grey>(&self, pixels: &mut [T], full: f32, shaft: ShaftRuns) {
+        heal(pixels, self.columns, &self.defects, shaft);
         if !self.corrects_light() {
             return;
         }
@@ -270,49 +317,6 @@ impl FlatField {
                 }
             }
         }
-    }
-
-    fn neighbours<T: Grey>(&self, row: &[T], column: usize) -> T {
-        let left = column.checked_sub(1).map(|c| row[c].grey());
-        let right = row.get(column + 1).map(|p| p.grey());
-        match (left, right) {
-            (Some(a), Some(b)) => T::of(0.5 * (a + b)),
-            (Some(one), None) | (None, Some(one)) => T::of(one),
-            (None, None) => row[column],
-        }
-    }
-}
-
-/// A grey value in its container.
-trait Grey: Copy {
-    fn grey(self) -> f32;
-    fn of(value: f32) -> Self;
-}
-
-impl Grey for u8 {
-    fn grey(self) -> f32 {
-        f32::from(self)
-    }
-    fn of(value: f32) -> Self {
-        value.round().clamp(0.0, 255.0) as Self
-    }
-}
-
-impl Grey for u16 {
-    fn grey(self) -> f32 {
-        f32::from(self)
-    }
-    fn of(value: f32) -> Self {
-        value.round().clamp(0.0, 65535.0) as Self
-    }
-}
-
-impl Grey for f32 {
-    fn grey(self) -> f32 {
-        self
-    }
-    fn of(value: f32) -> Self {
-        value
     }
 }
 
@@ -444,6 +448,23 @@ mod tests {
         let white = frame(5, |_, _| 9000.0);
         let view_is_full = |f: &Frame| f.view().get(3, 3) == Some(4095.0);
         assert!(view_is_full(&made().corrected(white)));
+    }
+
+    /// Light one standard deviation below full scale: 15.9 % of the pixels are clipped in every frame, hardly one in their mean.
+    #[test]
+    fn light_that_clips_now_and_then_is_refused_however_many_frames_there_are() {
+        let dark: Vec<Frame> = (0..2).map(|s| frame(s, |_, _| 64.0)).collect();
+        let dark: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
+        for count in [2, 4, 8] {
+            let flat: Vec<Frame> = (10..10 + count).map(|s| frame(s, |_, _| 4094.5 - 4.0)).collect();
+            let flat: Vec<FrameView<'_>> = flat.iter().map(Frame::view).collect();
+            match FlatField::new(&dark, &flat) {
+                Err(FlatFieldError::Exposure { clipped, .. }) => {
+                    assert!((clipped - 0.159).abs() < 0.01, "{count} frames: {clipped}");
+                }
+                other => panic!("{count} frames: {other:?}"),
+            }
+        }
     }
 
     #[test]

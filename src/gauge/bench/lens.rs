@@ -116,6 +116,18 @@ impl LensModel {
         }
     }
 
+    /// The same lens before the transposed frame: columns for rows, each keystone for the other.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self {
+            centre_row_px: self.centre_column_px,
+            centre_column_px: self.centre_row_px,
+            keystone_across: self.keystone_along,
+            keystone_along: self.keystone_across,
+            ..*self
+        }
+    }
+
     /// Row from the centre that a perfect lens would have shown, f(u, v), px.
     pub fn ideal(&self, u: f64, v: f64) -> f64 {
         self.ideal_mean(Along::at(u), v)
@@ -133,9 +145,7 @@ impl LensModel {
     /// decentred lens differs along the shaft by up to |q| + |g|.
     pub fn ideal_point(&self, point_px: [f64; 2]) -> [f64; 2] {
         let (u, v) = (point_px[0] - self.centre_column_px, point_px[1] - self.centre_row_px);
-        let turned =
-            Self { keystone_across: self.keystone_along, keystone_along: self.keystone_across, ..*self };
-        [self.centre_column_px + turned.ideal(v, u), self.centre_row_px + self.ideal(u, v)]
+        [self.centre_column_px + self.transposed().ideal(v, u), self.centre_row_px + self.ideal(u, v)]
     }
 
     /// A row of the image as a perfect lens would have shown it, px.
@@ -177,6 +187,21 @@ mod tests {
             let numeric = (width(moved) - width(&lens)) / h;
             assert!((numeric - analytic).abs() < 1e-6 * analytic.abs().max(1.0), "{numeric} {analytic}");
         }
+    }
+
+    #[test]
+    fn the_transposed_lens_corrects_along_the_other_direction() {
+        let lens = LensModel {
+            radial: 1e-3,
+            keystone_across: 2e-4,
+            keystone_along: -3e-4,
+            ..LensModel::perfect(512, 400)
+        };
+        let (column, row) = (371.0, 88.5);
+        let turned = lens.transposed();
+        assert!((turned.ideal_row(row, column) - lens.ideal_point([column, row])[0]).abs() < 1e-12);
+        assert!((lens.ideal_row(column, row) - lens.ideal_point([column, row])[1]).abs() < 1e-12);
+        assert_eq!(turned.transposed(), lens);
     }
 
     /// Over columns the mean of what single columns show.

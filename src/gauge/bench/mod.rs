@@ -6,7 +6,9 @@ mod calibration;
 mod check_pin;
 mod conditions;
 mod date;
+mod defects;
 mod flat_field;
+mod impossible;
 mod lens;
 mod observation;
 
@@ -15,6 +17,7 @@ pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use check_pin::{CheckPin, CheckResult};
 pub use conditions::Conditions;
 pub use date::Date;
+pub use defects::ShaftRuns;
 pub use flat_field::{FlatField, FlatFieldError};
 pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};

@@ -52,7 +52,7 @@ impl Series {
         let mut terms = spectrum(&shape);
         terms.truncate(support.len().div_ceil(2));
         // Beyond four cutoffs less than 2^-16 passes; 2^-64 is below rounding.
-        terms.truncate((8.0 * cutoff.undulations()).ceil() as usize + 1);
+        terms.truncate(((8.0 * cutoff.undulations()).ceil() as usize).saturating_add(1));
         Self { mean, terms }
     }
 

@@ -14,7 +14,7 @@ use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
     MasterPrior, Observation, Thermometer, Validity, observe,
 };
-use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeMisfit, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
@@ -136,8 +136,10 @@ pub fn calibrate(
     bench.conditions = plan.conditions;
     bench.sensor = sensor;
     bench.flat_field = flat_field;
-    let mut calibration =
-        Calibration::of_bench(&adjusted, figures, bench).with_optics_id(&plan.optics_id).with_misfit(misfit);
+    let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
+        .with_optics_id(&plan.optics_id)
+        .with_misfit(misfit)
+        .with_edge_model(&plan.gauge.esf);
     let check = plan
         .check
         .as_ref()
@@ -178,9 +180,12 @@ fn fields(
         return Ok((None, None));
     }
     let dark = recordings.dark(plan)?;
+    at_least_two("fields.dark", dark.len())?;
     let mut flats = Vec::new();
     for index in 0..plan.fields.flats.len() {
-        flats.push((plan.fields.flats[index].exposure, recordings.flat(plan, index)?));
+        let frames = recordings.flat(plan, index)?;
+        at_least_two(&format!("fields.flats[{index}]"), frames.len())?;
+        flats.push((plan.fields.flats[index].exposure, frames));
     }
     let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
     // The brightest one that is not clipped shows defects and light best.
@@ -200,6 +205,16 @@ fn fields(
     let pairs: Vec<FramePair<'_>> = flats.iter().filter_map(|(exposure, f)| pair(*exposure, f)).collect();
     let darks: Vec<FramePair<'_>> = pair(0.0, &dark).into_iter().collect();
     Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
+}
+
+/// One frame of a field says nothing of its noise: left out in silence, it would be missed in the transfer curve only.
+fn at_least_two(key: &str, found: usize) -> Result<(), CalibrateError> {
+    match found {
+        2.. => Ok(()),
+        _ => Err(CalibrateError::Frames(format!(
+            "{key}: {found} frame(s); two or more are needed, so that their noise can be told from the pixels' own pattern"
+        ))),
+    }
 }
 
 fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
@@ -315,11 +330,24 @@ fn judge(
     let n = measured.len() as f64;
     let mean = |f: &dyn Fn(&Budget) -> f64| measured.iter().map(f).sum::<f64>() / n;
     let measured_mm = mean(&|b| b.diameter_mm);
-    let random = (mean(&|b| b.u_random_mm().powi(2)) / n).sqrt();
     let common = mean(&|b| b.u_common_mm().powi(2)).sqrt();
-    Some(
-        CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm: random.hypot(common) }.judge(),
-    )
+    // The mean's budget: every frame's random rows by themselves, the common ones and the certificate together.
+    let mut whole = Budget { diameter_mm: measured_mm, contributions: Vec::new() };
+    let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.share == Share::Random);
+    rows.for_each(|c| whole.push(Contribution { u_mm: c.u_mm / n, ..c.clone() }));
+    let known = |source: &str, u_mm| Contribution {
+        source: source.to_owned(),
+        input: String::new(),
+        shape: Shape::Normal,
+        share: Share::Common,
+        freedom: None,
+        u_mm,
+    };
+    whole.push(known("what all frames share", common));
+    let u_measured_mm = whole.u_mm();
+    whole.push(known("certificate of the check pin", pin.certificate().u_mm()));
+    let coverage_factor = whole.factor_or(None);
+    Some(CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm, coverage_factor }.judge())
 }
 
 /// The adjusted parameters by name with unit and standard uncertainty, for reports.
@@ -360,4 +388,45 @@ pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
             format!("{:.3}", 1e6 * u(5)),
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Buffer, FrameMeta, PixelFormat};
+
+    /// Two dark frames, and as many of each exposure as said.
+    struct Fields(Vec<usize>);
+
+    fn frame() -> Frame {
+        Frame::new(Buffer::U8(vec![9; 64 * 64]), PixelFormat::Mono8, 64, 64, FrameMeta::default()).unwrap()
+    }
+
+    impl Recordings for Fields {
+        fn pin(&mut self, _: usize, _: &PinPlan, _: &Position) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(Vec::new())
+        }
+
+        fn dark(&mut self, _: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(vec![frame(), frame()])
+        }
+
+        fn flat(&mut self, _: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+            Ok((0..self.0[index]).map(|_| frame()).collect())
+        }
+    }
+
+    /// It was left out of the transfer curve without a word.
+    #[test]
+    fn a_flat_field_of_one_frame_is_named() {
+        let plan: CalibrationPlan = toml::from_str(
+            "optics_id = \"any\"\ndate = \"2026-11-22\"\nmasters = []\n\
+             fields.flats = [{ exposure = 0.2 }, { exposure = 0.4 }, { exposure = 1.0 }]",
+        )
+        .unwrap();
+        let said = fields(&plan, &mut Fields(vec![2, 1, 2])).unwrap_err().to_string();
+        assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
+        // With two of each it is the flats themselves that are refused: they are as dark as the dark ones.
+        assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
+    }
 }
