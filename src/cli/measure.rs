@@ -344,16 +344,6 @@ fn measure_one(
     Measured { stem, meta, columns: view.columns(), result }
 }
 
-/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
-fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
-    if let (Ok(edges), Some(bench)) = (&measured.result, calibration.and_then(|c| c.bench.as_ref()))
-        && let Err(error) = bench.check_focus(edges.figures.sigma_px, conditions)
-    {
-        measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
-    }
-    measured
-}
-
 /// Warns where an edge-spread function was to be learnt and could not be.
 fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
     let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.unknown_place_px == [0.0; 2]);
@@ -363,6 +353,16 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
             "{count} frames measured with a Gaussian: their edges show too few sub-pixel phases to learn from; tilt the part by a pixel or more over the field"
         );
     }
+}
+
+/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
+fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
+    if let (Ok(edges), Some(bench)) = (&measured.result, calibration.and_then(|c| c.bench.as_ref()))
+        && let Err(error) = bench.check_focus(edges.figures.sigma_px, conditions)
+    {
+        measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
+    }
+    measured
 }
 
 /// Warns of refused frames; fails with the first one's reason where none could be measured.

@@ -229,7 +229,6 @@ impl<'a> Follower<'a> {
         if let Some(step) = self.args.angle_step {
             meta.angle_deg = step * index as f64;
         }
-        self.warn_of_blur(&meta, edges, out);
         let reading = WidthReading::of_largest(edges, self.calibration);
         let budget = reading.as_ref().map(|r| stated_budget(r, self.calibration, &self.conditions));
         if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
@@ -239,6 +238,7 @@ impl<'a> Follower<'a> {
             self.give_no_diameter(Reason::Implausible, edges, out);
             return;
         }
+        self.warn_of_blur(&meta, edges, out);
         if self.args.turn {
             self.compare_with_turns(&meta, &mut diameters, out);
         }

@@ -40,16 +40,17 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
         let k = budget.factor_or(None);
-        let title = format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm);
-        page.heading(&title).text(&format!(
-            "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = {:.2}.",
-            budget.diameter_mm,
-            1e3 * budget.u_mm(),
-            1e3 * budget.u_random_mm(),
-            1e3 * budget.u_common_mm(),
-            1e3 * k * budget.u_mm(),
-            k
-        ));
+        page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm)).text(
+            &format!(
+                "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = {:.2}.",
+                budget.diameter_mm,
+                1e3 * budget.u_mm(),
+                1e3 * budget.u_random_mm(),
+                1e3 * budget.u_common_mm(),
+                1e3 * k * budget.u_mm(),
+                k
+            ),
+        );
         page.table(&super::BUDGET_HEADER, &super::budget_rows(budget));
     }
     sensor(&mut page, bench)?;
