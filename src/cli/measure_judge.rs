@@ -25,7 +25,7 @@ const TURN_STRETCH_MM: f64 = 1.0;
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
     /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
-    /// largest diameter, its local sizes (means over 65 columns, or over the stations of --station-mm) and its mean.
+    /// largest diameter, its local sizes (means over about 65 columns, or over the stations of --station-mm) and its mean.
     #[arg(long, value_name = "T", value_parser = parse_tolerance)]
     tolerance: Option<Limits>,
     /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
@@ -109,6 +109,12 @@ impl JudgeArgs {
     pub fn coverage_factor(&self) -> Option<f64> {
         self.coverage_factor
     }
+}
+
+/// About [`LOCAL_COLUMNS`], so that no rest of a few columns stays at the end of a frame.
+fn local_columns(columns: usize) -> f64 {
+    let places = (columns as f64 / LOCAL_COLUMNS).round().max(1.0);
+    (columns as f64 / places).ceil()
 }
 
 /// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
@@ -224,7 +230,7 @@ impl<'a> Follower<'a> {
             meta.angle_deg = step * index as f64;
         }
         let reading = WidthReading::of_largest(edges, self.calibration);
-        let budget = reading.map(|r| stated_budget(&r, self.calibration, &self.conditions));
+        let budget = reading.as_ref().map(|r| stated_budget(r, self.calibration, &self.conditions));
         if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
             let why = "its diameter or uncertainty is no number: it has no diameter";
             tracing::warn!("frame {}: {why}", meta.frame_id);
@@ -242,8 +248,7 @@ impl<'a> Follower<'a> {
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
         }
-        let largest = largest_caliper(edges).zip(budget);
-        if let Some((_, budget)) = &largest {
+        if let Some(budget) = &budget {
             self.add_budget(budget, out);
         }
         let averaged = self.average.push(mean);
@@ -251,9 +256,9 @@ impl<'a> Follower<'a> {
             put(out, "average_mm", d.d_mm);
             put(out, "u_average_mm", d.u_mm());
         }
-        let largest = largest.map(|(caliper, budget)| Largest {
-            end_on: caliper.end_on,
-            z_mm: diameters.z_mm(&meta, 0) + caliper.column_px * diameters.pitch_mm,
+        let largest = reading.zip(budget).map(|(reading, budget)| Largest {
+            end_on: largest_caliper(edges).is_some_and(|largest| largest.end_on),
+            z_mm: diameters.z_mm(&meta, 0) + reading.column_px * diameters.pitch_mm,
             diameter: Diameter {
                 d_mm: budget.diameter_mm,
                 u_random_mm: budget.u_random_mm(),
@@ -279,7 +284,7 @@ impl<'a> Follower<'a> {
 
     /// Makes a gap of every column of a frame.
     fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
-        for key in ["max_diameter_mm", "u_max_mm"] {
+        for key in ["max_diameter_px", "u_max_px", "max_diameter_mm", "u_max_mm"] {
             out.insert(key.to_owned(), Value::Null);
         }
         out.insert("valid".to_owned(), json!(0));
@@ -360,7 +365,7 @@ impl<'a> Follower<'a> {
         }
         let (word, length) = match self.args.station_mm {
             Some(length) => ("station", length),
-            None => ("local", LOCAL_COLUMNS * diameters.pitch_mm),
+            None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
         };
         let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
         let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
