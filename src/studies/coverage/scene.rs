@@ -413,7 +413,7 @@ fn measure_stations(
     let gauge = Gauge::new(drawn.plan.gauge.clone())?.expecting(calibration.misfit());
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
-    let (mut common, mut flags) = (None, String::new());
+    let (mut common, mut flags) = (None, Vec::new());
     for k in 0..ANGLES {
         let angle_deg = laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
         let frame = bench.frame(&Laid { angle_deg, ..laid.clone() })?;
@@ -424,11 +424,11 @@ fn measure_stations(
         let meta = FrameMeta { angle_deg, ..FrameMeta::default() };
         averager.add(&meta, &calibration.diameters_under(&edges, &drawn.conditions));
         common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
-        // A scene is flagged by any of its frames.
-        if flags.is_empty() {
-            flags = flag(calibration, &drawn.conditions, &edges);
-        }
+        flags.push(flag(calibration, &drawn.conditions, &edges));
     }
+    // What is wrong with light or lens shows in most frames; columns that one of ten loses by chance are made up for by the others.
+    let clean = flags.iter().filter(|f| f.is_empty()).count();
+    let worst = flags.into_iter().find(|f| !f.is_empty() && 2 * clean < ANGLES).unwrap_or_default();
     let station = averager.finish(1).stations[STATIONS / 2];
     let (Some(d), Some(reading)) = (station.reading.value(), common) else {
         return Ok(refused("gap".to_owned()));
@@ -448,5 +448,5 @@ fn measure_stations(
     let true_mm = truth::station_diameter_mm(&laid.shaft, -half, half)?;
     // The shaft drawn carries finish and drift, which are not the part's.
     let added_mm = 2.0 * laid.shaft.profile[0].radius_mm - d20_mm;
-    Ok(outcome(&budget, true_mm - added_mm, flags))
+    Ok(outcome(&budget, true_mm - added_mm, worst))
 }
