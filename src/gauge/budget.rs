@@ -143,9 +143,9 @@ impl Budget {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
     }
 
-    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom: 2 where there are many.
+    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom, to four decimals: 2 where there are many.
     pub fn factor_or(&self, given: Option<f64>) -> f64 {
-        given.unwrap_or_else(|| self.coverage_factor(PROBABILITY))
+        given.unwrap_or_else(|| (1e4 * self.coverage_factor(PROBABILITY)).round() / 1e4)
     }
 
     /// Half width of the interval about the diameter that holds a probability when every row has its own distribution
