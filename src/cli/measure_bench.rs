@@ -10,8 +10,8 @@ use crate::frame::FrameView;
 use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, Lanes};
 
 /// Rounds in which ways of using the threads take turns, and frames of a round.
-const ROUNDS: usize = 25;
-const FRAMES: usize = 64;
+const ROUNDS: usize = 15;
+const FRAMES: usize = 256;
 
 /// Times `count` frames in one stream that starts anew, on the threads of the pool that this is called in.
 pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
