@@ -82,10 +82,10 @@ fn print(study: &StabilityStudy) {
         let verdict = if r.stable { "stable  " } else { "UNSTABLE" };
         let margin = r.gain_margin.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}"));
         say_line!(
-            "{verdict} at g = {:<5} radius {:.4}  margin {margin:>5}  peak {:>7.3}  {}  {}: {}",
+            "{verdict} at g = {:<5} radius {:.4}  margin {margin:>5}  peak {:>7}  {}  {}: {}",
             r.plant_gain,
             r.spectral_radius,
-            r.peak_error,
+            peak_text(&r),
             r.controller,
             r.plant,
             r.stable_gains
@@ -129,7 +129,7 @@ fn write(folder: &StudyFolder, study: &StabilityStudy) -> Result<(), Failure> {
         "e(k+1) = α e(k) − g o(k+1): α = 0 with a constant disturbance, 1 − g with error copying, 1.3566 for the \
          error-transfer plant of paper 003. Stable where every pole lies inside the unit circle.",
     );
-    page.figure(&svg, "Spectral radius over the plant gain; below 1 errors die out.");
+    page.figure(&svg, "Spectral radius over the plant gain, drawn up to 2; below 1 errors die out.");
     page.figure(
         &locus,
         "Root locus: every pole of every loop with error copying as the plant gain goes from 0.01 to 2.4; dashed: unit circle.",
@@ -160,6 +160,11 @@ fn root_locus(study: &StabilityStudy) -> Result<String, Failure> {
     .map_err(Failure::fail)
 }
 
+/// The largest error of a loop whose errors die out.
+fn peak_text(row: &Row) -> String {
+    if row.stable { format!("{:.3}", row.peak_error) } else { "grows".to_owned() }
+}
+
 fn table(page: &mut Page, rows: &[Row]) {
     let cells: Vec<Vec<String>> = rows
         .iter()
@@ -171,7 +176,7 @@ fn table(page: &mut Page, rows: &[Row]) {
                 format!("{:.4}", r.spectral_radius),
                 r.stable_gains.clone(),
                 r.gain_margin.map_or_else(String::new, |m| format!("{m:.2}")),
-                format!("{:.3}", r.peak_error),
+                peak_text(r),
             ]
         })
         .collect();

@@ -279,7 +279,7 @@ fn decisions(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
                 let master = o
                     .master_deviation_mm
                     .map_or_else(String::new, |d| format!(", master {:+.2} µm", d * 1e3));
-                format!("scan {} of {}, {}{master}", o.scan, o.of.part, o.of.tool)
+                format!("scan up to frame {} of {}, {}{master}", o.scan, o.of.part, o.of.tool)
             });
             let why = [p.alarm.as_ref().map(|a| format!("ALARM: {a}")), p.reason.clone()];
             vec![
