@@ -4,12 +4,16 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
+use shadowgauge::frame::FrameMeta;
+use shadowgauge::gauge::ColumnDiameters;
 use shadowgauge::gauge::form::{
     Cutoff, FormError, Origin, Turn, circular_run_out, gaussian_closed, gaussian_transmission, harmonics,
     hull_from_support, hull_limit, least_squares_circle, maximum_inscribed_circle,
     minimum_circumscribed_circle, polar_profile, total_run_out,
 };
 use shadowgauge::gauge::size::{circumscribed, inscribed, turn_sizes};
+use shadowgauge::gauge::turn_form::{PartForm, TurnAverager};
+use shadowgauge::profile::{Diameter, Reading};
 
 const NM: f64 = 1e-6;
 
@@ -173,6 +177,55 @@ fn sizes_are_those_of_the_hull() {
     let three = Body { radius: 25.0, lobes: vec![(3.0, 0.02, 0.1)] }.turn(720, |_| 0.0);
     let s = turn_sizes(&three, Cutoff::UPR_50, 1e-4).unwrap();
     assert!(s.max_caliper_mm - s.min_caliper_mm < 1e-3 && s.gn_mm - s.gx_mm > 0.07);
+}
+
+/// Half a turn of a cylinder in 36 angles, four columns each, edges with noise of `sd` mm.
+fn half_turn(sd: f64, rng: &mut rand_pcg::Pcg64) -> PartForm {
+    use rand_distr::{Distribution, Normal};
+    let noise = Normal::new(0.0, sd).unwrap();
+    let mut averager = TurnAverager::new(vec![0.0], 1.0);
+    for k in 0..36 {
+        let edges: Vec<[f64; 2]> = (0..4).map(|_| [noise.sample(rng), noise.sample(rng)]).collect();
+        let diameter = |e: &[f64; 2]| {
+            Reading::Value(Diameter {
+                d_mm: 50.0 + e[0] - e[1],
+                u_random_mm: sd * 2.0_f64.sqrt(),
+                u_common_mm: 0.0,
+            })
+        };
+        let diameters = ColumnDiameters {
+            readings: edges.iter().map(diameter).collect(),
+            shared_mm: vec![0.0; 4],
+            shared_length: 64.0,
+            pitch_mm: 0.1,
+            width_px: vec![500.0; 4],
+            middle_mm: edges.iter().map(|e| 0.5 * (e[0] + e[1])).collect(),
+        };
+        averager.add(&FrameMeta { angle_deg: 5.0 * f64::from(k), ..FrameMeta::default() }, &diameters);
+    }
+    averager.finish(Cutoff::UPR_15)
+}
+
+/// Over half a turn every reading stands in two places of the turn, which makes it no surer.
+#[test]
+fn over_half_a_turn_the_uncertainty_is_that_of_readings_that_count_once() {
+    use rand::SeedableRng;
+    let mut rng = rand_pcg::Pcg64::seed_from_u64(6);
+    let (mut error, mut stated, mut lobe, mut stated_lobe) = (0.0, 0.0, 0.0, 0.0);
+    for _ in 0..400 {
+        let form = half_turn(1e-4, &mut rng);
+        let section = &form.sections[0];
+        assert!(section.half_turn);
+        let two = section.harmonics.section.iter().find(|h| h.lobes == 2).unwrap();
+        error += (section.gg_mm - 50.0).powi(2);
+        stated += section.u_gg_mm.powi(2);
+        // Two quadratures.
+        lobe += 0.5 * two.amplitude_mm.powi(2);
+        stated_lobe += two.u_amplitude_mm.powi(2);
+    }
+    let (size, amplitude) = ((error / stated).sqrt(), (lobe / stated_lobe).sqrt());
+    println!("scatter over stated: GG {size:.3}, two lobes {amplitude:.3}");
+    assert!((0.9..1.1).contains(&size) && (0.9..1.1).contains(&amplitude), "{size} {amplitude}");
 }
 
 #[test]

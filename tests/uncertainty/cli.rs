@@ -105,8 +105,13 @@ pub fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
 
 /// Frames of a part of 5.0 mm before the calibrated bench.
 fn part(folder: &Path, frames: usize) -> String {
+    part_before(folder, frames, PLAN)
+}
+
+/// The same before the bench of another plan.
+fn part_before(folder: &Path, frames: usize, plan: &str) -> String {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let mut bench = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
+    let mut bench = SimulatedBench::new(&renderer, true_bench(plan), 0.0, 3);
     for i in 0..frames {
         save(&bench.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.join(format!("part/{i:03}.png")));
     }
@@ -116,6 +121,48 @@ fn part(folder: &Path, frames: usize) -> String {
 pub fn json(output: &Output) -> Value {
     assert!(output.status.code().is_some_and(|c| c < 2), "{}", text(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A picture and the same read column by column.
+fn upright(folder: &Path, image: &str) -> String {
+    let level = image::open(image).unwrap().into_luma16();
+    let turned = image::ImageBuffer::from_fn(level.height(), level.width(), |x, y| *level.get_pixel(y, x));
+    let to = path(folder, "upright.png");
+    turned.save(&to).unwrap();
+    to
+}
+
+#[test]
+fn a_calibration_holds_for_its_edge_model_and_for_upright_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    // A square sensor: turned pictures are of its size.
+    let plan = PLAN.replace("columns = 320", "columns = 512");
+    assert_eq!(calibrate(folder.path(), &plan).status.code(), Some(0));
+    let calibration = path(folder.path(), "calibration.json");
+    part_before(folder.path(), 1, &plan);
+    let level = path(folder.path(), "part/000.png");
+    let upright = upright(folder.path(), &level);
+    let measure = |image: &str, more: &[&str]| {
+        let fixed = ["measure", image, "--calibration", &calibration, "--as-of", "2026-12-01", "--json"];
+        shadowgauge(&[&fixed[..], more].concat())
+    };
+    // The offset holds for the Gaussian that was fitted to the masters.
+    let learnt = measure(&level, &["--esf", "learnt"]);
+    assert_eq!(learnt.status.code(), Some(2));
+    assert!(text(&learnt.stderr).contains("edge-spread function gaussian"), "{}", text(&learnt.stderr));
+    // A perfect lens is the same either way round, but for what noise left of its keystones in the adjustment.
+    let (lying, standing) = (json(&measure(&level, &[])), json(&measure(&upright, &["--vertical"])));
+    for key in ["max_diameter_mm", "mean_diameter_mm", "u_max_mm"] {
+        let [a, b] = [&lying, &standing].map(|all| all["frames"][0][key].as_f64().unwrap());
+        assert!((a - b).abs() < 2e-5, "{key}: {a} {b}");
+    }
+    // Rows that no window read lie between the edges.
+    let wide = |more: &[&str]| {
+        let all =
+            json(&shadowgauge(&[&["measure", &level, "--um-per-px", "15.27", "--json"], more].concat()));
+        all["frames"][0]["max_diameter_px"].as_f64().unwrap()
+    };
+    assert!((wide(&["--rows-between", "1000"]) - wide(&[]) - 1000.0).abs() < 1e-3);
 }
 
 #[test]

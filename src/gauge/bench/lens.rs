@@ -166,14 +166,18 @@ impl LensModel {
 mod tests {
     use super::*;
 
-    #[test]
-    fn derivatives_are_those_of_the_width() {
-        let lens = LensModel {
+    fn distorting() -> LensModel {
+        LensModel {
             radial: 1e-3,
             keystone_across: 2e-4,
             keystone_along: -3e-4,
             ..LensModel::perfect(512, 400)
-        };
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_width() {
+        let lens = distorting();
         let (u, top, bottom, h) = (77.0, -140.0, 120.5, 1e-5);
         let u = Along { mean_px: u, variance_px2: 900.0 };
         let width = |l: &LensModel| l.ideal_mean(u, bottom) - l.ideal_mean(u, top);
@@ -191,12 +195,7 @@ mod tests {
 
     #[test]
     fn the_transposed_lens_corrects_along_the_other_direction() {
-        let lens = LensModel {
-            radial: 1e-3,
-            keystone_across: 2e-4,
-            keystone_along: -3e-4,
-            ..LensModel::perfect(512, 400)
-        };
+        let lens = distorting();
         let (column, row) = (371.0, 88.5);
         let turned = lens.transposed();
         assert!((turned.ideal_row(row, column) - lens.ideal_point([column, row])[0]).abs() < 1e-12);
