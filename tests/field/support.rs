@@ -1,0 +1,42 @@
+//! What the modules share: the folder of the collection, and the program run from outside.
+#![allow(dead_code, reason = "not every module uses every helper")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// The path of `name` in the collection, or `None` with a loud word where `$SHADOWGAUGE_FIELD` is not set.
+pub(crate) fn collected(name: &str) -> Option<PathBuf> {
+    let path = std::env::var_os("SHADOWGAUGE_FIELD").map(|folder| Path::new(&folder).join(name));
+    match path {
+        Some(path) => {
+            assert!(path.exists(), "SHADOWGAUGE_FIELD holds no {}", path.display());
+            Some(path)
+        }
+        None => {
+            eprintln!("SKIPPED: SHADOWGAUGE_FIELD is not set; {name} is not tested");
+            None
+        }
+    }
+}
+
+/// Runs the program with `arguments`.
+pub(crate) fn shadowgauge<I, S>(arguments: I) -> Output
+where
+    I: IntoIterator<Item = S>,
+    S: AsRef<std::ffi::OsStr>,
+{
+    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).output().expect("the program runs")
+}
+
+/// The document that `measure --json` prints for `file` at 1000 µm per pixel (millimetres read as pixels), with
+/// further `options`; panics with the program's own words where it refuses.
+pub(crate) fn measured(file: &Path, options: &[&str]) -> Value {
+    let mut arguments = vec!["measure".as_ref(), file.as_os_str()];
+    arguments.extend(["--um-per-px", "1000", "--json"].map(std::ffi::OsStr::new));
+    arguments.extend(options.iter().map(std::ffi::OsStr::new));
+    let output = shadowgauge(arguments);
+    assert!(!output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON on stdout")
+}
