@@ -4,6 +4,10 @@
 //! machine's axes (z along the spindle, x up in the image, y towards the camera): row = r0 - x/p,
 //! column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central column c0 = (columns - 1)/2.
 
+mod encoding;
+
+pub use encoding::Encoding;
+
 use thiserror::Error;
 
 /// Grey values of a frame, borrowed, in the container the camera used.
@@ -136,6 +140,7 @@ pub struct FrameView<'a> {
     columns: usize,
     row_stride: usize,
     column_stride: usize,
+    stated_full_scale: Option<f32>,
 }
 
 impl<'a> FrameView<'a> {
@@ -162,7 +167,15 @@ impl<'a> FrameView<'a> {
         if pixels.len() < needed {
             return Err(FrameError::TooShort { found: pixels.len(), needed, rows, columns, stride });
         }
-        Ok(Self { pixels, format, rows, columns, row_stride: stride, column_stride: 1 })
+        Ok(Self {
+            pixels,
+            format,
+            rows,
+            columns,
+            row_stride: stride,
+            column_stride: 1,
+            stated_full_scale: None,
+        })
     }
 
     /// The same pixels with rows and columns exchanged, without a copy: a vertical shaft seen as a horizontal one.
@@ -185,6 +198,12 @@ impl<'a> FrameView<'a> {
     /// Format of the grey values.
     pub fn format(&self) -> PixelFormat {
         self.format
+    }
+
+    /// Largest count that the frame can carry: what its file states (a PGM's `maxval`, `sBIT`), else its
+    /// format's; `None` where neither is known.
+    pub fn full_scale(&self) -> Option<f32> {
+        self.stated_full_scale.or_else(|| self.format.full_scale().map(f32::from))
     }
 
     /// Number of rows, at least 1.
@@ -288,6 +307,8 @@ pub struct FrameMeta {
     pub z_mm: f64,
     /// The window of the sensor this frame shows; `None` for a full frame.
     pub roi: Option<Roi>,
+    /// How its file had encoded light; the frame's own grey values are linear.
+    pub encoding: Encoding,
 }
 
 /// A frame that owns its pixels, row-major without padding.
@@ -297,6 +318,7 @@ pub struct Frame {
     format: PixelFormat,
     rows: usize,
     columns: usize,
+    stated_full_scale: Option<f32>,
     /// What is known beside the pixels.
     pub meta: FrameMeta,
 }
@@ -314,7 +336,14 @@ impl Frame {
         meta: FrameMeta,
     ) -> Result<Self, FrameError> {
         FrameView::new(buffer.as_pixels(), format, rows, columns, columns)?;
-        Ok(Self { buffer, format, rows, columns, meta })
+        Ok(Self { buffer, format, rows, columns, stated_full_scale: None, meta })
+    }
+
+    /// States the largest count that the frame can carry, where it is not its format's own (10-bit values
+    /// up to 1000, floats with a known full scale). What is not above 0 states nothing.
+    #[must_use]
+    pub fn with_full_scale(self, counts: f32) -> Self {
+        Self { stated_full_scale: (counts > 0.0).then_some(counts), ..self }
     }
 
     /// The pixels as the gauge reads them.
@@ -326,6 +355,7 @@ impl Frame {
             columns: self.columns,
             row_stride: self.columns,
             column_stride: 1,
+            stated_full_scale: self.stated_full_scale,
         }
     }
 

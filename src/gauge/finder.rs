@@ -156,7 +156,7 @@ impl EdgeStream {
         }
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let scale = Scale {
-            clip: view.format().full_scale().map(|full| sign * f32::from(full)),
+            clip: view.full_scale().map(|full| sign * full),
             floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 },
         };
         with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))

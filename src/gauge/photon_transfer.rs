@@ -238,7 +238,7 @@ fn mean_of(all: &[PairStatistics]) -> PairStatistics {
 fn statistics(pair: &FramePair<'_>) -> PairStatistics {
     let (rows, columns) = (pair.first.rows(), pair.first.columns());
     let n = (rows * columns) as f64;
-    let full = pair.first.format().full_scale().map(f32::from);
+    let full = pair.first.full_scale();
     let value = |view: &FrameView<'_>, r: usize, c: usize| f64::from(view.get(r, c).unwrap_or(0.0));
     let (mut sum_a, mut sum_b, mut clipped) = (0.0, 0.0, 0.0);
     for r in 0..rows {

@@ -361,6 +361,7 @@ impl Scene {
             angle_deg: request.angle_deg,
             z_mm: request.z_mm,
             roi: request.roi,
+            ..FrameMeta::default()
         }
     }
 

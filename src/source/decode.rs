@@ -1,25 +1,23 @@
-//! Image bytes to grey frames: PNG, TIFF (8, 16 bit and f32), JPEG, BMP, PGM.
+//! Image bytes to grey frames: PNG, TIFF and BigTIFF, JPEG, BMP, PGM and its kin.
 //!
-//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files. Without further knowledge a
-//! 16-bit file is 12-bit where no value exceeds 4095, else 16-bit.
+//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files. Encoded ones become
+//! proportional to the light (`transfer`), turned pictures upright (`orientation`). Without further knowledge a 16-bit file is
+//! 12-bit where no value exceeds 4095, else 16-bit. Memory: the file's samples, unpacked, and the frame.
 
-use std::io::Cursor;
-
-use image::codecs::bmp::BmpDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
-use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
 
-use super::jpeg;
-use crate::frame::{Buffer, Frame, FrameMeta, PixelFormat};
+use super::raster::{Channel, Raster};
+use super::scale::FileScale;
+use super::{bmp, depth, jpeg, orientation, png, pnm, tiff};
+use crate::frame::{Frame, FrameMeta, PixelFormat};
 
 /// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for all memory.
-const MOST_PIXELS: u64 = 1 << 28;
+pub(super) const MOST_PIXELS: u64 = 1 << 28;
 /// Longest side of an image, px.
 const LONGEST_SIDE: u32 = 65_535;
 
 /// Why bytes are not a grey frame.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DecodeError {
     /// No byte at all.
@@ -31,9 +29,38 @@ pub enum DecodeError {
     /// An image that ends early or is damaged.
     #[error("damaged or truncated image: {0}")]
     Damaged(String),
-    /// A colour image or one with transparency.
-    #[error("a {0} image; one grey channel without transparency is needed")]
+    /// A form of a known format that is not read.
+    #[error("{0}")]
+    Unsupported(String),
+    /// Channels that are neither grey nor red, green and blue.
+    #[error("{0}; one grey channel without transparency is needed, or red, green and blue")]
     NotGrey(String),
+    /// A colour image of which no channel was chosen.
+    #[error(
+        "a colour image: red {}, green {}, blue {} at row {row}, column {column}; one grey channel is needed: choose one \
+         (--channel r|g|b) or record in grey", value[0], value[1], value[2]
+    )]
+    Coloured {
+        /// Row of the first pixel of unequal channels.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Its red, green and blue.
+        value: [f64; 3],
+    },
+    /// Pixels that hold no light.
+    #[error(
+        "a pixel that is not opaque at row {row}, column {column}; a grey image without transparency is needed"
+    )]
+    Transparent {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// Grey values encoded in a way that is not undone.
+    #[error("encoded grey values: {0}")]
+    Encoding(String),
     /// An image too large to be a frame.
     #[error(
         "{columns} x {rows} pixels are more than a frame may have ({LONGEST_SIDE} a side, {MOST_PIXELS} in all)"
@@ -44,9 +71,14 @@ pub enum DecodeError {
         /// Rows.
         rows: u32,
     },
-    /// A TIFF of several pages.
-    #[error("a TIFF of several pages; one frame a file is needed")]
-    SeveralPages,
+    /// A page that is not there.
+    #[error("page {page}; the file has {pages}, counted from 0")]
+    NoPage {
+        /// The page asked for.
+        page: usize,
+        /// How many there are.
+        pages: usize,
+    },
     /// A JPEG whose whole picture is kept as coefficients while it is decoded: three times the frame's memory.
     #[error("a progressive JPEG; save it as a baseline JPEG, or without loss as PNG, TIFF, BMP or PGM")]
     Progressive,
@@ -67,38 +99,146 @@ pub enum DecodeError {
     #[error("a grey value of {found} in a frame said to have {bits} bits")]
     BeyondDepth {
         /// Largest value.
-        found: u16,
+        found: String,
         /// Stated bit depth.
         bits: u8,
     },
 }
 
-/// Decodes one image. `bit_depth` is what is known beside the file (`frames.csv`): 8, 10, 12, 14 or 16 (16-bit files only).
+/// What is wanted of an image, and what is known beside it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// Bits of a grey value (`frames.csv`): 8, 10, 12, 14 or 16.
+    pub bit_depth: Option<u8>,
+    /// Channel of a colour image; without it all three must be equal.
+    pub channel: Option<Channel>,
+    /// Page, from 0.
+    pub page: usize,
+}
+
+/// A frame and what its file says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decoded {
+    /// The frame: upright, its grey values proportional to the light.
+    pub frame: Frame,
+    /// The scale of the file's own tags.
+    pub scale: Option<FileScale>,
+    /// What was done to the values that stood in the file, for people to read.
+    pub changed: Vec<String>,
+    /// Bytes that the file's samples took while they were read.
+    pub sample_bytes: usize,
+}
+
+/// Formats by their first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Tiff,
+    Jpeg,
+    Bmp,
+    Pnm,
+}
+
+fn format(bytes: &[u8]) -> Option<Format> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some(Format::Png),
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Format::Tiff),
+        [0xff, 0xd8, 0xff, ..] => Some(Format::Jpeg),
+        [b'B', b'M', ..] => Some(Format::Bmp),
+        [b'P', b'1'..=b'7' | b'f' | b'F', next, ..] if next.is_ascii_whitespace() || *next == b'#' => {
+            Some(Format::Pnm)
+        }
+        _ => None,
+    }
+}
+
+/// How many frames the bytes of a file hold: the pages of a TIFF, else one.
+pub fn pages(bytes: &[u8]) -> usize {
+    if format(bytes) == Some(Format::Tiff) { tiff::pages(bytes).len().max(1) } else { 1 }
+}
+
+/// The first frame of an image, in grey. `bit_depth` is what is known beside the file (`frames.csv`).
 ///
 /// # Errors
-/// Refuses what is empty, no image, damaged, coloured, too large or beyond its stated bit depth.
+/// As [`decode_wanted`].
 pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Frame, DecodeError> {
+    let wanted = Wanted { bit_depth, ..Wanted::default() };
+    decode_wanted(bytes, &wanted, meta).map(|decoded| decoded.frame)
+}
+
+/// Decodes one frame of an image.
+///
+/// # Errors
+/// Refuses what is empty, no image, damaged, coloured without a channel chosen, transparent, encoded in a way that is not
+/// undone, too large or beyond its stated bit depth.
+pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<Decoded, DecodeError> {
     if bytes.is_empty() {
         return Err(DecodeError::Empty);
     }
-    let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
-    let (buffer, columns, rows) = match format {
-        ImageFormat::Tiff => decode_tiff(bytes)?,
-        ImageFormat::Bmp => decode_bmp(bytes)?,
-        _ => decode_other(bytes, format)?,
-    };
-    let format = pixel_format(&buffer, bit_depth)?;
-    let buffer = match buffer {
-        Buffer::U16(values) if format == PixelFormat::Mono8 => {
-            Buffer::U8(values.into_iter().map(|v| v as u8).collect())
+    let format = format(bytes).ok_or(DecodeError::NotAnImage)?;
+    let raster = read(bytes, format, wanted.page)?;
+    let (columns, rows, sample_bytes) = (raster.columns, raster.rows, raster.sample_bytes());
+    let (values, stated) = raster.grey(wanted.channel)?;
+    let settled = depth::settle(values, wanted.bit_depth, stated.significant_bits, stated.full_scale)?;
+    let depth::Depth { mut buffer, format: mut pixel_format, mut full_scale } = settled;
+    let (mut meta, mut changed) = (meta, Vec::new());
+    match &stated.transfer {
+        Some(transfer) if !transfer.encoding().is_linear() => {
+            let full = full_scale.or_else(|| pixel_format.full_scale().map(f32::from));
+            let (light, full) = transfer.linearised(buffer, full)?;
+            (buffer, pixel_format, full_scale) = (light, PixelFormat::F32, Some(full));
+            meta.encoding = transfer.encoding();
+            changed.push(format!(
+                "{}: grey values were encoded ({}) and are made linear",
+                transfer.origin, meta.encoding
+            ));
         }
-        buffer => buffer,
+        None if format == Format::Jpeg => {
+            changed.push(
+                "a JPEG that does not say how it encodes light: grey values are taken as linear".to_owned(),
+            );
+        }
+        _ => {}
+    }
+    let turned = stated.orientation.filter(|o| (2..=8).contains(o));
+    let (mut columns, mut rows, mut scale) = (columns, rows, stated.scale);
+    if let Some(orientation) = turned {
+        buffer = orientation::upright(buffer, columns, orientation);
+        changed.push(format!("orientation tag {orientation}: the picture is set upright"));
+        if orientation::exchanges(orientation) {
+            (columns, rows) = (rows, columns);
+            scale = scale.map(FileScale::transposed);
+        }
+    }
+    let frame = Frame::new(buffer, pixel_format, rows, columns, meta).map_err(damaged)?;
+    let frame = match full_scale {
+        Some(full) => frame.with_full_scale(full),
+        None => frame,
     };
-    Frame::new(buffer, format, rows as usize, columns as usize, meta)
-        .map_err(|e| DecodeError::Damaged(e.to_string()))
+    Ok(Decoded { frame, scale, changed, sample_bytes })
 }
 
-fn check_size(columns: u32, rows: u32) -> Result<(), DecodeError> {
+fn read(bytes: &[u8], format: Format, page: usize) -> Result<Raster, DecodeError> {
+    if format == Format::Tiff {
+        let pages = tiff::pages(bytes);
+        return match pages.get(page) {
+            Some(place) => tiff::read(bytes, *place),
+            None if pages.is_empty() => Err(damaged("a TIFF without a directory of tags")),
+            None => Err(DecodeError::NoPage { page, pages: pages.len() }),
+        };
+    }
+    if page > 0 {
+        return Err(DecodeError::NoPage { page, pages: 1 });
+    }
+    match format {
+        Format::Png => png::read(bytes),
+        Format::Jpeg => jpeg::read(bytes),
+        Format::Bmp => bmp::read(bytes),
+        Format::Pnm | Format::Tiff => pnm::read(bytes),
+    }
+}
+
+pub(super) fn check_size(columns: u32, rows: u32) -> Result<(), DecodeError> {
     let fits = u64::from(columns) * u64::from(rows) <= MOST_PIXELS;
     if fits && columns <= LONGEST_SIDE && rows <= LONGEST_SIDE {
         Ok(())
@@ -107,104 +247,18 @@ fn check_size(columns: u32, rows: u32) -> Result<(), DecodeError> {
     }
 }
 
-fn damaged(error: impl std::fmt::Display) -> DecodeError {
+pub(super) fn damaged(error: impl std::fmt::Display) -> DecodeError {
     DecodeError::Damaged(error.to_string())
-}
-
-fn decode_other(bytes: &[u8], format: ImageFormat) -> Result<(Buffer, u32, u32), DecodeError> {
-    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
-    let (columns, rows) = reader().into_dimensions().map_err(damaged)?;
-    check_size(columns, rows)?;
-    if format == ImageFormat::Jpeg {
-        jpeg::check(bytes)?;
-    }
-    let mut limited = reader();
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(16 * MOST_PIXELS);
-    limited.limits(limits);
-    let decoder = limited.into_decoder().map_err(damaged)?;
-    // Before its pixels are unpacked: a colour image takes three to eight times the room of a grey one.
-    let colour = decoder.color_type();
-    if !matches!(colour, ColorType::L8 | ColorType::L16) {
-        return Err(DecodeError::NotGrey(format!("{colour:?}")));
-    }
-    match DynamicImage::from_decoder(decoder).map_err(damaged)? {
-        DynamicImage::ImageLuma8(image) => Ok((Buffer::U8(image.into_raw()), columns, rows)),
-        DynamicImage::ImageLuma16(image) => Ok((Buffer::U16(image.into_raw()), columns, rows)),
-        other => Err(DecodeError::NotGrey(format!("{:?}", other.color()))),
-    }
-}
-
-/// A BMP has no grey of its own, but a palette whose entries may all be grey.
-fn decode_bmp(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
-    let mut decoder = BmpDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
-    let (columns, rows) = decoder.dimensions();
-    check_size(columns, rows)?;
-    let grey = |palette: &[[u8; 3]]| palette.iter().all(|c| c[0] == c[1] && c[1] == c[2]);
-    let Some(levels) = decoder.get_palette().filter(|p| grey(p)).map(|p| p.iter().map(|c| c[0]).collect())
-    else {
-        return Err(DecodeError::NotGrey(format!("{:?}", decoder.color_type())));
-    };
-    let levels: Vec<u8> = levels;
-    decoder.set_indexed_color(true);
-    let mut pixels = vec![0; columns as usize * rows as usize];
-    if decoder.total_bytes() != pixels.len() as u64 {
-        return Err(DecodeError::NotGrey(format!("{:?}", decoder.color_type())));
-    }
-    decoder.read_image(&mut pixels).map_err(damaged)?;
-    pixels.iter_mut().for_each(|p| *p = levels.get(usize::from(*p)).copied().unwrap_or(0));
-    Ok((Buffer::U8(pixels), columns, rows))
-}
-
-fn decode_tiff(bytes: &[u8]) -> Result<(Buffer, u32, u32), DecodeError> {
-    let mut limits = TiffLimits::default();
-    limits.decoding_buffer_size = 4 * MOST_PIXELS as usize;
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
-    let (columns, rows) = decoder.dimensions().map_err(damaged)?;
-    check_size(columns, rows)?;
-    let colour = decoder.colortype().map_err(damaged)?;
-    if !matches!(colour, tiff::ColorType::Gray(8 | 16 | 32)) {
-        return Err(DecodeError::NotGrey(format!("{colour:?}")));
-    }
-    if decoder.more_images() {
-        return Err(DecodeError::SeveralPages);
-    }
-    match decoder.read_image().map_err(damaged)? {
-        DecodingResult::U8(values) => Ok((Buffer::U8(values), columns, rows)),
-        DecodingResult::U16(values) => Ok((Buffer::U16(values), columns, rows)),
-        DecodingResult::F32(values) => Ok((Buffer::F32(values), columns, rows)),
-        _ => Err(DecodeError::NotGrey("signed, 32-bit integer or 64-bit".to_owned())),
-    }
-}
-
-fn pixel_format(buffer: &Buffer, bit_depth: Option<u8>) -> Result<PixelFormat, DecodeError> {
-    let values = match buffer {
-        Buffer::U8(_) => return Ok(PixelFormat::Mono8),
-        Buffer::F32(_) => return Ok(PixelFormat::F32),
-        Buffer::U16(values) => values,
-    };
-    let largest = values.iter().copied().max().unwrap_or(0);
-    let format = match bit_depth {
-        Some(8) => PixelFormat::Mono8,
-        Some(10) => PixelFormat::Mono10,
-        Some(12) => PixelFormat::Mono12,
-        Some(14) => PixelFormat::Mono14,
-        Some(16) => PixelFormat::Mono16,
-        Some(other) => return Err(DecodeError::Depth(other)),
-        None if largest <= 4095 => PixelFormat::Mono12,
-        None => PixelFormat::Mono16,
-    };
-    match format.full_scale() {
-        Some(full) if largest > full => {
-            Err(DecodeError::BeyondDepth { found: largest, bits: format.bit_depth() })
-        }
-        _ => Ok(format),
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
+    use image::ImageFormat;
+
     use super::*;
+    use crate::frame::PixelFormat;
 
     fn png(width: u32, height: u32, colour: image::ExtendedColorType, bytes: &[u8]) -> Vec<u8> {
         let mut out = Vec::new();
@@ -235,7 +289,7 @@ mod tests {
         assert_eq!((frame.view().get(0, 0), frame.view().format()), (Some(4095.0), PixelFormat::Mono12));
         assert!(matches!(
             decode(&bytes, Some(10), FrameMeta::default()),
-            Err(DecodeError::BeyondDepth { found: 4095, bits: 10 })
+            Err(DecodeError::BeyondDepth { bits: 10, .. })
         ));
         let depth = |bits| decode(&bytes, Some(bits), FrameMeta::default()).map(|f| f.view().format());
         assert_eq!(depth(14), Ok(PixelFormat::Mono14));
@@ -252,7 +306,7 @@ mod tests {
         assert_eq!(refusal(&[]), DecodeError::Empty);
         assert_eq!(refusal(b"hello"), DecodeError::NotAnImage);
         let colour = png(1, 1, image::ExtendedColorType::Rgb8, &[1, 2, 3]);
-        assert!(matches!(refusal(&colour), DecodeError::NotGrey(_)));
+        assert!(matches!(refusal(&colour), DecodeError::Coloured { row: 0, column: 0, .. }));
         let whole = png(64, 64, image::ExtendedColorType::L8, &[9; 4096]);
         assert!(matches!(refusal(&whole[..whole.len() / 2]), DecodeError::Damaged(_)));
         assert!(matches!(refusal(&whole[..20]), DecodeError::Damaged(_)));
@@ -276,7 +330,7 @@ mod tests {
         let frame = decode(&encoded(Some(&turned)), None, FrameMeta::default()).unwrap();
         assert_eq!(frame.view().get(0, 1), Some(252.0));
         let red: Vec<[u8; 3]> = (0..=255).map(|i| [255, i, i]).collect();
-        assert!(matches!(refusal(&encoded(Some(&red))), DecodeError::NotGrey(_)));
+        assert!(matches!(refusal(&encoded(Some(&red))), DecodeError::Coloured { .. }));
     }
 
     #[test]
@@ -289,17 +343,23 @@ mod tests {
     }
 
     #[test]
-    fn a_stack_of_frames_in_one_file_is_refused() {
-        let pages = |count: usize| {
-            let mut out = Cursor::new(Vec::new());
-            let mut encoder = tiff::encoder::TiffEncoder::new(&mut out).unwrap();
-            for _ in 0..count {
-                encoder.write_image::<tiff::encoder::colortype::Gray8>(3, 2, &[1, 2, 3, 4, 5, 6]).unwrap();
-            }
-            out.into_inner()
+    fn every_page_of_a_stack_is_a_frame() {
+        let mut out = Cursor::new(Vec::new());
+        let mut encoder = ::tiff::encoder::TiffEncoder::new(&mut out).unwrap();
+        for page in 0..3 {
+            let values = [1, 2, 3, 4, 5, 6].map(|v| 10 * page + v);
+            encoder.write_image::<::tiff::encoder::colortype::Gray8>(3, 2, &values).unwrap();
+        }
+        let bytes = out.into_inner();
+        assert_eq!(pages(&bytes), 3);
+        let frame = |page| {
+            decode_wanted(&bytes, &Wanted { page, ..Wanted::default() }, FrameMeta::default())
+                .map(|d| d.frame)
         };
-        assert!(decode(&pages(1), None, FrameMeta::default()).is_ok());
-        assert_eq!(refusal(&pages(2)), DecodeError::SeveralPages);
+        for page in 0..3 {
+            assert_eq!(frame(page).unwrap().view().get(1, 2), Some(10.0 * page as f32 + 6.0));
+        }
+        assert_eq!(frame(3).unwrap_err(), DecodeError::NoPage { page: 3, pages: 3 });
     }
 
     /// A grey JPEG whose start of frame is altered: (marker, rows, columns, sampling factors).

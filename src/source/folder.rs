@@ -1,20 +1,27 @@
-//! Frames in files: single images and folders, with what `frames.csv` says about them.
+//! Frames in files: single images, stacks and folders, with what `frames.csv` says about them.
 
 use std::collections::HashMap;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use thiserror::Error;
 
-use super::decode::{DecodeError, decode};
+use super::decode::{DecodeError, Wanted, decode_wanted, pages};
+use super::frame_table::{FrameInfo, FrameTable, TableError};
+use super::natural_order::natural;
+use super::raster::Channel;
+use super::scale::FileScale;
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 
 /// Extensions taken for images in a folder.
-const EXTENSIONS: [&str; 7] = ["png", "tif", "tiff", "jpg", "jpeg", "bmp", "pgm"];
+const EXTENSIONS: [&str; 15] = [
+    "png", "tif", "tiff", "btf", "tf8", "jpg", "jpeg", "jpe", "bmp", "pgm", "ppm", "pbm", "pnm", "pam", "pfm",
+];
 /// Largest file read, bytes: an f32 frame of the largest size decoded.
 const LARGEST_FILE: u64 = 1 << 31;
+/// Rows of a table that a notice names one by one.
+const NAMED_ROWS: usize = 5;
 
 /// A file that gives no frame.
 #[derive(Debug, Error)]
@@ -36,6 +43,12 @@ pub enum ReadError {
         /// Why.
         cause: DecodeError,
     },
+    /// It is larger than any recording of one frame.
+    #[error("{path}: more than {LARGEST_FILE} bytes; split the stack into files")]
+    TooLarge {
+        /// The file.
+        path: String,
+    },
     /// A folder without images.
     #[error("{path}: no image in this folder; PNG, TIFF, JPEG, BMP or PGM files are needed")]
     NoImages {
@@ -43,117 +56,67 @@ pub enum ReadError {
         path: String,
     },
     /// A `frames.csv` that cannot be understood.
-    #[error("{path}: {cause}")]
-    Table {
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A table of other frames, or of some.
+    #[error("{path}: {table} has no row for frame {frame}; add one, or move the table away")]
+    NoRow {
         /// The file.
         path: String,
-        /// What is wrong.
-        cause: csv::Error,
-    },
-    /// A value of `frames.csv` that is no number.
-    #[error("{path}: {column} of frame {frame} is not finite")]
-    NotFinite {
-        /// The file.
-        path: String,
+        /// The table.
+        table: String,
         /// The frame.
         frame: String,
-        /// The column.
-        column: &'static str,
+    },
+    /// A scale of the file's own that is not the table's.
+    #[error("{path}: {what}")]
+    Scale {
+        /// The file.
+        path: String,
+        /// Both scales.
+        what: String,
     },
 }
 
-/// One row of `frames.csv`.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[serde(default)]
-pub struct FrameInfo {
-    /// Name of the frame: the file's stem.
-    pub frame: String,
-    /// Start of exposure, ns.
-    pub t_ns: u64,
-    /// Machine z of the central column, mm.
-    pub z_mm: f64,
-    /// Spindle angle, degrees.
-    pub angle_deg: f64,
-    /// Exposure, µs.
-    pub exposure_us: f64,
-    /// Bits of a grey value.
-    pub bit_depth: Option<u8>,
-    /// Nominal scale, µm/px.
-    pub um_per_px: Option<f64>,
-}
-
-/// `frames.csv`, by frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameTable {
-    rows: HashMap<String, FrameInfo>,
-}
-
-impl FrameTable {
-    /// The table beside an image or in the folder above; empty where there is none.
-    ///
-    /// # Errors
-    /// Where there is one that cannot be understood.
-    pub fn beside(image: &Path) -> Result<Self, ReadError> {
-        let folder = image.parent().unwrap_or(Path::new("."));
-        let above = folder.parent().map(|p| p.join("frames.csv"));
-        let candidates = [Some(folder.join("frames.csv")), above];
-        match candidates.into_iter().flatten().find(|path| path.is_file()) {
-            Some(path) => Self::read(&path),
-            None => Ok(Self::default()),
-        }
-    }
-
-    fn read(path: &Path) -> Result<Self, ReadError> {
-        let table = |cause| ReadError::Table { path: path.display().to_string(), cause };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(table)?;
-        let mut rows = HashMap::new();
-        for row in reader.deserialize::<FrameInfo>() {
-            let row = row.map_err(table)?;
-            for (column, value) in
-                [("z_mm", row.z_mm), ("angle_deg", row.angle_deg), ("exposure_us", row.exposure_us)]
-            {
-                if !value.is_finite() {
-                    return Err(ReadError::NotFinite {
-                        path: path.display().to_string(),
-                        frame: row.frame,
-                        column,
-                    });
-                }
-            }
-            rows.insert(key(&row.frame), row);
-        }
-        Ok(Self { rows })
-    }
-
-    /// What is known about a frame; names that are numbers match by value.
-    pub fn of(&self, stem: &str) -> Option<&FrameInfo> {
-        self.rows.get(&key(stem))
-    }
-}
-
-/// `000012` and `12` are the same frame.
-fn key(name: &str) -> String {
-    name.parse::<u64>().map_or_else(|_| name.to_owned(), |n| n.to_string())
-}
-
-/// A frame and the stem of its file.
+/// A frame, the name of its file (with its page: `stack#3`), and what the file says of itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredFrame {
-    /// The file's stem.
+    /// The file's stem; `stem#page`, counted from 0, where the file has several pages.
     pub stem: String,
     /// The frame.
     pub frame: Frame,
+    /// Scale of the table or of the file's own tags.
+    pub scale: Option<FileScale>,
+    /// What was done to the values that stood in the file, for people to read.
+    pub changed: Vec<String>,
 }
 
-/// Images of a folder (or of its `frames` folder), sorted by name; a file is itself.
+/// Images of a folder in the order of the numbers in their names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listing {
+    /// The images.
+    pub images: Vec<PathBuf>,
+    /// Two names that stand the other way round in plain order (`img10`, `img2`), where there are any.
+    pub reordered: Option<(String, String)>,
+}
+
+/// As [`listing`], the images alone.
+///
+/// # Errors
+/// As [`listing`].
+pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    listing(path).map(|l| l.images)
+}
+
+/// Images of a folder (or of its `frames` folder), in natural order of their names; a file is itself.
 ///
 /// # Errors
 /// Where the path cannot be read or the folder holds no image.
-pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+pub fn listing(path: &Path) -> Result<Listing, ReadError> {
     let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
     let kind = fs::metadata(path).map_err(io)?;
     if !kind.is_dir() {
-        return Ok(vec![path.to_owned()]);
+        return Ok(Listing { images: vec![path.to_owned()], reordered: None });
     }
     let mut images = images_in(path).map_err(io)?;
     if images.is_empty() && path.join("frames").is_dir() {
@@ -162,15 +125,26 @@ pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
     if images.is_empty() {
         return Err(ReadError::NoImages { path: path.display().to_string() });
     }
-    Ok(images)
+    let reordered = out_of_order(&images);
+    images.sort_by(|a, b| natural(&name(a), &name(b)));
+    Ok(Listing { images, reordered })
 }
 
+/// The first two neighbours of a list that natural order puts the other way round.
+pub fn out_of_order(images: &[PathBuf]) -> Option<(String, String)> {
+    let pair = images.windows(2).find(|pair| natural(&name(&pair[0]), &name(&pair[1])).is_gt())?;
+    Some((name(&pair[0]), name(&pair[1])))
+}
+
+/// In plain order.
 fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut images = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if path.is_file() && extension.is_some_and(|e| EXTENSIONS.contains(&e.as_str())) {
+        let extension = path.extension().map(|e| e.to_string_lossy().into_owned());
+        // Some systems leave a hidden `._name.png` beside every file.
+        let hidden = name(&path).starts_with('.');
+        if !hidden && path.is_file() && extension.is_some_and(|e| is_image_extension(&e)) {
             images.push(path);
         }
     }
@@ -178,60 +152,203 @@ fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(images)
 }
 
+pub(super) fn is_image_extension(extension: &str) -> bool {
+    EXTENSIONS.contains(&extension.to_ascii_lowercase().as_str())
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+}
+
+/// The file whose frames come next.
+#[derive(Debug)]
+struct Open {
+    path: PathBuf,
+    content: Result<Vec<u8>, ReadError>,
+    pages: usize,
+    page: usize,
+}
+
+impl Open {
+    fn stem(&self) -> String {
+        let stem = stem(&self.path);
+        if self.pages > 1 { format!("{stem}#{}", self.page) } else { stem }
+    }
+}
+
 /// The frames of a list of files, one after another.
 #[derive(Debug, Default)]
 pub struct FileFrames {
     paths: Vec<PathBuf>,
     next: usize,
+    open: Option<Open>,
+    given: u64,
+    channel: Option<Channel>,
     tables: HashMap<PathBuf, FrameTable>,
+    notices: Vec<String>,
 }
 
 impl FileFrames {
     /// Frames of these files, in this order.
     pub fn new(paths: Vec<PathBuf>) -> Self {
-        Self { paths, next: 0, tables: HashMap::new() }
+        Self { paths, ..Self::default() }
     }
 
-    /// Stem of the file that comes next.
-    pub fn next_stem(&self) -> Option<String> {
-        self.paths.get(self.next).map(|p| stem(p))
+    /// Takes this channel of colour images.
+    #[must_use]
+    pub fn of_channel(self, channel: Option<Channel>) -> Self {
+        Self { channel, ..self }
     }
 
-    /// Reads the next file; `None` at the end. After an error the next call goes on with the next file.
+    /// What was found beside the frames that someone should know, since the last call.
+    pub fn take_notices(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notices)
+    }
+
+    /// Name of the frame that comes next; opens its file.
+    pub fn next_stem(&mut self) -> Option<String> {
+        self.open_next()?;
+        self.open.as_ref().map(Open::stem)
+    }
+
+    /// Reads the next frame; `None` at the end. After an error the next call goes on with the next one.
     pub fn next_stored(&mut self) -> Option<Result<StoredFrame, ReadError>> {
-        let path = self.paths.get(self.next)?.clone();
-        self.next += 1;
-        Some(self.read(&path))
+        self.open_next()?;
+        let mut open = self.open.take()?;
+        let read = match &open.content {
+            Ok(bytes) => self.read(&open, bytes),
+            Err(_) => match std::mem::replace(&mut open.content, Ok(Vec::new())) {
+                Err(error) => Err(error),
+                Ok(_) => return None,
+            },
+        };
+        open.page += 1;
+        self.given += 1;
+        if open.page < open.pages {
+            self.open = Some(open);
+        }
+        Some(read)
     }
 
-    fn read(&mut self, path: &Path) -> Result<StoredFrame, ReadError> {
-        let name = path.display().to_string();
-        let io = |cause| ReadError::Io { path: name.clone(), cause };
-        let mut bytes = Vec::new();
-        let file = fs::File::open(path).map_err(io)?;
-        file.take(LARGEST_FILE).read_to_end(&mut bytes).map_err(io)?;
-        let stem = stem(path);
-        let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
-        if !self.tables.contains_key(&folder) {
-            self.tables.insert(folder.clone(), FrameTable::beside(path)?);
+    fn open_next(&mut self) -> Option<()> {
+        if self.open.is_none() {
+            let path = self.paths.get(self.next)?.clone();
+            self.next += 1;
+            let content = bytes_of(&path);
+            let pages = content.as_ref().map_or(1, |bytes| pages(bytes));
+            self.open = Some(Open { path, content, pages, page: 0 });
         }
-        let info = self.tables.get(&folder).and_then(|t| t.of(&stem)).cloned().unwrap_or_default();
+        Some(())
+    }
+
+    fn read(&mut self, open: &Open, bytes: &[u8]) -> Result<StoredFrame, ReadError> {
+        let path = open.path.display().to_string();
+        let stem = open.stem();
+        let info = self.info(&open.path, &stem)?;
         let meta = FrameMeta {
-            frame_id: stem.parse().unwrap_or(self.next as u64 - 1),
+            frame_id: stem.parse().unwrap_or(self.given),
             t_ns: info.t_ns,
             exposure_us: info.exposure_us,
             angle_deg: info.angle_deg,
             z_mm: info.z_mm,
-            roi: None,
+            ..FrameMeta::default()
         };
-        let frame = decode(&bytes, info.bit_depth, meta)
-            .map_err(|cause| ReadError::Decode { path: name.clone(), cause })?;
-        Ok(StoredFrame { stem, frame })
+        let wanted = Wanted { bit_depth: info.bit_depth, channel: self.channel, page: open.page };
+        let decoded = decode_wanted(bytes, &wanted, meta)
+            .map_err(|cause| ReadError::Decode { path: page_name(open), cause })?;
+        let mut scale = decoded.scale;
+        if let Some(um_per_px) = info.um_per_px {
+            let table = format!("frames.csv (row {})", info.row);
+            let own = scale.as_ref().map_or(Ok(()), |own| own.check(um_per_px, &table));
+            own.map_err(|what| ReadError::Scale { path, what })?;
+            scale = Some(FileScale::stated(um_per_px, table));
+        }
+        Ok(StoredFrame { stem, frame: decoded.frame, scale, changed: decoded.changed })
+    }
+
+    /// The row of a frame; the default where there is no table.
+    fn info(&mut self, path: &Path, stem: &str) -> Result<FrameInfo, ReadError> {
+        let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
+        if !self.tables.contains_key(&folder) {
+            let table = table_of(&folder, &mut self.notices)?;
+            self.tables.insert(folder.clone(), table);
+        }
+        let Some(table) = self.tables.get(&folder).filter(|t| !t.is_empty()) else {
+            return Ok(FrameInfo::default());
+        };
+        table.of(stem).cloned().ok_or_else(|| ReadError::NoRow {
+            path: path.display().to_string(),
+            table: table.path.display().to_string(),
+            frame: stem.to_owned(),
+        })
     }
 }
 
-fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+fn page_name(open: &Open) -> String {
+    let path = open.path.display();
+    if open.pages > 1 { format!("{path}#{}", open.page) } else { path.to_string() }
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+    let io = |cause| ReadError::Io { path: path.display().to_string(), cause };
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(io)?;
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(ReadError::TooLarge { path: path.display().to_string() });
+    }
+    Ok(bytes)
+}
+
+/// The table beside the images of a folder, or in the folder above where it is theirs; empty where there is none.
+fn table_of(folder: &Path, notices: &mut Vec<String>) -> Result<FrameTable, TableError> {
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let beside = here.join("frames.csv");
+    let above = here.canonicalize().ok().and_then(|f| Some(f.parent()?.join("frames.csv")));
+    let (path, is_above) = if beside.is_file() {
+        (beside, false)
+    } else if let Some(above) = above.filter(|path| path.is_file()) {
+        (above, true)
+    } else {
+        return Ok(FrameTable::default());
+    };
+    let table = FrameTable::read(&path)?;
+    let stems: Vec<String> = images_in(here).unwrap_or_default().iter().map(|p| stem(p)).collect();
+    if is_above && !table.knows_any(&stems) {
+        notices.push(format!(
+            "{}: not used, no row is that of an image in {}",
+            path.display(),
+            here.display()
+        ));
+        return Ok(FrameTable::default());
+    }
+    let missing = table.without_image(&stems);
+    if let Some(first) = missing.first() {
+        let named = missing.iter().take(NAMED_ROWS).map(|i| format!("{} ({})", i.row, i.frame));
+        let named = named.collect::<Vec<_>>().join(", ");
+        let more = if missing.len() > NAMED_ROWS { ", …" } else { "" };
+        notices.push(if missing.len() == 1 {
+            format!(
+                "{}, row {}: no image of frame {} in {}",
+                path.display(),
+                first.row,
+                first.frame,
+                here.display()
+            )
+        } else {
+            format!(
+                "{}: {} rows without an image in {}: {named}{more}",
+                path.display(),
+                missing.len(),
+                here.display()
+            )
+        });
+    }
+    Ok(table)
 }
 
 impl FrameSource for FileFrames {
@@ -243,7 +360,9 @@ impl FrameSource for FileFrames {
         }
     }
 
+    /// Files to come; a stack that is not opened yet counts as one frame.
     fn remaining(&self) -> Option<usize> {
-        Some(self.paths.len() - self.next)
+        let open = self.open.as_ref().map_or(0, |open| open.pages - open.page);
+        Some(self.paths.len() - self.next + open)
     }
 }

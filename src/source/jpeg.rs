@@ -1,10 +1,20 @@
-//! What of a JPEG is decoded: grey, sequential, and in strips that take less memory than the frame.
+//! JPEG: grey and three channels, sequential, in strips that take less memory than the frame.
+//!
+//! JFIF (T.871) says nothing of how light is encoded: grey values of a JPEG without an ICC profile and without EXIF's colour space
+//! are taken as they stand. Cameras that photograph write sRGB and say so; what machine-vision cameras write is linear
+//! unless their gamma was set.
 
 use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 use zune_jpeg::{ImageInfo, JpegDecoder, SampleRatios};
 
-use super::decode::DecodeError;
+use super::decode::{DecodeError, check_size};
+use super::ifd::Exif;
+use super::raster::{Raster, Stated};
+use super::scale::FileScale;
+use super::transfer::Transfer;
+use crate::frame::Buffer;
 
 /// Memory of a strip of 8 rows, bytes a column: 16-bit samples.
 const STRIP: usize = 16;
@@ -13,19 +23,45 @@ const SAMPLED_STRIP: usize = 64;
 /// Strips up to this many bytes are decoded however small the frame.
 const SMALL_STRIP: usize = 256 << 10;
 
-/// Reads the header alone and refuses what would take more than twice the frame's memory. Colour passes: it is told of elsewhere.
-pub(super) fn check(bytes: &[u8]) -> Result<(), DecodeError> {
+/// Reads the image.
+pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     let longest = usize::from(u16::MAX);
     let options = DecoderOptions::default().set_strict_mode(false);
     let options = options.set_max_width(longest).set_max_height(longest);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(|e| DecodeError::Damaged(format!("{e:?}")))?;
-    let Some(info) = decoder.info().filter(|info| info.components == 1) else { return Ok(()) };
+    decoder.decode_headers().map_err(damaged)?;
+    let info = decoder.info().ok_or_else(|| DecodeError::Damaged("no start of frame".to_owned()))?;
+    check_size(info.width.into(), info.height.into())?;
+    let (columns, rows) = (usize::from(info.width), usize::from(info.height));
+    let (channels, space) = match info.components {
+        1 => (1, ColorSpace::Luma),
+        3 => (3, ColorSpace::RGB),
+        n => return Err(DecodeError::NotGrey(format!("a JPEG of {n} channels"))),
+    };
+    check_memory(&info, channels)?;
+    decoder.set_options(options.jpeg_set_out_colorspace(space));
+    let mut samples = vec![0; columns * rows * channels];
+    decoder.decode_into(&mut samples).map_err(damaged)?;
+    let exif = decoder.exif().map(|block| Exif::read(block)).unwrap_or_default();
+    let transfer = match decoder.icc_profile() {
+        Some(profile) => Some(Transfer::of_profile("ICC profile", &profile)?),
+        None => (exif.colour_space == Some(1)).then(|| Transfer::srgb("EXIF ColorSpace 1")),
+    };
+    let stated = Stated { transfer, orientation: exif.orientation, scale: scale(&info), ..Stated::default() };
+    Ok(Raster { samples: Buffer::U8(samples), columns, rows, channels, planar: false, stated })
+}
+
+fn damaged(error: impl std::fmt::Debug) -> DecodeError {
+    DecodeError::Damaged(format!("{error:?}"))
+}
+
+/// Refuses what would take more memory to decode than twice the image's own.
+fn check_memory(info: &ImageInfo, channels: usize) -> Result<(), DecodeError> {
     if info.sof.is_progressive() {
         return Err(DecodeError::Progressive);
     }
     let (columns, rows) = (usize::from(info.width), usize::from(info.height));
-    if strip_bytes(&info) > columns * rows + SMALL_STRIP {
+    if channels * strip_bytes(info) > channels * columns * rows + SMALL_STRIP {
         return Err(DecodeError::FlatJpeg { columns, rows });
     }
     Ok(())
@@ -34,4 +70,15 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), DecodeError> {
 fn strip_bytes(info: &ImageInfo) -> usize {
     let a_column = if matches!(info.sample_ratio, SampleRatios::None) { STRIP } else { SAMPLED_STRIP };
     a_column * usize::from(info.width).next_multiple_of(32)
+}
+
+/// JFIF's density: 1 dots an inch, 2 dots a centimetre; 0 is a ratio alone.
+fn scale(info: &ImageInfo) -> Option<FileScale> {
+    let (unit_um, unit) = match info.pixel_density {
+        1 => (25_400.0, "inch"),
+        2 => (1e4, "cm"),
+        _ => return None,
+    };
+    let (x, y) = (info.x_density, info.y_density);
+    FileScale::of_density([x.into(), y.into()], true, unit_um, format!("JFIF {x} x {y} px/{unit}"))
 }

@@ -1,8 +1,26 @@
 //! Where frames come from when they are not rendered: files and folders (cameras later).
 
+mod bmp;
 mod decode;
+mod depth;
 mod folder;
+mod frame_table;
+mod ifd;
 mod jpeg;
+mod natural_order;
+mod orientation;
+mod packed;
+mod png;
+mod pnm;
+mod raster;
+mod relaid;
+mod scale;
+mod tiff;
+mod transfer;
 
-pub use decode::{DecodeError, decode};
-pub use folder::{FileFrames, FrameInfo, FrameTable, ReadError, StoredFrame, list_images};
+pub use decode::{DecodeError, Decoded, Wanted, decode, decode_wanted, pages};
+pub use folder::{FileFrames, Listing, ReadError, StoredFrame, list_images, listing, out_of_order};
+pub use frame_table::{FrameInfo, FrameTable, TableError};
+pub use natural_order::natural;
+pub use raster::Channel;
+pub use scale::{FileScale, SAME_SCALE, Trust};

@@ -137,7 +137,7 @@ impl Mean {
                     first_columns: columns,
                 });
             }
-            let full = frame.format().full_scale().map_or(f32::INFINITY, f32::from);
+            let full = frame.full_scale().unwrap_or(f32::INFINITY);
             for (i, s) in sum.iter_mut().enumerate() {
                 let value = frame.get(i / columns, i % columns).unwrap_or(0.0);
                 // Differences from the first frame carry the noise of both.
@@ -287,7 +287,7 @@ impl FlatField {
         if (view.rows(), view.columns()) != (self.rows, self.columns) {
             return frame;
         }
-        let full = view.format().full_scale().map_or(f32::INFINITY, f32::from);
+        let full = view.full_scale().unwrap_or(f32::INFINITY);
         match frame.pixels_mut() {
             PixelsMut::U8(p) => self.correct(p, full, shaft),
             PixelsMut::U16(p) => self.correct(p, full, shaft),

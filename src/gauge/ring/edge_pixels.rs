@@ -81,5 +81,5 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
 
 /// Grey value at which light is clipped: full scale, or zero where the part is bright and the light is its dark ground.
 fn light_end(view: &FrameView<'_>, bright_on_dark: bool) -> Option<f64> {
-    view.format().full_scale().map(|full| if bright_on_dark { 0.0 } else { f64::from(full) })
+    view.full_scale().map(|full| if bright_on_dark { 0.0 } else { f64::from(full) })
 }

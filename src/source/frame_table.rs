@@ -1,0 +1,356 @@
+//! `frames.csv`: what is known of each frame beside its image, as programs and spreadsheets write it.
+//!
+//! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not separate; any line ending;
+//! UTF-8 with or without its mark, or UTF-16 with one; quoted fields; Excel's `sep=` line. What is none of these is refused
+//! with its row, counted as a spreadsheet counts them: the names of the columns are row 1.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A `frames.csv` that cannot be understood.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}{}: {what}", path.display(), row.map_or(String::new(), |row| format!(", row {row}")))]
+pub struct TableError {
+    /// The file.
+    pub path: PathBuf,
+    /// The row, where one is wrong.
+    pub row: Option<usize>,
+    /// What was seen and what would be right.
+    pub what: String,
+}
+
+/// One row of `frames.csv`; an empty field is 0, or not known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameInfo {
+    /// Name of the frame: the file's stem.
+    pub frame: String,
+    /// Start of exposure, ns.
+    pub t_ns: u64,
+    /// Machine z of the central column, mm.
+    pub z_mm: f64,
+    /// Spindle angle, degrees.
+    pub angle_deg: f64,
+    /// Exposure, µs.
+    pub exposure_us: f64,
+    /// Bits of a grey value.
+    pub bit_depth: Option<u8>,
+    /// Nominal scale, µm/px.
+    pub um_per_px: Option<f64>,
+    /// Its row, from 2.
+    pub row: usize,
+}
+
+/// `frames.csv`, by frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameTable {
+    /// The file.
+    pub path: PathBuf,
+    rows: HashMap<String, FrameInfo>,
+}
+
+/// Separators looked for, in this order.
+const SEPARATORS: [u8; 3] = *b",;\t";
+const COLUMNS: [&str; 7] = ["frame", "t_ns", "z_mm", "angle_deg", "exposure_us", "bit_depth", "um_per_px"];
+
+impl FrameTable {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or understood.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        let refuse = |what: String| TableError { path: path.to_owned(), row: None, what };
+        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+        let text = text(&bytes).map_err(refuse)?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, TableError> {
+        let (text, told) = separator_line(text);
+        let refuse = |row: Option<usize>, what: String| TableError { path: path.to_owned(), row, what };
+        let head = usize::from(told.is_some());
+        let candidates = told.map_or(SEPARATORS.to_vec(), |s| vec![s]);
+        let header = candidates.into_iter().map(|s| (s, names(text, s)));
+        let best = header.filter(|(_, n)| n.iter().any(|n| n == "frame")).max_by_key(|(_, n)| n.len());
+        let Some((separator, names)) = best else {
+            let first = text.lines().next().unwrap_or("").trim();
+            return Err(refuse(
+                Some(1 + head),
+                format!(
+                    "no column `frame` among {first:?}; the names of the columns stand in the first row, one of them `frame`"
+                ),
+            ));
+        };
+        for name in COLUMNS {
+            if names.iter().filter(|n| *n == name).count() > 1 {
+                return Err(refuse(Some(1 + head), format!("two columns `{name}`")));
+            }
+        }
+        let mut table = Self { path: path.to_owned(), rows: HashMap::new() };
+        for (index, record) in reader(text, separator).records().enumerate().skip(1) {
+            let row = index + 1 + head;
+            let record = record.map_err(|e| refuse(Some(row), e.to_string()))?;
+            if record.iter().all(str::is_empty) {
+                continue;
+            }
+            let fields = Fields { names: &names, record: &record, separator };
+            let info = fields.info(row).map_err(|what| refuse(Some(row), what))?;
+            table.insert(info).map_err(|what| refuse(Some(row), what))?;
+        }
+        Ok(table)
+    }
+
+    fn insert(&mut self, info: FrameInfo) -> Result<(), String> {
+        let row = info.row;
+        if let Some(other) = self.rows.get(&key(&info.frame)) {
+            let same = FrameInfo { row, frame: info.frame.clone(), ..other.clone() };
+            if same != info {
+                return Err(format!(
+                    "frame {} stands in row {}, too, and says otherwise",
+                    info.frame, other.row
+                ));
+            }
+        }
+        self.rows.insert(key(&info.frame), info);
+        Ok(())
+    }
+
+    /// Whether it says nothing of any frame.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// What is known about a frame; names that are numbers match by value.
+    pub fn of(&self, stem: &str) -> Option<&FrameInfo> {
+        self.rows.get(&key(stem))
+    }
+
+    /// Whether any row is that of one of these images (or of one of their pages).
+    pub(super) fn knows_any(&self, stems: &[String]) -> bool {
+        let mut own = self.rows.values().map(|info| file_stem(&info.frame));
+        own.any(|name| stems.iter().any(|stem| key(stem) == key(name)))
+    }
+
+    /// Rows whose image is not among these.
+    pub(super) fn without_image(&self, stems: &[String]) -> Vec<&FrameInfo> {
+        let known: std::collections::HashSet<String> = stems.iter().map(|stem| key(stem)).collect();
+        let missing = |info: &&FrameInfo| {
+            !known.contains(&key(&info.frame)) && !known.contains(&key(file_stem(&info.frame)))
+        };
+        let mut rows: Vec<&FrameInfo> = self.rows.values().filter(missing).collect();
+        rows.sort_by_key(|info| info.row);
+        rows
+    }
+}
+
+/// The name of the file that a page `stack#3` stands in.
+fn file_stem(name: &str) -> &str {
+    match name.rsplit_once('#') {
+        Some((stem, page)) if !stem.is_empty() && page.parse::<usize>().is_ok() => stem,
+        _ => name,
+    }
+}
+
+/// `000012`, `12`, `12.png` and `frames/000012.png` are the same frame.
+fn key(name: &str) -> String {
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let stem = match name.rsplit_once('.') {
+        Some((stem, extension)) if super::folder::is_image_extension(extension) => stem,
+        _ => name,
+    };
+    stem.parse::<u64>().map_or_else(|_| stem.to_owned(), |n| n.to_string())
+}
+
+/// The text of a file: UTF-8, UTF-16 with its mark, or Latin-1 (whose letters no column needs).
+fn text(bytes: &[u8]) -> Result<String, String> {
+    let wide = |pair: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| pair([b[0], b[1]])).collect();
+        String::from_utf16(&units).map_err(|_| "UTF-16 that ends within a letter".to_owned())
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        _ => {
+            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+            let latin = |_| bytes.iter().map(|b| char::from(*b)).collect();
+            Ok(std::str::from_utf8(bytes).map_or_else(latin, str::to_owned))
+        }
+    }
+}
+
+/// Takes Excel's first line `sep=;` off.
+fn separator_line(text: &str) -> (&str, Option<u8>) {
+    let Some(rest) = text.strip_prefix("sep=") else { return (text, None) };
+    let Some(separator) = rest.bytes().next() else { return (text, None) };
+    (rest[1..].trim_start_matches(['\r', '\n']), Some(separator))
+}
+
+fn reader(text: &str, separator: u8) -> csv::Reader<&[u8]> {
+    let mut builder = csv::ReaderBuilder::new();
+    builder.delimiter(separator).has_headers(false).flexible(true).trim(csv::Trim::All);
+    builder.from_reader(text.as_bytes())
+}
+
+fn names(text: &str, separator: u8) -> Vec<String> {
+    let first = reader(text, separator).records().next().and_then(Result::ok);
+    first.map_or_else(Vec::new, |r| r.iter().map(str::to_ascii_lowercase).collect())
+}
+
+/// One row by the names of its columns.
+struct Fields<'a> {
+    names: &'a [String],
+    record: &'a csv::StringRecord,
+    separator: u8,
+}
+
+impl Fields<'_> {
+    fn info(&self, row: usize) -> Result<FrameInfo, String> {
+        self.check_length()?;
+        let frame = self.text("frame").unwrap_or("").to_owned();
+        if frame.is_empty() {
+            return Err("no name in column `frame`; the stem of an image is needed".to_owned());
+        }
+        let um_per_px = self.number("um_per_px")?;
+        if um_per_px.is_some_and(|s| s <= 0.0) {
+            return Err(self.wrong("um_per_px", "a scale above 0 µm/px"));
+        }
+        Ok(FrameInfo {
+            frame,
+            t_ns: self.whole("t_ns")?.unwrap_or(0),
+            z_mm: self.number("z_mm")?.unwrap_or(0.0),
+            angle_deg: self.number("angle_deg")?.unwrap_or(0.0),
+            exposure_us: self.number("exposure_us")?.unwrap_or(0.0),
+            bit_depth: match self.whole("bit_depth")? {
+                None => None,
+                Some(bits @ (8 | 10 | 12 | 14 | 16 | 32)) => Some(bits as u8),
+                Some(_) => return Err(self.wrong("bit_depth", "8, 10, 12, 14 or 16 (32 for floating point)")),
+            },
+            um_per_px,
+            row,
+        })
+    }
+
+    /// As many fields as names; what goes beyond them must be empty.
+    fn check_length(&self) -> Result<(), String> {
+        let (found, right) = (self.record.len(), self.names.len());
+        if found < right || self.record.iter().skip(right).any(|f| !f.is_empty()) {
+            let comma = if self.separator == b',' {
+                " (a decimal comma between commas must stand in quotes)"
+            } else {
+                ""
+            };
+            return Err(format!("{found} fields under {right} names{comma}"));
+        }
+        Ok(())
+    }
+
+    fn text(&self, name: &str) -> Option<&str> {
+        let index = self.names.iter().position(|n| n == name)?;
+        self.record.get(index)
+    }
+
+    fn wrong(&self, name: &str, right: &str) -> String {
+        format!("{name} {:?}; {right} is needed", self.text(name).unwrap_or(""))
+    }
+
+    /// A finite number with a decimal point or a decimal comma.
+    fn number(&self, name: &str) -> Result<Option<f64>, String> {
+        let Some(field) = self.text(name).filter(|f| !f.is_empty()) else { return Ok(None) };
+        let point = if field.contains('.') { field.to_owned() } else { field.replacen(',', ".", 1) };
+        let number = point.parse::<f64>().ok().filter(|v| v.is_finite());
+        number.map(Some).ok_or_else(|| self.wrong(name, "a number"))
+    }
+
+    /// A whole number of 0 or more, also as spreadsheets write large ones (1.2E+09).
+    fn whole(&self, name: &str) -> Result<Option<u64>, String> {
+        if let Some(whole) = self.text(name).and_then(|f| f.parse().ok()) {
+            return Ok(Some(whole));
+        }
+        let Some(number) = self.number(name)? else { return Ok(None) };
+        // Up to 2^53 every whole number is itself.
+        if number.fract() == 0.0 && (0.0..=9e15).contains(&number) {
+            return Ok(Some(number as u64));
+        }
+        Err(self.wrong(name, "a whole number of 0 or more"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &[u8]) -> Result<FrameTable, String> {
+        let text = super::text(text).unwrap();
+        FrameTable::parse(Path::new("frames.csv"), &text).map_err(|e| e.to_string())
+    }
+
+    /// The same two rows in every dialect.
+    #[test]
+    fn every_dialect_says_the_same() {
+        let plain = "frame,z_mm,angle_deg,bit_depth\n000007,-1.25,30.5,10\nb,2,0,12\n";
+        let semicolons = "frame;z_mm;angle_deg;bit_depth\n000007;-1,25;30,5;10\nb;2;0;12\n";
+        let quoted =
+            "\"frame\",\"z_mm\",\"angle_deg\",\"bit_depth\"\n7,\"-1,25\",\"30.5\",\"10\"\n\"b\",2,0,12";
+        let marked = [b"\xef\xbb\xbf".as_slice(), plain.as_bytes()].concat();
+        let mut wide = vec![0xff, 0xfe];
+        wide.extend(semicolons.replace(';', "\t").encode_utf16().flat_map(u16::to_le_bytes));
+        let dialects = [
+            plain.as_bytes().to_vec(),
+            plain.replace('\n', "\r\n").into_bytes(),
+            plain.replace('\n', "\r").into_bytes(),
+            plain.replace(',', " ; ").into_bytes(),
+            semicolons.as_bytes().to_vec(),
+            semicolons.replace(';', "\t").into_bytes(),
+            format!("sep=;\r\n{semicolons}").into_bytes(),
+            format!("{};;\n\n;;;\n", semicolons.replace("10\n", "10;;\n")).into_bytes(),
+            quoted.as_bytes().to_vec(),
+            plain.replace("frame,", "Frame,").replace("000007", "frames/000007.tif").into_bytes(),
+            marked,
+            wide,
+        ];
+        for bytes in dialects {
+            let shown = String::from_utf8_lossy(&bytes).into_owned();
+            let table = parsed(&bytes).unwrap_or_else(|e| panic!("{e}: {shown:?}"));
+            let seven = table.of("7").unwrap_or_else(|| panic!("no frame 7: {shown:?}"));
+            let found = (seven.z_mm, seven.angle_deg, seven.bit_depth);
+            assert_eq!(found, (-1.25, 30.5, Some(10)), "{shown:?}");
+            assert_eq!(table.of("b").map(|b| b.z_mm), Some(2.0), "{shown:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_row() {
+        for (text, words) in [
+            ("name;bits\na;10\n", "row 1: no column `frame` among \"name;bits\""),
+            ("frame,z_mm\na,1\nb,far\n", "row 3: z_mm \"far\"; a number"),
+            ("frame,z_mm\na,1,5\n", "row 2: 3 fields under 2 names (a decimal comma"),
+            ("frame,z_mm,t_ns\na,1\n", "row 2: 2 fields under 3 names"),
+            ("frame;z_mm\na;1.000,5\n", "row 2: z_mm \"1.000,5\""),
+            ("frame,z_mm\na,1\na,2\n", "row 3: frame a stands in row 2, too"),
+            ("frame,z_mm\n01,1\n1,2\n", "row 3: frame 1 stands in row 2, too"),
+            ("frame,bit_depth\na,9\n", "row 2: bit_depth \"9\"; 8, 10, 12, 14 or 16"),
+            ("frame,t_ns\na,-3\n", "row 2: t_ns \"-3\"; a whole number"),
+            ("frame,angle_deg\na,inf\n", "row 2: angle_deg \"inf\""),
+            ("frame,um_per_px\na,0\n", "row 2: um_per_px \"0\"; a scale above 0"),
+            ("frame,z_mm,z_mm\na,1,2\n", "row 1: two columns `z_mm`"),
+            ("frame,z_mm\n,1\n", "row 2: no name in column `frame`"),
+            ("sep=;\nframe;z_mm\na;x\n", "row 3: z_mm \"x\""),
+        ] {
+            let refused = parsed(text.as_bytes()).unwrap_err();
+            assert!(refused.contains(words), "{text:?}: {refused}");
+        }
+        // The same row twice says nothing new.
+        assert!(parsed(b"frame,z_mm\na,1\na,1\n").is_ok());
+        assert_eq!(parsed(b"frame,t_ns\na,1.2E+09\n").unwrap().of("a").map(|a| a.t_ns), Some(1_200_000_000));
+    }
+
+    #[test]
+    fn rows_without_an_image_are_found() {
+        let table = parsed(b"frame,z_mm\n0,1\nstack#0,1\nstack#1,2\ngone,3\n").unwrap();
+        let stems = ["000000", "stack"].map(str::to_owned);
+        assert!(table.knows_any(&stems) && !table.knows_any(&["other".to_owned()]));
+        let rows: Vec<usize> = table.without_image(&stems).iter().map(|info| info.row).collect();
+        assert_eq!(rows, [5]);
+    }
+}

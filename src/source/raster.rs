@@ -1,0 +1,111 @@
+//! What a file format's reader hands on: samples as they stand in the file, and what the file states of them.
+
+use super::decode::DecodeError;
+use super::scale::FileScale;
+use super::transfer::Transfer;
+use crate::frame::Buffer;
+
+/// A channel of a colour image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Channel {
+    /// Red.
+    #[value(alias = "red")]
+    R,
+    /// Green.
+    #[value(alias = "green")]
+    G,
+    /// Blue.
+    #[value(alias = "blue")]
+    B,
+}
+
+/// Samples of all channels.
+pub(super) struct Raster {
+    pub(super) samples: Buffer,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    /// 1 grey, 2 grey and alpha, 3 red, green and blue, 4 these and alpha.
+    pub(super) channels: usize,
+    /// Whether each channel stands by itself, one after another, instead of pixel by pixel.
+    pub(super) planar: bool,
+    pub(super) stated: Stated,
+}
+
+/// What a file states of its grey values.
+#[derive(Default)]
+pub(super) struct Stated {
+    /// Largest value that it can hold, where that is not its container's.
+    pub(super) full_scale: Option<f32>,
+    /// Bits that came from the camera, in a container of more (`sBIT`).
+    pub(super) significant_bits: Option<u8>,
+    /// How light is encoded; `None` where the file does not say.
+    pub(super) transfer: Option<Transfer>,
+    /// EXIF orientation, 1 to 8.
+    pub(super) orientation: Option<u64>,
+    /// Scale.
+    pub(super) scale: Option<FileScale>,
+}
+
+impl Raster {
+    /// Bytes that the samples take.
+    pub(super) fn sample_bytes(&self) -> usize {
+        match &self.samples {
+            Buffer::U8(v) => v.len(),
+            Buffer::U16(v) => 2 * v.len(),
+            Buffer::F32(v) => 4 * v.len(),
+        }
+    }
+
+    /// The grey values: the only channel, all three where they are equal, else the one asked for.
+    ///
+    /// # Errors
+    /// Refuses colours without a channel chosen, and pixels that are not opaque.
+    pub(super) fn grey(self, channel: Option<Channel>) -> Result<(Buffer, Stated), DecodeError> {
+        let Self { samples, columns, channels, planar, stated, .. } = self;
+        let picked = match samples {
+            Buffer::U8(v) => Buffer::U8(pick(v, columns, channels, planar, channel, u8::MAX)?),
+            Buffer::U16(v) => Buffer::U16(pick(v, columns, channels, planar, channel, u16::MAX)?),
+            Buffer::F32(v) => Buffer::F32(pick(v, columns, channels, planar, channel, 1.0)?),
+        };
+        Ok((picked, stated))
+    }
+}
+
+fn pick<T: Copy + PartialEq + Into<f64>>(
+    samples: Vec<T>,
+    columns: usize,
+    channels: usize,
+    planar: bool,
+    channel: Option<Channel>,
+    opaque: T,
+) -> Result<Vec<T>, DecodeError> {
+    if channels == 1 {
+        return Ok(samples);
+    }
+    let pixels = samples.len() / channels;
+    let at = |pixel: usize, c: usize| samples[if planar { c * pixels + pixel } else { pixel * channels + c }];
+    let place = |pixel: usize| (pixel / columns.max(1), pixel % columns.max(1));
+    if channels == 2 || channels == 4 {
+        let clear = (0..pixels).find(|&p| at(p, channels - 1) != opaque);
+        if let Some((row, column)) = clear.map(place) {
+            return Err(DecodeError::Transparent { row, column });
+        }
+    }
+    if channels < 3 {
+        return Ok((0..pixels).map(|p| at(p, 0)).collect());
+    }
+    let chosen = match channel {
+        Some(channel) => channel as usize,
+        None => {
+            let coloured = (0..pixels).find(|&p| at(p, 0) != at(p, 1) || at(p, 1) != at(p, 2));
+            if let Some(pixel) = coloured {
+                let (row, column) = place(pixel);
+                let value = [0, 1, 2].map(|c| at(pixel, c).into());
+                return Err(DecodeError::Coloured { row, column, value });
+            }
+            1
+        }
+    };
+    Ok((0..pixels).map(|p| at(p, chosen)).collect())
+}

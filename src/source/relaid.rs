@@ -1,0 +1,120 @@
+//! A TIFF whose first directory is another one than the file's: the same bytes, with a directory of our own behind them.
+
+use std::io::{Read, Result as IoResult, Seek, SeekFrom};
+
+use super::ifd::{Entry, Layout};
+
+/// A tag with the value or offset that stands in its field.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tag {
+    pub(super) tag: u16,
+    kind: u16,
+    count: u64,
+    value: Value,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Value {
+    Number(u32),
+    /// As it stands in the file, in the file's own order of bytes.
+    Field([u8; 8]),
+}
+
+impl Tag {
+    /// One 16-bit number.
+    pub(super) fn short(tag: u16, value: u16) -> Self {
+        Self { tag, kind: 3, count: 1, value: Value::Number(value.into()) }
+    }
+
+    /// One 32-bit number.
+    pub(super) fn long(tag: u16, value: u32) -> Self {
+        Self { tag, kind: 4, count: 1, value: Value::Number(value) }
+    }
+
+    /// As it stands.
+    pub(super) fn kept(entry: &Entry) -> Self {
+        Self { tag: entry.tag, kind: entry.kind, count: entry.count, value: Value::Field(entry.field) }
+    }
+}
+
+/// The bytes of a file between a header that points behind them and the directory that stands there.
+pub(super) struct Relaid<'a> {
+    header: Vec<u8>,
+    bytes: &'a [u8],
+    directory: Vec<u8>,
+    at: u64,
+}
+
+impl<'a> Relaid<'a> {
+    /// A directory of `tags`.
+    pub(super) fn new(bytes: &'a [u8], layout: Layout, mut tags: Vec<Tag>) -> Self {
+        tags.sort_by_key(|t| t.tag);
+        let writer = Writer { layout };
+        let size = if layout.big { 8 } else { 4 };
+        let mut header = bytes[..if layout.big { 8 } else { 4 }].to_vec();
+        header.extend(writer.number(bytes.len() as u64, size));
+        let mut directory = writer.number(tags.len() as u64, if layout.big { 8 } else { 2 });
+        for tag in &tags {
+            directory.extend(writer.number(tag.tag.into(), 2));
+            directory.extend(writer.number(tag.kind.into(), 2));
+            directory.extend(writer.number(tag.count, size));
+            directory.extend(writer.field(tag, size));
+        }
+        directory.extend(vec![0; size]);
+        Self { header, bytes, directory, at: 0 }
+    }
+}
+
+struct Writer {
+    layout: Layout,
+}
+
+impl Writer {
+    fn number(&self, value: u64, size: usize) -> Vec<u8> {
+        if self.layout.big_endian {
+            value.to_be_bytes()[8 - size..].to_vec()
+        } else {
+            value.to_le_bytes()[..size].to_vec()
+        }
+    }
+
+    /// A value stands at the beginning of its field.
+    fn field(&self, tag: &Tag, size: usize) -> Vec<u8> {
+        let mut field = match tag.value {
+            Value::Field(field) => field.to_vec(),
+            Value::Number(value) => self.number(value.into(), if tag.kind == 3 { 2 } else { 4 }),
+        };
+        field.resize(size, 0);
+        field
+    }
+}
+
+impl Read for Relaid<'_> {
+    fn read(&mut self, out: &mut [u8]) -> IoResult<usize> {
+        let at = usize::try_from(self.at).unwrap_or(usize::MAX);
+        let rest = if at < self.header.len() {
+            &self.header[at..]
+        } else if at < self.bytes.len() {
+            &self.bytes[at..]
+        } else {
+            self.directory.get(at - self.bytes.len()..).unwrap_or(&[])
+        };
+        let count = rest.len().min(out.len());
+        out[..count].copy_from_slice(&rest[..count]);
+        self.at += count as u64;
+        Ok(count)
+    }
+}
+
+impl Seek for Relaid<'_> {
+    fn seek(&mut self, to: SeekFrom) -> IoResult<u64> {
+        let end = (self.bytes.len() + self.directory.len()) as u64;
+        let place = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::End(by) => end.checked_add_signed(by),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+        };
+        self.at = place.ok_or(std::io::ErrorKind::InvalidInput)?;
+        Ok(self.at)
+    }
+}
