@@ -17,7 +17,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     let (columns, rows) = decoder.dimensions();
     check_size(columns, rows)?;
     let (columns, rows) = (columns as usize, rows as usize);
-    let palette: Option<Vec<[u8; 3]>> = decoder.get_palette().map(<[[u8; 3]]>::to_vec);
+    // The decoder gives indices of eight bits alone; smaller ones it looks up itself.
+    let octets = bytes.get(28..30) == Some(&[8, 0]);
+    let palette: Option<Vec<[u8; 3]>> = decoder.get_palette().filter(|_| octets).map(<[[u8; 3]]>::to_vec);
     if palette.is_some() {
         decoder.set_indexed_color(true);
     }

@@ -4,6 +4,7 @@
 //! laid before it under a directory of its own (behind the file's end): packed rows as rows of bytes, indices as grey.
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::{TiffError, TiffUnsupportedError};
 
 use super::decode::{DecodeError, MOST_PIXELS, check_size, damaged};
 use super::ifd::{Directory, Exif, TiffBytes};
@@ -141,17 +142,12 @@ impl Page {
         if self.packed() {
             return self.packed_samples(tiff, directory);
         }
-        let tags = [
-            Tag::long(256, self.columns),
-            Tag::long(257, self.rows),
-            Tag::short(258, self.bits.into()),
-            Tag::short(262, 1),
-            Tag::short(277, self.channels),
-            Tag::short(339, self.kind as u16),
-        ];
-        unpacked(tiff, directory, &tags)
+        let tile_columns = tiff.integer(directory, 322, 0).and_then(|w| u32::try_from(w).ok());
+        let Self { columns, rows, bits, channels, kind, .. } = *self;
+        unpacked(tiff, directory, &Laid { columns, rows, bits, channels, kind, tile_columns })
     }
 
+    /// Rows of packed samples, unpacked as rows of bytes first.
     fn packed_samples(&self, tiff: &TiffBytes<'_>, directory: &Directory) -> Result<Buffer, DecodeError> {
         let bits = self.bits;
         if bits > 16 || self.kind != Kind::Unsigned {
@@ -166,24 +162,22 @@ impl Page {
             )));
         }
         let together = if self.planar { 1 } else { u64::from(self.channels) };
-        let bytes_of = |samples: u64| (samples * together * u64::from(bits)).div_ceil(8);
-        let mut tags = vec![
-            Tag::long(256, bytes_of(self.columns.into()) as u32),
-            Tag::long(257, self.rows),
-            Tag::short(258, 8),
-            Tag::short(262, 1),
-            Tag::short(277, if self.planar { self.channels } else { 1 }),
-            Tag::short(339, 1),
-        ];
-        if let Some(width) = tiff.integer(directory, 322, 0) {
-            if width * together * u64::from(bits) % 8 != 0 {
-                return Err(unsupported(format_args!(
-                    "tiles of {width} samples of {bits} bits, which end within a byte"
-                )));
-            }
-            tags.push(Tag::long(322, bytes_of(width) as u32));
+        let bytes_of = |samples: u64| (samples * together * u64::from(bits)).div_ceil(8) as u32;
+        let tile = tiff.integer(directory, 322, 0).filter(|w| *w <= u64::from(u32::MAX) / 64);
+        if let Some(width) = tile.filter(|w| w * together * u64::from(bits) % 8 != 0) {
+            return Err(unsupported(format_args!(
+                "tiles of {width} samples of {bits} bits, which end within a byte"
+            )));
         }
-        let Buffer::U8(rows) = unpacked(tiff, directory, &tags)? else {
+        let laid = Laid {
+            columns: bytes_of(self.columns.into()),
+            rows: self.rows,
+            bits: 8,
+            channels: if self.planar { self.channels } else { 1 },
+            kind: Kind::Unsigned,
+            tile_columns: tile.map(bytes_of),
+        };
+        let Buffer::U8(rows) = unpacked(tiff, directory, &laid)? else {
             return Err(damaged("rows that are not bytes"));
         };
         Ok(unpack(&rows, bits, self.columns as usize * together as usize))
@@ -266,6 +260,19 @@ impl Page {
     }
 }
 
+/// What the unpacking does not do is named; all else is damage.
+fn failed(error: TiffError) -> DecodeError {
+    match error {
+        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
+            unsupported(format_args!(
+                "a TIFF compressed by {method:?}; save it without compression, or with LZW, Deflate or PackBits"
+            ))
+        }
+        TiffError::UnsupportedError(what) => unsupported(format_args!("a TIFF that is not read: {what}")),
+        other => damaged(other),
+    }
+}
+
 fn interpretation(photometric: u64) -> String {
     match photometric {
         5 => "CMYK".to_owned(),
@@ -276,8 +283,72 @@ fn interpretation(photometric: u64) -> String {
     }
 }
 
-/// The page's samples, its directory replaced by these tags and what the unpacking needs.
-fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, tags: &[Tag]) -> Result<Buffer, DecodeError> {
+/// A page as it is laid before the decoder: black is zero, channels without a meaning.
+struct Laid {
+    columns: u32,
+    rows: u32,
+    bits: u8,
+    channels: u16,
+    kind: Kind,
+    tile_columns: Option<u32>,
+}
+
+impl Laid {
+    /// Columns of all tiles, where the decoder loses its place behind tiles that stand out over the right edge: it does so
+    /// with LZW (compression 5).
+    fn padded_columns(&self, compression: Option<u64>) -> u32 {
+        let tile = self.tile_columns.filter(|t| *t > 0 && compression == Some(5));
+        tile.and_then(|t| self.columns.checked_next_multiple_of(t)).unwrap_or(self.columns)
+    }
+
+    fn tags(&self, columns: u32) -> Vec<Tag> {
+        let mut tags = vec![
+            Tag::long(256, columns),
+            Tag::long(257, self.rows),
+            Tag::short(258, self.bits.into()),
+            Tag::short(262, 1),
+            Tag::short(277, self.channels),
+            Tag::short(339, self.kind as u16),
+        ];
+        tags.extend(self.tile_columns.map(|t| Tag::long(322, t)));
+        tags
+    }
+}
+
+/// The page's samples, unpacked under a directory that has nothing else than it needs.
+fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, laid: &Laid) -> Result<Buffer, DecodeError> {
+    let padded = laid.padded_columns(tiff.integer(directory, 259, 0));
+    check_size(padded.min(laid.columns.saturating_mul(2)), laid.rows)?;
+    let samples = decoded(tiff, directory, &laid.tags(padded))?;
+    if padded == laid.columns {
+        return Ok(samples);
+    }
+    let each = |columns: u32| {
+        columns as usize * if directory_is_planar(tiff, directory) { 1 } else { usize::from(laid.channels) }
+    };
+    let (from, to) = (each(padded), each(laid.columns));
+    Ok(match samples {
+        Buffer::U8(v) => Buffer::U8(cropped(v, from, to)),
+        Buffer::U16(v) => Buffer::U16(cropped(v, from, to)),
+        Buffer::F32(v) => Buffer::F32(cropped(v, from, to)),
+    })
+}
+
+fn directory_is_planar(tiff: &TiffBytes<'_>, directory: &Directory) -> bool {
+    tiff.integer(directory, 284, 0) == Some(2)
+}
+
+/// The first `to` samples of every row of `from`.
+fn cropped<T: Copy>(mut samples: Vec<T>, from: usize, to: usize) -> Vec<T> {
+    let rows = samples.len() / from;
+    for row in 1..rows {
+        samples.copy_within(row * from..row * from + to, row * to);
+    }
+    samples.truncate(rows * to);
+    samples
+}
+
+fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, tags: &[Tag]) -> Result<Buffer, DecodeError> {
     let kept =
         directory.entries.iter().filter(|e| KEPT.contains(&e.tag) && !tags.iter().any(|t| t.tag == e.tag));
     let tags: Vec<Tag> = kept.map(Tag::kept).chain(tags.iter().copied()).collect();
@@ -285,16 +356,13 @@ fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, tags: &[Tag]) -> Result
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 4 * MOST_PIXELS as usize;
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
-    let mut decoder = Decoder::new(relaid).map_err(damaged)?.with_limits(limits);
-    let layout = decoder.image_buffer_layout().map_err(damaged)?;
+    let mut decoder = Decoder::new(relaid).map_err(failed)?.with_limits(limits);
+    let layout = decoder.image_buffer_layout().map_err(failed)?;
     if layout.complete_len > 4 * MOST_PIXELS as usize {
-        return Err(DecodeError::Unsupported(format!(
-            "{} bytes of samples are too many",
-            layout.complete_len
-        )));
+        return Err(unsupported(format_args!("{} bytes of samples are too many", layout.complete_len)));
     }
     let mut samples = DecodingResult::U8(Vec::new());
-    decoder.read_image_to_buffer(&mut samples).map_err(damaged)?;
+    decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
     Ok(match samples {
         DecodingResult::U8(v) => Buffer::U8(v),
         DecodingResult::U16(v) => Buffer::U16(v),
