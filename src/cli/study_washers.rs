@@ -153,7 +153,7 @@ fn print_comparisons(study: &WashersStudy) {
     say_line!(
         "\nsplit by number (every second part), scale and offset from one half, residuals of the other; um"
     );
-    say_line!("{:<20} {:>8} {:>10} {:>20}", "figure", "ours", "level", "95 % of difference");
+    say_line!("{:<20} {:>8} {:>10} {:>20}", "figure", "ours", "level", "difference");
     for c in &study.comparisons {
         let what = format!("{} {}", SIDES[c.side], c.figure);
         let interval = format!("{:+.2} to {:+.2}", c.difference_um[0], c.difference_um[1]);

@@ -39,10 +39,10 @@ pub fn washers_page(study: &WashersStudy, parts: &[Part]) -> Result<(String, Vec
     page.table(&header, &methods.map(method_row).collect::<Vec<_>>());
     page.heading("Is there a difference?");
     page.text(
-        "Split by number (every second part): scale and offset from one half, residuals of the other. The interval is a bootstrap's over \
-         the parts; where it holds zero, these parts show no difference between the gauge and a level crossing.",
+        "Split by number (every second part): scale and offset from one half, residuals of the other. The intervals are a bootstrap's over \
+         the parts and hold together at 95 %; where one holds zero, these parts show no difference between the gauge and a level crossing.",
     );
-    let header = ["figure", "ours / µm", "level crossing / µm", "95 % of the difference / µm", ""];
+    let header = ["figure", "ours / µm", "level crossing / µm", "difference / µm", ""];
     page.table(&header, &study.comparisons.iter().map(comparison_row).collect::<Vec<_>>());
     page.heading("Parts");
     let rows: Vec<Vec<String>> = (0..study.names.len()).map(|k| part_row(study, k)).collect();

@@ -6,8 +6,8 @@
 //! that ISO 12181-2 allows at 50 upr, and common balls are listed beside it. Peer: level crossing along rays, least-squares circle.
 //!
 //! Whether one method is better is asked of halves that are split by a rule that knows no residual (every second part by its
-//! number): scale and offset from one half, residuals of the other, and back. The difference of the two methods' spreads gets a
-//! 95 % interval by bootstrap over the parts; where that holds zero, there is no difference.
+//! number): scale and offset from one half, residuals of the other, and back. The difference of the two methods' spreads gets an
+//! interval by bootstrap over the parts (95 % for the four figures together); where that holds zero, there is no difference.
 
 use std::f64::consts::TAU;
 
@@ -29,8 +29,11 @@ pub const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
 pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 const RAYS: usize = 3600;
-/// Bootstrap samples: the ends of a 95 % interval then stand to 2 % of its width (binomial).
+/// Bootstrap samples: some 60 lie beyond either end of an interval, which then stands to an eighth of a tail (binomial).
 const BOOTSTRAPS: usize = 10_000;
+/// Share of the samples beyond either end: four figures are compared, and all four intervals together hold at 95 %
+/// (Bonferroni).
+const TAIL: f64 = 0.05 / 4.0 / 2.0;
 /// Residuals beyond so many robust standard deviations from the median are listed.
 const OUTLIER: f64 = 3.0;
 
@@ -139,7 +142,8 @@ pub struct Comparison {
     pub ours_um: f64,
     /// The plain method's, µm.
     pub plain_um: f64,
-    /// 95 % interval of the difference gauge − plain, µm: bootstrap over parts, both methods on the same sample.
+    /// Interval of the difference gauge − plain, µm: bootstrap over parts, both methods on the same sample; 95 % for all four
+    /// comparisons together.
     pub difference_um: [f64; 2],
     /// What that interval shows.
     pub verdict: Verdict,
@@ -325,7 +329,7 @@ fn comparisons(ours_px: &[Pair], plain_px: &[Pair], machine_mm: &[Pair]) -> Vec<
     found
 }
 
-/// 95 % interval of the difference of a spread (index into [`spreads`]) between two methods on the same parts: percentiles
+/// Interval of the difference of a spread (index into [`spreads`]) between two methods on the same parts: percentiles
 /// over samples of the parts with replacement (Efron, Tibshirani 1993, ch. 13). The seed is fixed: equal inputs, equal interval.
 fn bootstrap(ours: &[f64], plain: &[f64], index: usize) -> [f64; 2] {
     let mut random = rand_pcg::Pcg64::seed_from_u64(0x7761_7368);
@@ -338,7 +342,7 @@ fn bootstrap(ours: &[f64], plain: &[f64], index: usize) -> [f64; 2] {
         })
         .collect();
     differences.sort_by(f64::total_cmp);
-    [0.025, 0.975].map(|p| differences[(p * (BOOTSTRAPS - 1) as f64).round() as usize])
+    [TAIL, 1.0 - TAIL].map(|p| differences[(p * (BOOTSTRAPS - 1) as f64).round() as usize])
 }
 
 /// Least squares of D = s·d ± o over both sides: (s, o), mm/px and mm.
