@@ -15,7 +15,7 @@ pub struct DemoArgs {
     /// Run folder; an earlier demo in it is replaced.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
 }

@@ -12,6 +12,7 @@ mod doctor;
 mod esf_argument;
 mod frame_files;
 mod gallery_cases;
+mod gpu_check;
 mod label_font;
 mod measure;
 mod measure_bench;
@@ -28,6 +29,7 @@ mod reproduce;
 mod reproduce_000;
 mod reproduce_003;
 mod run;
+mod runtime_folder;
 mod schema;
 mod study;
 mod study_contamination;
@@ -145,6 +147,7 @@ fn dispatch(command: &Command) -> CommandResult {
 
 /// Parses the process's arguments, runs the command, prints the error; gives the exit code of the contract.
 pub fn main() -> ExitCode {
+    runtime_folder::provide();
     let arguments = Arguments::parse();
     log_to_stderr(arguments.verbose);
     let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));

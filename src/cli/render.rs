@@ -38,7 +38,7 @@ pub struct RenderArgs {
     /// Leave the sensor's temporal noise out.
     #[arg(long)]
     pub(super) no_noise: bool,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     pub(super) backend: BackendChoice,
     /// Draw N frames without writing them and print how long one takes.

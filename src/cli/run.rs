@@ -35,7 +35,7 @@ pub struct RunArgs {
     /// In place of the config's.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
     /// Leave out the second run without control that the report shows beside.
