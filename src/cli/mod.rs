@@ -15,6 +15,7 @@ mod gallery_cases;
 mod label_font;
 mod measure;
 mod measure_bench;
+mod measure_frames;
 mod measure_judge;
 pub mod measure_ring;
 mod measure_turn;

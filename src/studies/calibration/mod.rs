@@ -9,10 +9,10 @@ use thiserror::Error;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 
-use crate::frame::{Frame, FrameView};
+use crate::frame::{Encoding, Frame, FrameView};
 use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
-    MasterPrior, Observation, Thermometer, Validity, observe,
+    MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response,
 };
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
@@ -66,6 +66,21 @@ pub enum CalibrateError {
     /// No photon transfer.
     #[error("fields: {0}")]
     Sensor(#[from] PhotonTransferError),
+    /// Flat fields that are none of their exposures'.
+    #[error("fields.flats: {0}")]
+    Response(#[from] NoResponse),
+    /// Frames whose files encode light in different ways.
+    #[error(
+        "{what}: the file encodes its grey values otherwise ({found}) than the frames before it ({before}); record all in one way"
+    )]
+    Encodings {
+        /// Whose frames.
+        what: String,
+        /// Theirs.
+        found: Encoding,
+        /// That of those before.
+        before: Encoding,
+    },
     /// A pin that cannot be measured.
     #[error("{pin}: no frame shows it: {why}")]
     Pin {
@@ -118,8 +133,9 @@ pub fn calibrate(
 ) -> Result<Calibrated, CalibrateError> {
     plan.validate()?;
     let gauge = Gauge::new(plan.gauge.clone())?;
-    let (flat_field, sensor) = fields(plan, recordings)?;
-    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), recordings)?;
+    let mut recordings = OneEncoding { inner: recordings, encoding: None };
+    let (flat_field, sensor) = fields(plan, &mut recordings)?;
+    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
         if seen.size != size {
@@ -139,7 +155,8 @@ pub fn calibrate(
     let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
         .with_optics_id(&plan.optics_id)
         .with_misfit(misfit)
-        .with_edge_model(&plan.gauge.esf);
+        .with_edge_model(&plan.gauge.esf)
+        .with_encoding(recordings.encoding.unwrap_or_default());
     let check = plan
         .check
         .as_ref()
@@ -154,6 +171,47 @@ pub fn calibrate(
         .and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()))
         .map(|r| r.budget(&calibration, &plan.conditions));
     Ok(Calibrated { calibration, adjustment, example })
+}
+
+/// Recordings whose frames are all encoded in one way.
+struct OneEncoding<'a> {
+    inner: &'a mut dyn Recordings,
+    encoding: Option<Encoding>,
+}
+
+impl OneEncoding<'_> {
+    fn checked(&mut self, what: &str, frames: Vec<Frame>) -> Result<Vec<Frame>, CalibrateError> {
+        for frame in &frames {
+            let found = frame.meta.encoding;
+            let before = *self.encoding.get_or_insert(found);
+            if !before.is_same(&found) {
+                return Err(CalibrateError::Encodings { what: what.to_owned(), found, before });
+            }
+        }
+        Ok(frames)
+    }
+}
+
+impl Recordings for OneEncoding<'_> {
+    fn pin(
+        &mut self,
+        index: usize,
+        pin: &PinPlan,
+        position: &Position,
+    ) -> Result<Vec<Frame>, CalibrateError> {
+        let frames = self.inner.pin(index, pin, position)?;
+        self.checked(&pin.name, frames)
+    }
+
+    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+        let frames = self.inner.dark(plan)?;
+        self.checked("fields.dark", frames)
+    }
+
+    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+        let frames = self.inner.flat(plan, index)?;
+        self.checked(&format!("fields.flats[{index}]"), frames)
+    }
 }
 
 /// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² + (c·y)² by least squares.
@@ -187,6 +245,15 @@ fn fields(
         at_least_two(&format!("fields.flats[{index}]"), frames.len())?;
         flats.push((plan.fields.flats[index].exposure, frames));
     }
+    let response = sensor_response(&dark, &flats)?;
+    let (dark, mut flats) = match &response {
+        Some(response) => {
+            let light =
+                |frames: Vec<Frame>| frames.into_iter().map(|f| response.linearised(f)).collect::<Vec<_>>();
+            (light(dark), flats.into_iter().map(|(exposure, frames)| (exposure, light(frames))).collect())
+        }
+        None => (dark, flats),
+    };
     let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
     // The brightest one that is not clipped shows defects and light best.
     flats.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -198,13 +265,23 @@ fn fields(
             break;
         }
     }
-    let flat_field = flat_field?;
+    let flat_field = flat_field?.with_response(response);
     if flats.len() < 3 {
         return Ok((Some(flat_field), None));
     }
     let pairs: Vec<FramePair<'_>> = flats.iter().filter_map(|(exposure, f)| pair(*exposure, f)).collect();
     let darks: Vec<FramePair<'_>> = pair(0.0, &dark).into_iter().collect();
     Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
+}
+
+/// What two exposures or more show of a response that is not linear.
+fn sensor_response(dark: &[Frame], flats: &[(f64, Vec<Frame>)]) -> Result<Option<Response>, NoResponse> {
+    let dark: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
+    let flats: Vec<(f64, Vec<FrameView<'_>>)> = flats
+        .iter()
+        .map(|(exposure, frames)| (*exposure, frames.iter().map(Frame::view).collect()))
+        .collect();
+    response(&dark, &flats)
 }
 
 /// One frame of a field says nothing of its noise: left out in silence, it would be missed in the transfer curve only.
