@@ -142,7 +142,10 @@ impl<'a> Frames<'a> {
             _ if self.args.ignore_file_scale => Ok(()),
             given => {
                 let used = if given.is_some() { "--um-per-px" } else { "the calibration" };
-                stored.scale.as_ref().map_or(Ok(()), |own| own.check(used_um_per_px, used))
+                let checked = stored.scale.as_ref().map_or(Ok(()), |own| own.check(used_um_per_px, used));
+                checked.map_err(|e| {
+                    format!("{e}: give the right one, correct the file, or say --ignore-file-scale")
+                })
             }
         }
     }
