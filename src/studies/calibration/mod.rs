@@ -1,11 +1,13 @@
 //! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
 //! its residuals and the verdict of a check pin.
 
+mod one_encoding;
 mod plan;
 mod simulated;
 
 use thiserror::Error;
 
+use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 
@@ -133,7 +135,7 @@ pub fn calibrate(
 ) -> Result<Calibrated, CalibrateError> {
     plan.validate()?;
     let gauge = Gauge::new(plan.gauge.clone())?;
-    let mut recordings = OneEncoding { inner: recordings, encoding: None };
+    let mut recordings = OneEncoding::new(recordings);
     let (flat_field, sensor) = fields(plan, &mut recordings)?;
     let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
     let size = pins[0].size;
@@ -171,47 +173,6 @@ pub fn calibrate(
         .and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()))
         .map(|r| r.budget(&calibration, &plan.conditions));
     Ok(Calibrated { calibration, adjustment, example })
-}
-
-/// Recordings whose frames are all encoded in one way.
-struct OneEncoding<'a> {
-    inner: &'a mut dyn Recordings,
-    encoding: Option<Encoding>,
-}
-
-impl OneEncoding<'_> {
-    fn checked(&mut self, what: &str, frames: Vec<Frame>) -> Result<Vec<Frame>, CalibrateError> {
-        for frame in &frames {
-            let found = frame.meta.encoding;
-            let before = *self.encoding.get_or_insert(found);
-            if !before.is_same(&found) {
-                return Err(CalibrateError::Encodings { what: what.to_owned(), found, before });
-            }
-        }
-        Ok(frames)
-    }
-}
-
-impl Recordings for OneEncoding<'_> {
-    fn pin(
-        &mut self,
-        index: usize,
-        pin: &PinPlan,
-        position: &Position,
-    ) -> Result<Vec<Frame>, CalibrateError> {
-        let frames = self.inner.pin(index, pin, position)?;
-        self.checked(&pin.name, frames)
-    }
-
-    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
-        let frames = self.inner.dark(plan)?;
-        self.checked("fields.dark", frames)
-    }
-
-    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
-        let frames = self.inner.flat(plan, index)?;
-        self.checked(&format!("fields.flats[{index}]"), frames)
-    }
 }
 
 /// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² + (c·y)² by least squares.
@@ -469,6 +430,9 @@ pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
     use super::*;
     use crate::frame::{Buffer, FrameMeta, PixelFormat};
 
@@ -505,5 +469,82 @@ mod tests {
         assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
         // With two of each it is the flats themselves that are refused: they are as dark as the dark ones.
         assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
+    }
+
+    /// A 12-bit sensor with black at 64 whose signal is a power of the light, and noise of ± 6 counts.
+    struct Power(f64, crate::frame::Encoding);
+
+    impl Power {
+        fn frames(&self, exposure: f64) -> Vec<Frame> {
+            let seed = (1e3 * exposure) as u64;
+            let meta = FrameMeta { encoding: self.1, ..FrameMeta::default() };
+            let frame = |k: u64| {
+                let mut rng = Pcg64::seed_from_u64(10 * seed + k);
+                let pixels = (0..64 * 64).map(|i| {
+                    let light = exposure * (1.0 - 0.2 * f64::from(i % 64) / 64.0);
+                    let noise: f64 = (0..6).map(|_| rng.random_range(-1.0..1.0)).sum();
+                    (64.5 + 3900.0 * light.powf(self.0) + noise) as u16
+                });
+                Frame::new(Buffer::U16(pixels.collect()), PixelFormat::Mono12, 64, 64, meta.clone()).unwrap()
+            };
+            vec![frame(0), frame(1)]
+        }
+    }
+
+    impl Recordings for Power {
+        fn pin(&mut self, _: usize, _: &PinPlan, _: &Position) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(Vec::new())
+        }
+
+        fn dark(&mut self, _: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(self.frames(0.0))
+        }
+
+        fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(self.frames(plan.fields.flats[index].exposure))
+        }
+    }
+
+    fn flats(exposures: &str) -> CalibrationPlan {
+        let start = "optics_id = \"any\"\ndate = \"2026-11-22\"\nmasters = []\nfields.flats = ";
+        toml::from_str(&format!("{start}{exposures}")).unwrap()
+    }
+
+    #[test]
+    fn a_response_that_is_not_linear_enters_the_flat_field() {
+        let linear = crate::frame::Encoding::LINEAR;
+        for exposures in [
+            "[{ exposure = 0.2 }, { exposure = 0.8 }]",
+            "[{ exposure = 0.2 }, { exposure = 0.4 }, { exposure = 0.8 }]",
+        ] {
+            let plan = flats(exposures);
+            let (field, _) = fields(&plan, &mut Power(0.6, linear)).unwrap();
+            let field = field.unwrap();
+            let response = field.response.unwrap();
+            assert!((response.exponent * 0.6 - 1.0).abs() < 0.03, "{exposures}: {response:?}");
+            // What it corrects shows the light: .2 of its brightest fallen off, nothing bent.
+            let shown = field.corrected(Power(0.6, linear).frames(0.4).remove(0));
+            let mean =
+                |c: usize| (0..64).filter_map(|r| shown.view().get(r, c)).map(f64::from).sum::<f64>() / 64.0;
+            let black = field.black_counts;
+            assert!(
+                ((mean(4) - black) / (mean(60) - black) - 1.0).abs() < 0.02,
+                "{} and {}",
+                mean(4),
+                mean(60)
+            );
+            let (straight, _) = fields(&plan, &mut Power(1.0, linear)).unwrap();
+            assert_eq!(straight.unwrap().response, None);
+        }
+    }
+
+    #[test]
+    fn frames_of_two_encodings_make_no_calibration() {
+        let plan = flats("[{ exposure = 0.2 }, { exposure = 0.8 }]");
+        let mut recordings = Power(1.0, crate::frame::Encoding::LINEAR);
+        let mut one =
+            OneEncoding { encoding: Some(crate::frame::Encoding::SRGB), ..OneEncoding::new(&mut recordings) };
+        let said = fields(&plan, &mut one).unwrap_err().to_string();
+        assert!(said.contains("fields.dark: the file encodes its grey values otherwise (linear)"), "{said}");
     }
 }
