@@ -106,7 +106,7 @@ fn encoded_values_measure_as_the_light_they_stand_for() {
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(said.contains(tag) && said.contains("made linear"), "{tag}: {said}");
             let (found, u) = width(&measured(&file, &[]));
-            assert!((found - 60.4).abs() < 4.0 * u && u < 0.02, "{tag}, {depth} bits: {found} ± {u}");
+            assert!((found - 60.4).abs() < 4.0 * u && u < 0.05, "{tag}, {depth} bits: {found} ± {u}");
             // Without the word of the file the edges stand elsewhere: the test can fail.
             let silent = save(&folder, "silent.png", &picture.png(&[]));
             let (raw, _) = width(&measured(&silent, &[]));
@@ -195,9 +195,9 @@ fn frames_encoded_otherwise_than_their_calibration_are_refused() {
         (Some(power), &encoded, ""),
         // A file of an earlier version holds for what it was made of, as far as that is known.
         (None, &linear, ""),
-        (Some(Encoding::LINEAR), &encoded, "a power of 0.4545 here, which there was linear"),
-        (Some(Encoding::SRGB), &encoded, "a power of 0.4545 here, which there was sRGB"),
-        (Some(power), &linear, "linear here, which there was a power of 0.4545"),
+        (Some(Encoding::LINEAR), &encoded, "a power of 0.455 here, which there was linear"),
+        (Some(Encoding::SRGB), &encoded, "a power of 0.455 here, which there was sRGB"),
+        (Some(power), &linear, "linear here, which there was a power of 0.455"),
         (None, &encoded, "is not known (a calibration of an earlier version)"),
     ] {
         let path = calibration(&folder, made_of);
