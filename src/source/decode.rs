@@ -175,6 +175,7 @@ pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<D
     let raster = read(bytes, format, wanted.place)?;
     let (columns, rows, sample_bytes) = (raster.columns, raster.rows, raster.sample_bytes());
     let (values, stated) = raster.grey(wanted.channel)?;
+    let sample_bytes = sample_bytes.max(stated.wider_bytes);
     let settled = depth::settle(values, wanted.bit_depth, stated.significant_bits, stated.full_scale)?;
     let depth::Depth { mut buffer, format: mut pixel_format, mut full_scale } = settled;
     let (mut meta, mut changed) = (meta, Vec::new());

@@ -214,6 +214,11 @@ impl Page {
         Ok(Stated {
             full_scale,
             significant_bits: None,
+            wider_bytes: if self.bits == 64 {
+                8 * self.columns as usize * self.rows as usize * usize::from(self.channels)
+            } else {
+                0
+            },
             transfer: self.transfer(tiff, directory, exif)?,
             orientation: exif.orientation,
             scale: scale(tiff, directory),
