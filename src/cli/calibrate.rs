@@ -1,5 +1,6 @@
 //! `shadowgauge calibrate`: a bench from dark and flat fields, master pins and a check pin.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -11,7 +12,7 @@ use crate::gauge::Calibration;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::run_folder::write_atomically;
-use crate::source::{FileFrames, list_images};
+use crate::source::{Channel, FileFrames, listing};
 use crate::studies::calibration::{
     CalibrateError, Calibrated, CalibrationPlan, PinPlan, Position, Recordings, SimulatedRecordings,
     calibrate, parameter_table,
@@ -80,7 +81,7 @@ pub fn make(
         calibrate(plan, &mut recordings)
     } else {
         let folder = config.and_then(Path::parent).unwrap_or(Path::new(".")).to_owned();
-        calibrate(plan, &mut RecordedFrames { folder })
+        calibrate(plan, &mut RecordedFrames { folder, channel: plan.channel, said: HashSet::new() })
     };
     calibrated.map_err(|e| match e {
         CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
@@ -118,6 +119,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
                     "black_counts": s.black_counts,
                 })),
                 "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
+                "response": bench.flat_field.as_ref().and_then(|f| f.response),
             })
         );
         return;
@@ -150,6 +152,15 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * field.fall_off
         );
     }
+    if let Some(response) = bench.flat_field.as_ref().and_then(|f| f.response) {
+        say_line!(
+            "response: departs from a line by {:.1} % of full scale, undone (exponent {:.3}, curvature {:.3}, {:.2} % left)",
+            1e2 * response.departure,
+            response.exponent,
+            response.curvature,
+            1e2 * response.residual
+        );
+    }
     if bench.check.is_none() {
         say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
     }
@@ -176,17 +187,26 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// Frames in the folders that a plan names.
 struct RecordedFrames {
     folder: PathBuf,
+    channel: Option<Channel>,
+    /// What was said of the files already.
+    said: HashSet<String>,
 }
 
 impl RecordedFrames {
-    fn read(&self, path: Option<&PathBuf>) -> Result<Vec<Frame>, CalibrateError> {
+    fn read(&mut self, path: Option<&PathBuf>) -> Result<Vec<Frame>, CalibrateError> {
         let Some(path) = path else { return Ok(Vec::new()) };
         let frames = |e: &dyn std::fmt::Display| CalibrateError::Frames(e.to_string());
-        let images = list_images(&self.folder.join(path)).map_err(|e| frames(&e))?;
-        let mut source = FileFrames::new(images);
+        let images = listing(&self.folder.join(path)).map_err(|e| frames(&e))?.images;
+        let mut source = FileFrames::new(images).of_channel(self.channel);
         let mut all = Vec::new();
         while let Some(read) = source.next_stored() {
-            all.push(read.map_err(|e| frames(&e))?.frame);
+            let stored = read.map_err(|e| frames(&e))?;
+            for said in source.take_notices().into_iter().chain(stored.changed) {
+                if self.said.insert(said.clone()) {
+                    tracing::warn!("{}: {said}; this is said once", path.display());
+                }
+            }
+            all.push(stored.frame);
         }
         Ok(all)
     }

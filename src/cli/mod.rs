@@ -16,6 +16,7 @@ mod gpu_check;
 mod label_font;
 mod measure;
 mod measure_bench;
+mod measure_frames;
 mod measure_judge;
 pub mod measure_ring;
 mod measure_turn;

@@ -10,6 +10,7 @@ mod formats;
 mod optics;
 mod order;
 mod outputs;
+mod pictures;
 mod refusals;
 mod sizes;
 mod statistics;

@@ -11,6 +11,7 @@ mod flat_field;
 mod impossible;
 mod lens;
 mod observation;
+mod response;
 
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Solver, Thermometer};
 pub use calibration::{BenchCalibration, BenchError, Validity};
@@ -21,6 +22,7 @@ pub use defects::ShaftRuns;
 pub use flat_field::{FlatField, FlatFieldError};
 pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};
+pub use response::{NoResponse, Response, response};
 
 use thiserror::Error;
 

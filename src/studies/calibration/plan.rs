@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::gauge::bench::{Conditions, Date, LensLimits, SettingError, Thermometer};
 use crate::gauge::{GaugeSettings, MasterCertificate};
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::source::Channel;
 
 /// Frames of a pin at one place in the field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -127,6 +128,9 @@ impl SimulatedPlan {
 pub struct CalibrationPlan {
     /// Camera, lens, light and their setting: frames of other optics are refused.
     pub optics_id: String,
+    /// Channel of colour frames that is measured; without it red, green and blue must be equal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
     /// Day of the recording, "YYYY-MM-DD".
     pub date: Date,
     /// Days the calibration is valid.

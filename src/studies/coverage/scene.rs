@@ -199,6 +199,7 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         }
     }
     let mut plan = CalibrationPlan {
+        channel: None,
         optics_id: "coverage".to_owned(),
         date: "2026-01-01".parse().unwrap_or_else(|_| Date::of(std::time::SystemTime::UNIX_EPOCH)),
         valid_days: 365,
