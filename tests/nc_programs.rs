@@ -182,7 +182,8 @@ fn interpret(program: &str) -> Option<(Vec<((f64, f64), bool)>, String)> {
     std::fs::write(&file, program).expect("written");
     let table = folder.path().join("tool.tbl");
     std::fs::write(&table, "T1 P1 X0 Z0\n").expect("written");
-    let run = Command::new("rs274").arg("-t").arg(&table).arg("-g").arg(&file).current_dir(folder.path()).output();
+    let run =
+        Command::new("rs274").arg("-t").arg(&table).arg("-g").arg(&file).current_dir(folder.path()).output();
     let output = match run {
         Ok(output) => output,
         Err(e) => {
@@ -195,7 +196,8 @@ fn interpret(program: &str) -> Option<(Vec<((f64, f64), bool)>, String)> {
     let printed =
         String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     let moved = |line: &str| {
-        let (inside, rapid) = match (line.split_once("STRAIGHT_FEED("), line.split_once("STRAIGHT_TRAVERSE(")) {
+        let (inside, rapid) = match (line.split_once("STRAIGHT_FEED("), line.split_once("STRAIGHT_TRAVERSE("))
+        {
             (Some((_, rest)), _) => (rest, false),
             (_, Some((_, rest))) => (rest, true),
             _ => return None,

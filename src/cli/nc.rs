@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use super::{CommandResult, Failure, Outcome};
 use crate::config;
-use crate::job::Job;
-use crate::nc::{self, Dialect, Direction, MacroProgram, NcSettings, TurningProgram, Workpiece};
+use crate::job::{Job, JobError};
+use crate::nc::{
+    self, Dialect, Direction, MacroProgram, NcError, NcSettings, TurningProgram, Workpiece, Written,
+};
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
 use crate::run_folder::{OffsetRow, RunFolder, write_atomically};
@@ -81,13 +83,31 @@ pub fn run(args: &NcArgs) -> CommandResult {
 /// The machine file's, else the run's own where it was made for this control.
 fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
     let own = job.nc.as_ref().filter(|nc| nc.dialect == args.dialect);
-    let mut settings = match &args.machine {
-        None => own.map_or_else(NcSettings::default, |nc| nc.machine.clone()),
-        Some(path) => super::study_files::ConfigText::read(path)?.parse()?,
+    let part_number = |settings: NcSettings| NcSettings {
+        part_number: args.part.unwrap_or(settings.part_number),
+        ..settings
     };
-    settings.part_number = args.part.unwrap_or(settings.part_number);
-    settings.validate().map_err(Failure::refuse)?;
+    let Some(path) = &args.machine else {
+        let settings = part_number(own.map_or_else(NcSettings::default, |nc| nc.machine.clone()));
+        settings.validate().map_err(Failure::refuse)?;
+        return Ok(settings);
+    };
+    let file = super::study_files::ConfigText::read(path)?;
+    let settings = part_number(file.parse()?);
+    settings.validate().map_err(|error| in_file(&file, error))?;
     Ok(settings)
+}
+
+/// A refusal that points at the key in the machine's file.
+fn in_file(file: &super::study_files::ConfigText, error: NcError) -> Failure {
+    match error {
+        NcError::Setting { key, value, right } => {
+            let key = key.strip_prefix("nc.").unwrap_or(key);
+            let at = JobError::at(key, format!("{value} must be {right}"));
+            Failure::refused(config::value_error(&file.text, &file.name, at))
+        }
+        other => file.refuse(other),
+    }
 }
 
 /// A pass of the run with what was in force before it.
@@ -178,6 +198,22 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     Ok(())
 }
 
+/// The text of a program, with a word on what it leaves uncut. A dry run lists offsets whatever the machine's data leave
+/// open; the word says that the program itself would be refused.
+fn written<P>(args: &NcArgs, program: Result<Written<P>, NcError>) -> Result<String, Failure> {
+    match program {
+        Ok(written) => {
+            tracing::warn!("{}", written.uncut);
+            Ok(written.text)
+        }
+        Err(open @ NcError::Unstated { .. }) if args.dry_run => {
+            tracing::warn!("the program itself would be refused: {open}");
+            Ok(String::new())
+        }
+        Err(other) => Err(Failure::refuse(other)),
+    }
+}
+
 fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
     let program = TurningProgram {
         plan: &pass.plan,
@@ -186,10 +222,12 @@ fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Fa
         limits_mm: pass.limits_mm,
         reason: &pass.reason,
     };
-    let written = program.write(args.dialect).map_err(Failure::refuse)?;
-    tracing::warn!("{}", written.uncut);
-    let list = || nc::dry_run(&pass.old, &pass.plan, &written.cut, &pass.reason);
-    Ok(if args.dry_run { list() } else { written.text })
+    let written = written(args, program.write(args.dialect))?;
+    if args.dry_run {
+        let path = nc::Path::new(&pass.plan, settings, args.dialect).map_err(Failure::refuse)?;
+        return Ok(nc::dry_run(&pass.old, &pass.plan, &path, &pass.reason));
+    }
+    Ok(written)
 }
 
 fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
@@ -215,8 +253,7 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
         limits_mm: pass.limits_mm,
         settings,
     };
-    let written = program.write(args.dialect).map_err(Failure::refuse)?;
-    tracing::warn!("{}", written.uncut);
+    let written = written(args, program.write(args.dialect))?;
     if args.dry_run {
         let v = program.values();
         return Ok(format!(
@@ -225,5 +262,5 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
             pass.plan.pass, fitted.b, fitted.a, v.v804, v.v805, v.v810, v.v811, pass.reason
         ));
     }
-    Ok(written.text)
+    Ok(written)
 }

@@ -44,7 +44,10 @@ impl Skeleton<'_> {
             _ => "M03",
         };
         let mut texts = vec![
-            format!("X is a diameter, Z 0 the face that clamps the part, its end Z {}", mm(self.piece.length_mm)),
+            format!(
+                "X is a diameter, Z 0 the face that clamps the part, its end Z {}",
+                mm(self.piece.length_mm)
+            ),
             format!("tool {} nose r {}, spindle {spindle}", s.tool, mm(route.nose_mm)),
             format!("tool Z is set at the side of the nose towards the {leading}"),
         ];

@@ -196,7 +196,11 @@ impl NcSettings {
             centre.validate()?;
         }
         for rest in self.steady_rests.iter().flatten() {
-            rest.validate(["nc.steady_rests.from_z_mm", "nc.steady_rests.to_z_mm", "nc.steady_rests.diameter_mm"])?;
+            rest.validate([
+                "nc.steady_rests.from_z_mm",
+                "nc.steady_rests.to_z_mm",
+                "nc.steady_rests.diameter_mm",
+            ])?;
         }
         if let Some(head) = self.gauge_head {
             head.validate(["nc.gauge_head.from_z_mm", "nc.gauge_head.to_z_mm", "nc.gauge_head.diameter_mm"])?;

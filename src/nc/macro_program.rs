@@ -146,11 +146,9 @@ impl MacroProgram<'_> {
         let limit = self.settings.correction_limit_mm;
         let (start, end) = self.diameter_mm;
         let length = self.piece.length_mm;
-        for (z_mm, x_mm, nominal) in [
-            (length, v.v812, start),
-            (length * (1.0 - X_START), v.v810, start),
-            (0.0, v.v811, end),
-        ] {
+        for (z_mm, x_mm, nominal) in
+            [(length, v.v812, start), (length * (1.0 - X_START), v.v810, start), (0.0, v.v811, end)]
+        {
             let (low_mm, high_mm) = (nominal - limit, nominal + limit);
             if !(low_mm..=high_mm).contains(&x_mm) {
                 return Err(NcError::Range { x_mm, z_mm, low_mm, high_mm });

@@ -123,7 +123,7 @@ fn assumed_change(piece: &Workpiece, settings: &NcSettings, clear_mm: f64) -> Ch
         Some(Tailstock::Centre(c)) => c.quill_mm.max(c.body_mm),
         None => QUILL_MM.max(piece.largest_mm()),
     };
-    let chuck = settings.chuck.map_or(0.0, |c| c.jaws_diameter_mm.unwrap_or(0.0));
+    let chuck = settings.chuck.map_or(0.0, |c| c.jaws_diameter_mm.unwrap_or(0.0).max(c.diameter_mm));
     let around = settings.steady_rests.iter().flatten().chain(settings.gauge_head.as_ref());
     let widest = around.map(|o| o.diameter_mm).fold(quill.max(chuck).max(clear_mm), f64::max);
     ChangePosition {

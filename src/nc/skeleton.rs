@@ -96,7 +96,12 @@ impl Skeleton<'_> {
 }
 
 /// Checks what every form needs before a line is written.
-pub(super) fn check(settings: &NcSettings, piece: &Workpiece, nominal_mm: f64, dialect: Dialect) -> Result<Route, NcError> {
+pub(super) fn check(
+    settings: &NcSettings,
+    piece: &Workpiece,
+    nominal_mm: f64,
+    dialect: Dialect,
+) -> Result<Route, NcError> {
     settings.validate()?;
     settings.check_stated(dialect)?;
     piece.check(nominal_mm)?;

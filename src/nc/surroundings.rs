@@ -67,7 +67,10 @@ impl<'a> Skeleton<'a> {
         let collar = route.full_from_mm;
         let stock = vec![
             Solid { what: "stock", shape: Convex::cylinder(0.0, end, piece.before_mm) },
-            Solid { what: "uncut stock at the chuck", shape: Convex::cylinder(0.0, collar, piece.largest_mm()) },
+            Solid {
+                what: "uncut stock at the chuck",
+                shape: Convex::cylinder(0.0, collar, piece.largest_mm()),
+            },
         ];
         let kept_clear = vec![
             Convex::cylinder(-clear, end, piece.before_mm + clear),
@@ -109,18 +112,15 @@ impl<'a> Skeleton<'a> {
             Some(Tailstock::Absent) => return Vec::new(),
             Some(Tailstock::Centre(c)) => (c, ["tailstock centre", "body of the centre", "tailstock quill"]),
             None => {
-                let whats = ["tailstock centre (assumed)", "tailstock (assumed)", "tailstock quill (assumed)"];
+                let whats =
+                    ["tailstock centre (assumed)", "tailstock (assumed)", "tailstock quill (assumed)"];
                 (assumed_centre(self.piece, smallest_mm), whats)
             }
         };
         let slope = (0.5 * centre.point_deg).to_radians().tan();
         let cone_end = end + 0.5 * (centre.body_mm - centre.hole_mm).max(0.0) / slope;
-        let cone = vec![
-            (end, 0.0),
-            (end, 0.5 * centre.hole_mm),
-            (cone_end, 0.5 * centre.body_mm),
-            (cone_end, 0.0),
-        ];
+        let cone =
+            vec![(end, 0.0), (end, 0.5 * centre.hole_mm), (cone_end, 0.5 * centre.body_mm), (cone_end, 0.0)];
         let [point, body, quill] = whats;
         let mut solids = vec![
             Solid { what: point, shape: Convex::hull(cone) },

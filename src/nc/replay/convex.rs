@@ -69,7 +69,10 @@ impl Convex {
 
     fn separated_by_box(&self, other: &Self) -> bool {
         let ((a0, a1), (b0, b1)) = (self.bounds(), other.bounds());
-        a1.0 <= b0.0 + TOUCH_MM || b1.0 <= a0.0 + TOUCH_MM || a1.1 <= b0.1 + TOUCH_MM || b1.1 <= a0.1 + TOUCH_MM
+        a1.0 <= b0.0 + TOUCH_MM
+            || b1.0 <= a0.0 + TOUCH_MM
+            || a1.1 <= b0.1 + TOUCH_MM
+            || b1.1 <= a0.1 + TOUCH_MM
     }
 
     /// Least and largest Z and radius.

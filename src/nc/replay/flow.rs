@@ -49,7 +49,11 @@ impl Program {
     pub(super) fn line_with(&self, from: usize, text: &str, backwards: bool) -> Option<usize> {
         let is = |i: &usize| {
             let line = &self.lines[*i].text;
-            if text.starts_with("DO") { line.starts_with("WHILE") && line.ends_with(text) } else { line == text }
+            if text.starts_with("DO") {
+                line.starts_with("WHILE") && line.ends_with(text)
+            } else {
+                line == text
+            }
         };
         if backwards { (0..from).rev().find(is) } else { (from + 1..self.lines.len()).find(is) }
     }

@@ -297,7 +297,9 @@ impl<'a> Interpreter<'a> {
                 'G' => words.g.push(value),
                 'M' if value.fract() == 0.0 && value >= 0.0 => words.m.push(value as u32),
                 'X' | 'Z' | 'U' | 'W' | 'F' if whole => {
-                    return Err(format!("{letter}{value} has no decimal point: a control may take it in increments"));
+                    return Err(format!(
+                        "{letter}{value} has no decimal point: a control may take it in increments"
+                    ));
                 }
                 'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' => {
                     if words.get(letter).is_some() {
@@ -463,7 +465,8 @@ impl<'a> Interpreter<'a> {
             return Ok(());
         }
         let m = &self.modal;
-        let unit = m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
+        let unit =
+            m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
         if !(m.plane && m.millimetres && m.no_nose_compensation) {
             return Err("G18, G21 and G40 must come before the first move".into());
         }

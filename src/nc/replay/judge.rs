@@ -115,7 +115,10 @@ impl Scene<'_> {
                 places.push(Point { x: 2.0 * (r - bottom), z: z - left + BESIDE_MM });
             }
         }
-        places.retain(|p| p.x >= 0.0 && self.is_clear(*p) && self.travel.is_none_or(|t| within(&t, *p)));
+        // the reference point lies at the end of the travel
+        let most = if self.dialect.changes_at_reference() { self.change.x_mm } else { f64::INFINITY };
+        let reachable = |p: &Point| (0.0..=most).contains(&p.x) && self.travel.is_none_or(|t| within(&t, *p));
+        places.retain(|p| reachable(p) && self.is_clear(*p));
         places
     }
 
