@@ -7,6 +7,7 @@ mod clipping;
 mod conformity;
 mod encoding;
 mod formats;
+mod nc;
 mod optics;
 mod order;
 mod outputs;
