@@ -195,8 +195,12 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
             positions = positions.map(|p| Position { y_mm: 0.0, ..p });
             conditions.limit_axis_y_mm = 0.0;
         }
-        Class::Vibration | Class::LossOfFocus | Class::WarmPart | Class::OtherFinish | Class::Overexposed => {
-        }
+        Class::Vibration
+        | Class::LossOfFocus
+        | Class::WarmPart
+        | Class::OtherFinish
+        | Class::Overexposed
+        | Class::Clipped => {}
     }
     let mut plan = CalibrationPlan {
         channel: None,
@@ -236,6 +240,11 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     if class == Class::OtherLight {
         bench = in_other_light(&drawn, seed, renderer)?;
     }
+    if class == Class::Clipped {
+        let times = 1.2 + 0.3 * draws.even();
+        let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
+        bench = changed(&drawn, seed, renderer, light)?;
+    }
     let d20_mm = 5.3 + 1.5 * draws.even();
     let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
     if matches!(class, Class::Form | Class::Lobes) {
@@ -251,9 +260,21 @@ fn in_other_light<'a>(
     seed: u64,
     renderer: &'a Renderer,
 ) -> Result<SimulatedBench<'a>, CalibrateError> {
+    changed(drawn, seed, renderer, |simulate| {
+        simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
+    })
+}
+
+/// The same bench with something about it changed.
+fn changed<'a>(
+    drawn: &Drawn,
+    seed: u64,
+    renderer: &'a Renderer,
+    change: impl FnOnce(&mut SimulatedPlan),
+) -> Result<SimulatedBench<'a>, CalibrateError> {
     let mut plan = drawn.plan.clone();
     if let Some(simulate) = &mut plan.simulate {
-        simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
+        change(simulate);
     }
     let other = SimulatedRecordings::new(&plan, renderer)?.into_bench();
     // Noise of its own, not that of the first master's frames.
@@ -392,7 +413,12 @@ fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) 
         return refused("too few columns".to_owned());
     };
     let budget = reading.budget(calibration, &drawn.conditions);
-    outcome(&budget, true_mm, flag(calibration, &drawn.conditions, &edges))
+    // Under clipped light every column is impaired, and its interval is what is asked for.
+    let flag = match drawn.class {
+        Class::Clipped => String::new(),
+        _ => flag(calibration, &drawn.conditions, &edges),
+    };
+    outcome(&budget, true_mm, flag)
 }
 
 fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
