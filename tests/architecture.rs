@@ -8,7 +8,7 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 
 /// Rooms by layer; a file imports lower layers and its own room (layer 3: its whole layer).
-const VOCABULARY: [&str; 4] = ["frame", "shaft", "profile", "plan"];
+const VOCABULARY: [&str; 5] = ["frame", "shaft", "profile", "plan", "conformity"];
 const STAGES: [&str; 8] = ["process", "render", "gauge", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "cell", "job", "closed_loop", "studies"];
 const SURFACE: [&str; 5] = ["config", "run_folder", "report", "cli", "main"];

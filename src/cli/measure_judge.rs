@@ -4,14 +4,13 @@ use serde_json::{Map, Value, json};
 
 use super::Failure;
 use super::measure_turn::turn_json;
+use crate::conformity::{Judge, Judgement, MANY, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
-use crate::gauge::judgement::{Judge, Judgement, Limits};
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
-use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
-use crate::gauge::tolerance::parse_tolerance;
+use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
 use crate::profile::{Diameter, Reading, Reason};
@@ -21,14 +20,18 @@ const LOCAL_COLUMNS: f64 = 65.0;
 /// Stretches along z that are compared from turn to turn where no stations are given, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
+/// Probability that the scatter of parts that are all alike passes for one of the process.
+const SCATTER_RISK: f64 = 0.05;
+
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
-    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
-    /// largest diameter, its local sizes (means over about 65 columns, or over the stations of --station-mm) and its mean.
-    #[arg(long, value_name = "T", value_parser = parse_tolerance)]
-    tolerance: Option<Limits>,
-    /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25", with (E) or (GN) where --turn is given; exit
+    /// code 1 unless every value is proven good: each frame's largest diameter, its local sizes (means over about 65 columns, or over
+    /// the stations of --station-mm) and its mean.
+    #[arg(long, value_name = "T")]
+    tolerance: Option<Tolerance>,
+    /// Probability of conformity to both limits behind GO (ISO 14253-1).
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
     /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
@@ -54,6 +57,9 @@ pub struct JudgeArgs {
     /// with the flag `implausible`.
     #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
     turn_limit_um: f64,
+    /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
+    #[arg(long, conflicts_with_all = ["turn", "average"])]
+    parts: bool,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of focus, moving), with a warning.
     #[arg(long)]
     accept_blur: bool,
@@ -144,6 +150,17 @@ struct Largest {
     end_on: bool,
     z_mm: f64,
     diameter: Diameter,
+    freedom: f64,
+}
+
+/// A value that must lie within the limits.
+#[derive(Clone, Copy)]
+struct Judged {
+    what: &'static str,
+    z_mm: f64,
+    reading: Reading,
+    /// Effective degrees of freedom of its u.
+    freedom: f64,
 }
 
 /// Follows the frames of one command.
@@ -154,6 +171,8 @@ pub struct Follower<'a> {
     judge: Option<(Judge, (f64, f64))>,
     average: Average,
     statistics: RunningStatistics,
+    /// Random variances of the values in the statistics, mm².
+    noise: RunningStatistics,
     worst: Judgement,
     turn: Vec<(FrameMeta, ColumnDiameters)>,
     history: TurnHistory,
@@ -174,15 +193,15 @@ impl<'a> Follower<'a> {
     ) -> Result<Self, Failure> {
         let judge = args
             .tolerance
-            .map(|limits| {
-                let ends = match limits {
-                    Limits::Tolerance { lower_mm, upper_mm } => (lower_mm, upper_mm),
-                    Limits::Four { ll_mm, hh_mm, .. } => (ll_mm, hh_mm),
-                };
-                Judge::new(limits, args.conformance_probability).map(|j| (j, ends))
-            })
+            .map(|t| Judge::new(t.limits(), args.conformance_probability).map(|judge| (judge, t.limits_mm())))
             .transpose()
             .map_err(Failure::refuse)?;
+        if let Some(t) = args.tolerance.filter(|t| t.criterion.needs_turn() && !args.turn) {
+            return Err(Failure::refuse(format!(
+                "{} is judged over the length and all around: give the frames of a turn and --turn",
+                t.criterion.as_str()
+            )));
+        }
         if judge.is_some() && is_uncalibrated(calibration) {
             tracing::warn!(
                 "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
@@ -207,6 +226,7 @@ impl<'a> Follower<'a> {
             judge,
             average: Average::new(args.average.unwrap_or_default()).map_err(Failure::refuse)?,
             statistics: RunningStatistics::default(),
+            noise: RunningStatistics::default(),
             worst: Judgement::GO,
             turn: Vec::new(),
             history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
@@ -247,6 +267,7 @@ impl<'a> Follower<'a> {
             put(out, "mean_diameter_mm", d.d_mm);
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
+            self.noise.push(d.u_random_mm.powi(2));
         }
         if let Some(budget) = &budget {
             self.add_budget(budget, out);
@@ -264,6 +285,7 @@ impl<'a> Follower<'a> {
                 u_random_mm: budget.u_random_mm(),
                 u_common_mm: budget.u_common_mm(),
             },
+            freedom: budget.effective_freedom(),
         });
         self.add_stations(&meta, &diameters, out);
         let values = self.to_be_judged(&meta, &diameters, averaged, largest);
@@ -342,8 +364,8 @@ impl<'a> Follower<'a> {
         let row = |(z_mm, reading): &(f64, Reading)| {
             let mut row = station_row(*z_mm, reading);
             if let Some((judge, _)) = &self.judge {
-                row["judgement"] = json!(judge.judge_reading(reading).ok());
-                row["guard_mm"] = json!(reading.value().map(|d| judge.guard_mm(&d)));
+                row["judgement"] = json!(judge.judge_reading(reading, MANY).ok());
+                row["guard_mm"] = json!(reading.value().and_then(|d| judge.guard_mm(&d, MANY)));
             }
             row
         };
@@ -358,46 +380,54 @@ impl<'a> Follower<'a> {
         diameters: &ColumnDiameters,
         mean: Reading,
         largest: Option<Largest>,
-    ) -> Vec<(&'static str, f64, Reading)> {
-        let largest_value = largest.map(|l| ("largest", l.z_mm, Reading::Value(l.diameter)));
+    ) -> Vec<Judged> {
+        let largest_value = largest.map(|l| Judged {
+            what: "largest",
+            z_mm: l.z_mm,
+            reading: Reading::Value(l.diameter),
+            freedom: l.freedom,
+        });
         if largest.is_some_and(|l| l.end_on) {
             return Vec::from_iter(largest_value);
         }
-        let (word, length) = match self.args.station_mm {
+        let (what, length) = match self.args.station_mm {
             Some(length) => ("station", length),
             None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
         };
-        let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
+        // Their u is by the noise of very many pixels, and by the calibration.
+        let of = |what, z_mm, reading| Judged { what, z_mm, reading, freedom: MANY };
+        let places =
+            diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
         let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
-        largest_value.into_iter().chain(places).chain([(mean_word, meta.z_mm, mean)]).collect()
+        largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
     }
 
     /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
-    fn judge_frame(&mut self, values: &[(&'static str, f64, Reading)], out: &mut Map<String, Value>) {
+    fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
         let Some((judge, (lower, upper))) = self.judge else { return };
         let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
-        let mut decisive: Option<(Judgement, &str, f64, Diameter)> = None;
-        for (word, z_mm, reading) in values {
-            let Some(d) = reading.value() else { continue };
-            let judgement = judge.judge(&d);
+        let mut decisive: Option<(Judgement, Judged, Diameter)> = None;
+        for value in values {
+            let Some(d) = value.reading.value() else { continue };
+            let judgement = judge.judge(&d, value.freedom);
             let worst = decisive
-                .is_none_or(|(known, _, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
+                .is_none_or(|(known, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
             if worst {
-                decisive = Some((judgement, word, z_mm.to_owned(), d));
+                decisive = Some((judgement, *value, d));
             }
         }
-        let gap = values.iter().find_map(|(word, z_mm, reading)| match reading {
-            Reading::Gap(reason) => Some((word, z_mm, reason)),
+        let gap = values.iter().find_map(|value| match value.reading {
+            Reading::Gap(reason) => Some((value, reason)),
             Reading::Value(_) => None,
         });
         let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
-        if let (true, Some((word, z_mm, reason))) = (good, gap) {
-            out.insert("judged".to_owned(), json!({ "what": word, "z_mm": z_mm, "flag": reason.as_str() }));
+        if let (true, Some((Judged { what, z_mm, .. }, reason))) = (good, gap) {
+            out.insert("judged".to_owned(), json!({ "what": what, "z_mm": z_mm, "flag": reason.as_str() }));
             return self.not_proven(out);
         }
-        let Some((judgement, word, z_mm, d)) = decisive else { return self.not_proven(out) };
+        let Some((judgement, value, d)) = decisive else { return self.not_proven(out) };
         self.worst = worse(self.worst, judgement);
-        if let Err(error) = judge.check_uncertainty(d.u_mm()) {
+        if let Err(error) = judge.check_uncertainty(d.u_mm(), value.freedom) {
             if !self.no_zone_told {
                 tracing::warn!("{error}");
             }
@@ -406,7 +436,8 @@ impl<'a> Follower<'a> {
         }
         out.insert("judgement".to_owned(), json!(judgement));
         let judged = json!({
-            "what": word, "z_mm": z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(), "guard_mm": judge.guard_mm(&d),
+            "what": value.what, "z_mm": value.z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(),
+            "effective_freedom": finite(value.freedom), "guard_mm": judge.guard_mm(&d, value.freedom),
         });
         out.insert("judged".to_owned(), judged);
     }
@@ -444,10 +475,27 @@ impl<'a> Follower<'a> {
             "min_mm": min, "max_mm": max, "range_mm": max - min,
         });
         if let Some((_, (lower, upper))) = self.judge {
-            all["cp"] = json!(s.cp(lower, upper, 0.95).ok());
-            all["cpk"] = json!(s.cpk(lower, upper, 0.95).ok());
+            let (cp, cpk, none) = match self.capability(lower, upper) {
+                Ok((cp, cpk)) => (json!(cp), json!(cpk), Value::Null),
+                Err(why) => (Value::Null, Value::Null, json!(why)),
+            };
+            (all["cp"], all["cpk"], all["capability_none"]) = (cp, cpk, none);
         }
         all
+    }
+
+    /// Cp and Cpk of the batch with intervals of 95 %.
+    ///
+    /// # Errors
+    /// Why there are none: they are a process's, which one part does not show, nor scatter that is the gauge's own.
+    fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
+        if !self.args.parts {
+            return Err("one part has none; --parts takes every frame as another part".to_owned());
+        }
+        let s = &self.statistics;
+        s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
+        let both = s.cp(lower, upper, 0.95).and_then(|cp| Ok((cp, s.cpk(lower, upper, 0.95)?)));
+        both.map_err(|e| e.to_string())
     }
 
     /// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
@@ -509,6 +557,9 @@ pub fn statistics_line(s: &Value) -> String {
             let [value, lower, upper] = ["index", "lower", "upper"].map(|k| number(&index[k], 2));
             text += &format!(", {name} {value} (95 %: {lower} to {upper})");
         }
+    }
+    if let Some(why) = s.get("capability_none").and_then(Value::as_str) {
+        text += &format!(", Cp and Cpk - ({why})");
     }
     text
 }

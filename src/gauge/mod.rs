@@ -22,7 +22,6 @@ mod falloff;
 mod finder;
 pub mod form;
 mod gate;
-pub mod judgement;
 mod lanes;
 mod learn;
 mod levels;
@@ -42,7 +41,6 @@ mod settings;
 mod side;
 mod station;
 mod table;
-pub mod tolerance;
 pub mod turn_form;
 mod window;
 
