@@ -32,5 +32,6 @@ pub mod truth;
 // -- 3 surface
 pub mod cli;
 pub mod config;
+pub mod files;
 pub mod report;
 pub mod run_folder;

@@ -3,15 +3,15 @@
 use serde_json::{Map, Value, json};
 
 use super::Failure;
+use super::measure_size::{common_mm, envelope, judge_turn, part_form};
 use super::measure_turn::turn_json;
-use crate::conformity::{Judge, Judgement, MANY, Tolerance};
+use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
-use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
 use crate::profile::{Diameter, Reading, Reason};
 
@@ -314,6 +314,13 @@ impl<'a> Follower<'a> {
         self.not_proven(out);
     }
 
+    /// Whether frames have sizes that the tolerance is for; else it is for those of the turn.
+    fn judges_frames(&self) -> bool {
+        let two_point =
+            |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
+        self.args.tolerance.is_some_and(two_point)
+    }
+
     /// What was not measured is not proven good.
     fn not_proven(&mut self, out: &mut Map<String, Value>) {
         if self.judge.is_some() {
@@ -363,7 +370,7 @@ impl<'a> Follower<'a> {
         let Some(length) = self.args.station_mm else { return };
         let row = |(z_mm, reading): &(f64, Reading)| {
             let mut row = station_row(*z_mm, reading);
-            if let Some((judge, _)) = &self.judge {
+            if let (Some((judge, _)), true) = (&self.judge, self.judges_frames()) {
                 row["judgement"] = json!(judge.judge_reading(reading, MANY).ok());
                 row["guard_mm"] = json!(reading.value().and_then(|d| judge.guard_mm(&d, MANY)));
             }
@@ -404,6 +411,9 @@ impl<'a> Follower<'a> {
 
     /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
     fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
+        if !self.judges_frames() {
+            return;
+        }
         let Some((judge, (lower, upper))) = self.judge else { return };
         let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
         let mut decisive: Option<(Judgement, Judged, Diameter)> = None;
@@ -451,15 +461,23 @@ impl<'a> Follower<'a> {
     ///
     /// # Errors
     /// Exit 3 for frames that make no turn.
-    pub fn finish(&self, out: &mut Map<String, Value>) -> Result<(), Failure> {
+    pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
         if self.statistics.count() > 0 {
             out.insert("statistics".to_owned(), self.statistics_json());
         }
         if self.args.turn {
-            let form = self.part_form()?;
+            let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
-            let mut turn = turn_json(&form, |z_mm| self.common_mm(z_mm, length));
+            let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
             turn["implausible"] = json!(self.jumps);
+            if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
+                let envelope = envelope(&self.turn, self.args.cutoff_upr);
+                let common = |z_mm: f64| common_mm(&self.turn, z_mm, length);
+                if let Some(judged) = judge_turn(tolerance, judge.rule(), &form, &envelope, &common) {
+                    self.worst = worse(self.worst, judged.judgement);
+                    turn["judged"] = judged.json;
+                }
+            }
             out.insert("turn".to_owned(), turn);
         }
         Ok(())
@@ -496,47 +514,6 @@ impl<'a> Follower<'a> {
         s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
         let both = s.cp(lower, upper, 0.95).and_then(|cp| Ok((cp, s.cpk(lower, upper, 0.95)?)));
         both.map_err(|e| e.to_string())
-    }
-
-    /// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
-    fn common_mm(&self, z_mm: f64, length_mm: f64) -> Option<f64> {
-        let (mut sum, mut n) = (0.0, 0.0);
-        for (meta, diameters) in &self.turn {
-            for (column, reading) in diameters.readings.iter().enumerate() {
-                if let (Some(d), true) =
-                    (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
-                {
-                    (sum, n) = (sum + d.u_common_mm, n + 1.0);
-                }
-            }
-        }
-        (n > 0.0).then(|| sum / n)
-    }
-
-    fn part_form(&self) -> Result<PartForm, Failure> {
-        let cutoff = Cutoff::upr(self.args.cutoff_upr).map_err(Failure::refuse)?;
-        let ends = self
-            .turn
-            .iter()
-            .filter(|(_, d)| !d.readings.is_empty())
-            .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
-        let (low, high) =
-            ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
-        if !(high > low) {
-            return Err(Failure::fail("no frame of the turn could be measured"));
-        }
-        let length = self.args.station_mm.unwrap_or(high - low + 1e-9).min(high - low + 1e-9);
-        let count = ((high - low) / length + 1e-6).floor().clamp(1.0, 1e5) as usize;
-        let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length).collect();
-        let mut averager = TurnAverager::new(z_mm, length);
-        self.turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
-        let form = averager.finish(cutoff);
-        match form.refused.first() {
-            Some((z, why)) if form.sections.is_empty() => {
-                Err(Failure::fail(format!("the frames make no turn at z = {z:.3} mm: {why}")))
-            }
-            _ => Ok(form),
-        }
     }
 }
 

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use super::{CommandResult, Failure, Outcome};
 use crate::config;
+use crate::files::OutputFile;
 use crate::job::Job;
 use crate::nc::{self, Dialect, MacroProgram, NcSettings, TurningProgram};
 use crate::plan::{DiameterOffset, PassPlan};
-use crate::run_folder::{OffsetRow, RunFolder, write_atomically};
+use crate::run_folder::{OffsetRow, RunFolder};
 
 /// How the correction stands in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -71,7 +72,10 @@ pub fn run(args: &NcArgs) -> CommandResult {
         Form::Macro => line(args, &job, &settings, &pass)?,
     };
     match &args.out {
-        Some(path) => write_atomically(path, text.as_bytes()).map_err(Failure::fail)?,
+        Some(path) => {
+            let inputs = folder.files().into_iter().chain(args.machine.clone());
+            OutputFile::claim(path, inputs)?.write(text.as_bytes())?;
+        }
         None => say!("{text}"),
     }
     Ok(Outcome::Done)

@@ -73,7 +73,7 @@ fn plain(text: &str) -> String {
         }
         close(&mut circled, &mut out);
         match c {
-            '\u{2010}'..='\u{2013}' | '\u{2212}' | '\u{fe63}' | '\u{ff0d}' => out.push('-'),
+            '\u{2010}'..='\u{2015}' | '\u{2212}' | '\u{fe63}' | '\u{ff0d}' => out.push('-'),
             '\u{ff0b}' => out.push('+'),
             'ø' | '⌀' | '∅' | 'φ' | 'ϕ' | 'Φ' => out.push('Ø'),
             '…' => out.push_str(".."),
