@@ -7,6 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use crate::conformity::Tolerance;
+use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion};
 use crate::control::{ControlError, ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::nc::{Dialect, NcError, NcSettings};
@@ -35,25 +37,6 @@ impl JobError {
     }
 }
 
-/// Diameter tolerance of the finished part: lower and upper limit deviation from the nominal size (ISO 286-1).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Tolerance {
-    /// Nominal size, mm.
-    pub nominal_mm: f64,
-    /// Upper limit deviation (es), mm.
-    pub upper_mm: f64,
-    /// Lower limit deviation (ei), mm.
-    pub lower_mm: f64,
-}
-
-impl Tolerance {
-    /// Lower and upper limit of size, mm.
-    pub fn limits_mm(&self) -> (f64, f64) {
-        (self.nominal_mm + self.lower_mm, self.nominal_mm + self.upper_mm)
-    }
-}
-
 /// The part and its passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -71,6 +54,8 @@ pub struct Part {
     /// Tolerance of the finished part; without one no verdict is given.
     #[serde(default)]
     pub tolerance: Option<Tolerance>,
+    /// Probability with which conformity to the tolerance must be proven at every station (ISO 14253-1), 0.5 to 1.
+    pub conformance_probability: f64,
 }
 
 impl Default for Part {
@@ -81,7 +66,8 @@ impl Default for Part {
             nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
             aim_mm: -0.0065,
             station_mm: 5.0,
-            tolerance: Some(Tolerance { nominal_mm: 25.0, upper_mm: 0.0, lower_mm: -0.013 }),
+            tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
+            conformance_probability: PROBABILITY,
         }
     }
 }
@@ -155,13 +141,28 @@ impl Part {
             }
             before = nominal;
         }
-        match self.tolerance {
-            Some(t) if t.lower_mm >= t.upper_mm => Err(JobError::at(
+        self.check_tolerance()
+    }
+
+    fn check_tolerance(&self) -> Result<(), JobError> {
+        DecisionRule::new(self.conformance_probability)
+            .map_err(|e| JobError::at("part.conformance_probability", e.to_string()))?;
+        let Some(t) = self.tolerance else { return Ok(()) };
+        if t.criterion != SizeCriterion::TwoPoint {
+            let why = format!(
+                "{} is judged by measure --turn: a run judges the stations' mean two-point sizes",
+                t.criterion.as_str()
+            );
+            return Err(JobError::at("part.tolerance", why));
+        }
+        // What is no number does not lie below.
+        if !(t.lower_mm < t.upper_mm) {
+            return Err(JobError::at(
                 "part.tolerance.lower_mm",
                 format!("{} mm must lie below upper_mm = {} mm", t.lower_mm, t.upper_mm),
-            )),
-            _ => Ok(()),
+            ));
         }
+        Ok(())
     }
 }
 

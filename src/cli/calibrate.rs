@@ -7,11 +7,11 @@ use serde_json::json;
 
 use super::study_files::{ConfigText, json_text};
 use super::{CommandResult, Failure, Outcome};
+use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
-use crate::run_folder::write_atomically;
 use crate::source::{Channel, FileFrames, listing};
 use crate::studies::calibration::{
     CalibrateError, Calibrated, CalibrationPlan, PinPlan, Position, Recordings, SimulatedRecordings,
@@ -47,13 +47,15 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
     }
     let text = ConfigText::read(&args.config)?;
     let plan: CalibrationPlan = text.parse()?;
+    let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
+    let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
     let calibrated = make(&plan, &text, Some(&args.config), args.backend)?;
     let page = report::calibration_report(&plan, &calibrated).map_err(Failure::fail)?;
-    write_atomically(&args.out.with_extension("html"), page.as_bytes()).map_err(Failure::fail)?;
+    page_file.write(page.as_bytes())?;
     let accepted = check(&calibrated.calibration);
     if accepted {
         let json = json_text(&calibrated.calibration)? + "\n";
-        write_atomically(&args.out, json.as_bytes()).map_err(Failure::fail)?;
+        file.write(json.as_bytes())?;
     } else {
         tracing::error!(
             "the check pin refuses this calibration; {} is not written, the report says why",

@@ -34,15 +34,9 @@ pub fn run(args: &DemoArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Removes a finished run of this very preset (or of an earlier version's preset of the same name).
+/// Removes a run of this very preset (or of an earlier version's preset of the same name).
 fn clear_earlier(out: &Path, resolved: &str) -> Result<(), Failure> {
-    if !RunFolder::is_run(out) {
-        return Ok(());
-    }
     let name = |text: &str| text.lines().find(|l| l.starts_with("name = ")).map(str::to_owned);
-    let earlier = RunFolder::open(out).and_then(|f| f.config_text()).map_err(super::run::folder_failure)?;
-    if name(&earlier) == name(resolved) {
-        std::fs::remove_dir_all(out).map_err(|e| Failure::fail(format!("{}: {e}", out.display())))?;
-    }
-    Ok(())
+    let own = name(resolved);
+    RunFolder::clear(out, |earlier| name(earlier) == own).map_err(super::run::folder_failure)
 }

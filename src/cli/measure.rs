@@ -13,6 +13,7 @@ use super::measure_judge::{Follower, JudgeArgs, stated_budget, statistics_line};
 use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
+use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};
 use crate::gauge::bench::{Conditions, Date, ShaftRuns};
 use crate::gauge::budget::WidthReading;
@@ -54,7 +55,7 @@ pub struct MeasureArgs {
     frames: FrameArgs,
     #[command(flatten)]
     judge: JudgeArgs,
-    /// Writes both edges of every column to this CSV file.
+    /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
     /// Prints JSON.
@@ -237,6 +238,8 @@ fn measure_all(
     conditions: Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
+    let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
+    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let mut stream = gauge.stream();
     let (mut results, mut frames) = (Vec::new(), Vec::new());
@@ -261,8 +264,8 @@ fn measure_all(
     }
     report_refusals(&results)?;
     report_unlearnt(gauge, &results);
-    if let Some(path) = &args.edges {
-        write_edges(path, &results)?;
+    if let Some(file) = edges {
+        file.write_with(|out| Ok(write_rows(out, &results)?))?;
     }
     let bench = args.bench.map(|count| {
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
@@ -278,7 +281,7 @@ fn measure_all(
         }
         figures.push(row);
     }
-    if let Some(follower) = &follower {
+    if let Some(follower) = &mut follower {
         follower.finish(&mut out)?;
         out.insert("conditions".to_owned(), json!(conditions));
     }
@@ -286,7 +289,7 @@ fn measure_all(
     if args.json {
         out.insert("frames".to_owned(), figures.into());
         say_line!("{}", Value::Object(out));
-    } else {
+    } else if !edges_on_stdout {
         print_table(&figures, out.get("bench"));
         if args.judge.budget() {
             print_budgets(args, &results, calibration, &conditions);
@@ -468,23 +471,22 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
     }
 }
 
-/// Writes the edges under a temporary name, then renames.
-fn write_edges(path: &Path, results: &[Measured]) -> Result<(), Failure> {
-    let named =
-        |e: &dyn std::fmt::Display| Failure::fail(format!("{}: cannot be written: {e}", path.display()));
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = write_rows(&part, results).and_then(|()| Ok(fs::rename(&part, path)?));
-    written.map_err(|e| {
-        // The half-written file goes; that it may be gone already does not matter.
-        let _ = fs::remove_file(&part);
-        named(&e)
-    })
+/// Claims the file of --edges, which must be nothing that is read. On stdout it stands alone.
+fn claim_edges(args: &MeasureArgs, path: &Path, images: &[PathBuf]) -> Result<OutputFile, Failure> {
+    // Tables of frames stand beside the images or above their folder.
+    let tables =
+        images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
+    let named = [&args.calibration, &args.conditions].into_iter().flatten().cloned();
+    let esf = [PathBuf::from(&args.esf)];
+    let file = OutputFile::claim(path, images.iter().cloned().chain(tables).chain(named).chain(esf))?;
+    if file.is_stdout() && args.json {
+        return Err(Failure::refuse("--json and --edges both go to stdout; give --edges a file"));
+    }
+    Ok(file)
 }
 
-fn write_rows(path: &Path, results: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
-    let mut csv = csv::Writer::from_path(path)?;
+fn write_rows(out: &mut dyn std::io::Write, results: &[Measured]) -> Result<(), csv::Error> {
+    let mut csv = csv::Writer::from_writer(out);
     csv.write_record(["frame", "column", "top_px", "bottom_px", "u_top_px", "u_bottom_px", "flag"])?;
     let number = |usable: bool, value: f64, digits: usize| {
         if usable { format!("{value:.digits$}") } else { String::new() }

@@ -19,6 +19,7 @@ mod measure_bench;
 mod measure_frames;
 mod measure_judge;
 pub mod measure_ring;
+mod measure_size;
 mod measure_turn;
 mod nc;
 mod optimize;
@@ -48,6 +49,8 @@ use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::files::OutputError;
 
 /// How a command that did its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +89,12 @@ impl Failure {
     /// As [`Self::failed`], from an error of the library or a text.
     pub fn fail(error: impl std::fmt::Display) -> Self {
         Self::failed(miette::miette!("{error}"))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        if error.is_refusal() { Self::refuse(error) } else { Self::fail(error) }
     }
 }
 

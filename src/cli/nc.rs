@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use super::{CommandResult, Failure, Outcome};
 use crate::config;
+use crate::files::OutputFile;
 use crate::job::{Job, JobError};
 use crate::nc::{
     self, Dialect, Direction, MacroProgram, NcError, NcSettings, TurningProgram, Workpiece, Written,
 };
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
-use crate::run_folder::{OffsetRow, RunFolder, write_atomically};
+use crate::run_folder::{OffsetRow, RunFolder};
 
 /// How the correction stands in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -74,7 +75,10 @@ pub fn run(args: &NcArgs) -> CommandResult {
         Form::Macro => line(args, &job, &settings, &pass)?,
     };
     match &args.out {
-        Some(path) => write_atomically(path, text.as_bytes()).map_err(Failure::fail)?,
+        Some(path) => {
+            let inputs = folder.files().into_iter().chain(args.machine.clone());
+            OutputFile::claim(path, inputs)?.write(text.as_bytes())?;
+        }
         None => say!("{text}"),
     }
     Ok(Outcome::Done)

@@ -175,6 +175,7 @@ fn claim(job: &Job, out: &Path) -> Result<RunFolder, Failure> {
 pub fn folder_failure(error: RunFolderError) -> Failure {
     match error {
         RunFolderError::Taken { .. } => Failure::refuse(error),
+        RunFolderError::Output(error) => error.into(),
         other => Failure::fail(other),
     }
 }

@@ -41,6 +41,7 @@ pub fn run(args: &StudyWashersArgs) -> CommandResult {
         for (name, svg) in pictures {
             folder.write(&name, svg.as_bytes())?;
         }
+        folder.finish()?;
     }
     let misses = study.misses();
     if args.json {

@@ -24,7 +24,6 @@ mod finder;
 pub mod form;
 mod gate;
 mod grey_ends;
-pub mod judgement;
 mod lanes;
 mod learn;
 mod levels;
@@ -45,7 +44,6 @@ mod shape_terms;
 mod side;
 mod station;
 mod table;
-pub mod tolerance;
 pub mod turn_form;
 mod window;
 
