@@ -542,8 +542,8 @@ mod tests {
     fn frames_of_two_encodings_make_no_calibration() {
         let plan = flats("[{ exposure = 0.2 }, { exposure = 0.8 }]");
         let mut recordings = Power(1.0, crate::frame::Encoding::LINEAR);
-        let mut one =
-            OneEncoding { encoding: Some(crate::frame::Encoding::SRGB), ..OneEncoding::new(&mut recordings) };
+        let mut one = OneEncoding::new(&mut recordings);
+        one.encoding = Some(crate::frame::Encoding::SRGB);
         let said = fields(&plan, &mut one).unwrap_err().to_string();
         assert!(said.contains("fields.dark: the file encodes its grey values otherwise (linear)"), "{said}");
     }
