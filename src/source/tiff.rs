@@ -248,7 +248,7 @@ impl Page {
         };
         let mut found = None;
         if let Some(light) = table(301, &|v| v as f32)? {
-            found = Some(Transfer::of_table("TransferFunction (tag 301)", light)?);
+            found = Some(Transfer::of_table("TransferFunction (tag 301)", &light)?);
         }
         let unit = 10_f32.powi(tiff.integer(directory, 290, 0).unwrap_or(2).min(5) as i32);
         if let Some(mut light) = table(291, &|density| 10_f32.powf(-(density as f32) / unit))? {
@@ -256,7 +256,7 @@ impl Page {
             if self.white_is_zero {
                 light.reverse();
             }
-            found = Some(Transfer::of_table("GrayResponseCurve (tag 291)", light)?);
+            found = Some(Transfer::of_table("GrayResponseCurve (tag 291)", &light)?);
         }
         if found.is_none()
             && let Some(profile) = tiff.raw(directory, 34_675)
@@ -416,7 +416,7 @@ fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, mut tags: Vec<Tag>) -> R
         DecodingResult::U8(v) => Buffer::U8(v),
         DecodingResult::U16(v) => Buffer::U16(v),
         DecodingResult::F32(v) => Buffer::F32(v),
-        DecodingResult::F16(v) => Buffer::F32(v.into_iter().map(|v| v.to_f32()).collect()),
+        DecodingResult::F16(v) => Buffer::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::F64(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),
         DecodingResult::U32(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),
         DecodingResult::U64(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),

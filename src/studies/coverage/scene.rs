@@ -211,10 +211,9 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         thermometer,
         conditions,
         fields: Fields::default(),
-        masters: vec![
-            pin("small", 4.0, u_certificate, &positions),
-            pin("large", 6.6, u_certificate, &positions),
-        ],
+        masters: [("small", 4.0), ("large", 6.6)]
+            .map(|(name, mm)| pin(name, mm, u_certificate, &positions))
+            .to_vec(),
         check: None,
         gauge,
         simulate: Some(simulate),
