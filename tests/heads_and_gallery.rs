@@ -48,14 +48,8 @@ fn every_head_renders_and_is_measured_where_one_frame_shows_both_edges() {
         assert!(!truth.is_empty(), "{name}");
         let csv = folder.path().join(format!("{name}.csv"));
         let frames = out.join("frames");
-        let (code, _, stderr) = shadowgauge(&[
-            "measure",
-            frames.to_str().unwrap(),
-            "--um-per-px",
-            "1.0",
-            "--edges",
-            csv.to_str().unwrap(),
-        ]);
+        let (code, _, stderr) =
+            shadowgauge(&["measure", frames.to_str().unwrap(), "--edges", csv.to_str().unwrap()]);
         if code != 0 {
             println!("{name}: not measured: {}", stderr.lines().next().unwrap_or_default());
             assert!(name != "head_telecentric_25" && name != "head_wire", "{name}: {stderr}");

@@ -9,13 +9,16 @@ use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
 
+/// How far a camera's nominal scale may lie from a calibrated one: makers state the magnification of lenses to about 1 %.
+const NOMINAL_SCALE: f64 = 0.01;
+
 /// Arguments that say how files are read.
 #[derive(Debug, Default, clap::Args)]
 pub struct FrameArgs {
     /// Channel of colour images that is measured; without it red, green and blue must be equal.
     #[arg(long, value_enum, value_name = "r|g|b", hide_possible_values = true)]
     channel: Option<Channel>,
-    /// Takes the scale given, or the calibration's, though that of a file (frames.csv, its tags) differs by more than .1 %.
+    /// Takes the scale given, or the calibration's, though that of a file (frames.csv, its tags) is another one.
     #[arg(long)]
     ignore_file_scale: bool,
 }
@@ -140,14 +143,23 @@ impl<'a> Frames<'a> {
         match self.scale {
             Some(ScaleArgument::File) => same_as_first(stored, used_um_per_px),
             _ if self.args.ignore_file_scale => Ok(()),
-            given => {
-                let used = if given.is_some() { "--um-per-px" } else { "the calibration" };
-                let checked = stored.scale.as_ref().map_or(Ok(()), |own| own.check(used_um_per_px, used));
-                checked.map_err(|e| {
-                    format!("{e}: give the right one, correct the file, or say --ignore-file-scale")
-                })
-            }
+            given => self.same_as_used(stored, used_um_per_px, given.is_some()),
         }
+    }
+
+    /// A scale typed in is refused where the file says another one. Masters know the scale better than what a file states of its
+    /// camera: there a nominal scale that is off by little is said once.
+    fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
+        let used = if typed { "--um-per-px" } else { "the calibration" };
+        let Some(own) = &stored.scale else { return Ok(()) };
+        let Err(error) = own.check(used_um_per_px, used) else { return Ok(()) };
+        if typed || own.departure(used_um_per_px) > NOMINAL_SCALE {
+            return Err(format!("{error}: give the right one, correct the file, or say --ignore-file-scale"));
+        }
+        if self.said.insert("nominal scale".to_owned()) {
+            tracing::warn!("frame {}: {error}; the calibration's is taken; this is said once", stored.stem);
+        }
+        Ok(())
     }
 }
 

@@ -101,6 +101,11 @@ impl FileScale {
         ))
     }
 
+    /// How far a scale in use lies from it, relative.
+    pub fn departure(&self, used_um_per_px: f64) -> f64 {
+        self.um_per_px.map(|own| (own / used_um_per_px - 1.0).abs()).into_iter().fold(0.0, f64::max)
+    }
+
     /// With rows and columns exchanged.
     pub(super) fn transposed(self) -> Self {
         let [x, y] = self.um_per_px;

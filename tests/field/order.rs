@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use serde_json::Value;
+use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
 use tempfile::TempDir;
 
 use super::pictures::{Picture, shaft};
@@ -180,6 +181,33 @@ fn orientation_tags_set_pictures_upright() {
             // The largest of a mirrored row is taken over other windows.
             assert!((found - right).abs() < 0.03, "{orientation}: {found}, {right}");
         }
+    }
+}
+
+/// A calibration of masters at 1 mm/px beside files that say 1.005 and 1.02.
+#[test]
+fn a_calibrated_scale_goes_before_a_nominal_one_that_is_near() {
+    let folder = tempfile::tempdir().unwrap();
+    let master = |mm: f64| MasterFigure {
+        certificate: MasterCertificate { diameter_mm: mm, expanded_u_mm: 1e-3, coverage_factor: 2.0 },
+        width_px: mm,
+        u_width_px: 1e-3,
+    };
+    let made =
+        serde_json::to_string(&Calibration::fit_figures(&[master(30.0), master(60.0)]).unwrap()).unwrap();
+    let calibration = save(folder.path(), "calibration.json", made.as_bytes());
+    let image = save(folder.path(), "a.png", &frame(40.4, 5).png(&[]));
+    let options = ["--calibration", calibration.to_str().unwrap(), "--json"];
+    for (um_per_px, code, words) in [
+        (1000.5, 0, ""),
+        (1005.0, 0, "a scale of 1005.000000 µm/px, but the calibration is 1000.000000 µm/px"),
+        (1020.0, 3, "they differ by more than .1 %: give the right one"),
+    ] {
+        save(folder.path(), "frames.csv", format!("frame,um_per_px\na,{um_per_px}\n").as_bytes());
+        let output = run(&[&image], &options);
+        let told = said(&output);
+        assert_eq!(output.status.code(), Some(code), "{um_per_px}: {told}");
+        assert!(told.contains(words) && told.is_empty() == words.is_empty(), "{um_per_px}: {told}");
     }
 }
 
