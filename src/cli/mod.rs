@@ -23,6 +23,7 @@ mod measure_size;
 mod measure_turn;
 mod nc;
 mod optimize;
+mod process;
 mod record;
 mod render;
 mod render_bench;
@@ -31,7 +32,6 @@ mod reproduce;
 mod reproduce_000;
 mod reproduce_003;
 mod run;
-mod runtime_folder;
 mod schema;
 mod study;
 mod study_contamination;
@@ -157,19 +157,20 @@ fn dispatch(command: &Command) -> CommandResult {
 
 /// Parses the process's arguments, runs the command, prints the error; gives the exit code of the contract.
 pub fn main() -> ExitCode {
-    runtime_folder::provide();
+    process::provide_runtime_folder();
     let arguments = Arguments::parse();
     log_to_stderr(arguments.verbose);
     let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));
-    match result {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::OutOfTolerance) => ExitCode::from(1),
+    let status = match result {
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::OutOfTolerance) => 1,
         Err(failure) => {
             // Where stderr takes nothing either, the exit code is all that is left.
             let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
-            ExitCode::from(failure.exit)
+            failure.exit
         }
-    }
+    };
+    process::leave(status)
 }
 
 fn log_to_stderr(verbose: u8) {

@@ -3,6 +3,8 @@
 //! OpenGL's and Vulkan's libraries are not opened by one process: Mesa's thread-local destructors
 //! freed the same memory twice at exit about once in 200 runs that had opened both.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::super::error::RenderError;
 
 /// An adapter as `doctor` shows it.
@@ -95,7 +97,16 @@ fn take(
     choose(&reports).map(|index| adapters.swap_remove(index))
 }
 
+/// Whether any driver was opened by this process.
+static OPENED: AtomicBool = AtomicBool::new(false);
+
+/// Whether this process has opened a graphics driver: its libraries' destructors are not safe to run at exit.
+pub fn was_opened() -> bool {
+    OPENED.load(Ordering::Relaxed)
+}
+
 fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    OPENED.store(true, Ordering::Relaxed);
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = backends;
     descriptor.flags = wgpu::InstanceFlags::empty();

@@ -6,7 +6,7 @@ mod buffers;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use adapters::{AdapterReport, adapter_reports, automatic};
+pub use adapters::{AdapterReport, adapter_reports, automatic, was_opened};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
