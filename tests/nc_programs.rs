@@ -5,9 +5,8 @@ use std::process::Command;
 
 use shadowgauge::nc::replay::{self, Deed, Point};
 use shadowgauge::nc::{
-    Centre, ChangePosition, Chuck, Dialect, Direction, GeometryOffset, Holder, MacroProgram, NcError,
-    NcSettings, Obstacle, Path, Remeasure, Spindle, Tailstock, Travel, TurningProgram, WearX, Workpiece,
-    fit_line,
+    Dialect, Direction, GeometryOffset, MacroProgram, NcError, NcSettings, Path, Remeasure, Spindle,
+    TurningProgram, WearX, Workpiece, fit_line,
 };
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 

@@ -486,3 +486,55 @@ fn the_head_says_what_a_person_must_know() {
         assert!(text.contains(words), "{words}\n{text}");
     }
 }
+
+#[test]
+fn loops_and_jumps_of_custom_macro_b_are_followed() {
+    let case = case();
+    let head = "%\nO8001 (TEST)\nG18 G21 G40 G99\n#1=3.\n";
+    let ends = |body: &str| -> Vec<f64> {
+        let events = run(&format!("{head}{body}M30\n%\n"), &case, Dialect::Fanuc, Point { x: 90.0, z: 90.0 });
+        let z = |e: &Event| match &e.deed {
+            Deed::Move { to, .. } => Some(to.z),
+            _ => None,
+        };
+        events.iter().filter_map(z).collect()
+    };
+    assert_eq!(ends("WHILE[#1 GT 0.]DO1\nG00 Z[#1*10.]\n#1=[#1-1.]\nEND1\n"), [30.0, 20.0, 10.0]);
+    assert_eq!(ends("N1 G00 Z[#1*10.]\n#1=[#1-1.]\nIF[#1 GE 2.]GOTO 1\nZ5.\n"), [30.0, 20.0, 5.0]);
+    assert_eq!(ends("GOTO 7\nG00 Z1.\nN7\nG00 Z2.\n"), [2.0]);
+    assert_eq!(ends("IF[#1 EQ 3.]THEN #2=8.\nG00 Z#2\n"), [8.0]);
+    let endless = "N1\nGOTO 1\n";
+    let control = case.program().scene(Dialect::Fanuc).expect("a scene");
+    let control = control.control(Point { x: 90.0, z: 90.0 });
+    let said = replay::run(&format!("{head}{endless}M30\n"), &control).expect_err("endless").1;
+    assert!(said.contains("goes on"), "{said}");
+    for (block, why) in [
+        ("G00 X100", "no decimal point"),
+        ("G00 X#9", "#9 is read before it is set"),
+        ("G02 X1. Z1.", "G2 is not understood"),
+        ("G00 X1. X2.", "X stands twice"),
+        ("GOTO 5", "there is no N5"),
+        ("G00 X1. (OPEN", "not closed"),
+    ] {
+        let (line, said) = replay::run(&format!("{head}{block}\nM30\n"), &control).expect_err(block);
+        assert!(line == 5 && said.contains(why), "{block}: {said}");
+    }
+}
+
+#[test]
+fn machine_data_survive_toml() {
+    let mut settings = case().settings;
+    settings.tailstock = Some(Tailstock::Absent);
+    let place = Obstacle { from_z_mm: -50.0, to_z_mm: -20.0, diameter_mm: 60.0 };
+    settings.steady_rests = Some(vec![place]);
+    settings.gauge_head = Some(place);
+    settings.chuck = Some(Chuck { diameter_mm: 90.0, jaws_to_z_mm: 0.3, jaws_diameter_mm: Some(60.0) });
+    settings.travel = Some(Travel { x_mm: (-5.0, 300.0), z_mm: (-5.0, 500.0) });
+    settings.change_position = Some(ChangePosition { x_mm: 200.0, z_mm: 300.0 });
+    let text = toml::to_string(&settings).expect("text");
+    assert!(text.contains("tailstock = \"none\"") && text.contains("wear_x = \"diameter\""), "{text}");
+    assert_eq!(toml::from_str::<NcSettings>(&text).expect("read again"), settings);
+    let centre = "[tailstock.centre]\nhole_mm = 4.0\nbody_mm = 12.0\nquill_mm = 40.0\nquill_from_mm = 60.0\n";
+    let read: NcSettings = toml::from_str(centre).expect("read");
+    assert!(matches!(read.tailstock, Some(Tailstock::Centre(c)) if c.point_deg == 60.0), "{read:?}");
+}

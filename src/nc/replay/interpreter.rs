@@ -11,7 +11,7 @@ use crate::nc::machine::{GeometryOffset, WearX};
 use crate::nc::{Dialect, NcSettings};
 
 /// A program that goes on after this many blocks is refused.
-const MOST_BLOCKS: usize = 5_000_000;
+const MOST_BLOCKS: usize = 1_000_000;
 
 /// Position of the programmed point: X mm of diameter, Z mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
