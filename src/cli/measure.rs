@@ -271,7 +271,12 @@ fn measure_all(
     report_refusals(&results)?;
     report_unlearnt(gauge, &results);
     if let Some(file) = edges {
-        file.write_with(|out| Ok(write_rows(out, &results)?))?;
+        file.write_with(|out| {
+            write_rows(out, &results).map_err(|e| match e.into_kind() {
+                csv::ErrorKind::Io(cause) => cause,
+                other => std::io::Error::other(format!("{other:?}")),
+            })
+        })?;
     }
     let bench = args.bench.map(|count| {
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();

@@ -291,7 +291,7 @@ fn deviations(nominal: f64, text: &str) -> Result<Deviations, Refusal> {
     // Whole numbers, and a zone that no grade has: "25 0/-13".
     match standard_tolerance_um(nominal, "18") {
         Ok(widest) if !text.contains('.') && found.1 - found.0 > 1e-3 * widest => wrong(format!(
-            "the limits lie {} mm apart, more than IT18 ({} mm here): deviations are in millimetres, not micrometres; with a decimal point \
+            "the limits lie {} mm apart, more than IT18 ({:.1} mm here): deviations are in millimetres, not micrometres; with a decimal point \
              they are taken as they stand",
             found.1 - found.0,
             1e-3 * widest

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::LOCK_NAME;
 use super::error::OutputError;
 use super::lock::Lock;
 use super::place::{self, Place, is_same_file};
@@ -58,7 +59,13 @@ impl OutputFile {
                     }
                 }
                 std::fs::create_dir_all(place::folder_of(&target)).map_err(OutputError::failed(path))?;
-                let lock = Lock::take(&place::temporary(&target), path)?;
+                let temporary = place::temporary(&target);
+                if temporary.is_dir() {
+                    // A folder of that name was being filled when its command was killed.
+                    let _lock = Lock::take(&temporary.join(LOCK_NAME), path)?;
+                    std::fs::remove_dir_all(&temporary).map_err(OutputError::failed(path))?;
+                }
+                let lock = Lock::take(&temporary, path)?;
                 To::File { target, before, lock }
             }
         };

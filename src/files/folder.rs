@@ -68,6 +68,10 @@ impl OutputFolder {
     fn attempt(path: &Path, target: &Path) -> Result<Self, OutputError> {
         let stands = check(path, target)?;
         let staging = if stands { target.join(format!("{TEMPORARY}partial")) } else { temporary(target) };
+        if staging.is_file() {
+            // A file of that name was being written when its command was killed.
+            drop(Lock::take(&staging, path)?);
+        }
         std::fs::create_dir_all(&staging).map_err(OutputError::failed(path))?;
         let lock = Lock::take(&staging.join(LOCK_NAME), path)?;
         let (named, target) = (path.to_owned(), target.to_owned());

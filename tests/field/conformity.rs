@@ -91,7 +91,8 @@ fn configs_read_the_same_texts() {
         let words = ["render".as_ref(), job.as_os_str(), "--bench".as_ref(), "1".as_ref()];
         shadowgauge(words.into_iter().chain(["--backend", "cpu"].map(std::ffi::OsStr::new)))
     };
-    for tolerance in ["\"1 js9\"", "\"Ø1 ±0,01\"", "{ nominal_mm = 1.0, upper_mm = 0.01, lower_mm = -0.01 }"] {
+    for tolerance in ["\"1 js9\"", "\"Ø1 ±0,01\"", "{ nominal_mm = 1.0, upper_mm = 0.01, lower_mm = -0.01 }"]
+    {
         let output = render(tolerance);
         assert_eq!(output.status.code(), Some(0), "{tolerance}: {}", text(&output.stderr));
     }

@@ -161,6 +161,14 @@ fn a_file_that_another_process_writes_is_left_to_it() {
     drop(held);
     assert_ends(&measure(&picture, &edges, &[]), 0, "");
     assert_eq!(names(folder.path()), ["edges.csv", "part.png"]);
+    // Nor is a folder, or a file where a folder is to go.
+    fs::create_dir_all(temporary.join("frames")).unwrap();
+    assert_ends(&measure(&picture, &edges, &[]), 0, "");
+    let out = folder.path().join("study");
+    fs::write(folder.path().join(".tmp-study"), "half").unwrap();
+    let words = ["study", "stability", "--out"].iter().map(std::ffi::OsStr::new);
+    assert_ends(&shadowgauge(words.chain([out.as_os_str()])), 0, "");
+    assert_eq!(names(folder.path()), ["edges.csv", "part.png", "study"]);
 }
 
 /// A small job with a tolerance that its last pass aims at.
