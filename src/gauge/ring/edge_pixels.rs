@@ -102,7 +102,7 @@ impl Band {
         // Light so far beyond the end that nothing could be fitted: the noise of an ordinary frame.
         let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
-        let find = |level, values: &[Vec<f32>], other: f64| {
+        let find = |level: Level, values: &[Vec<f32>], other: f64| {
             let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
             let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
