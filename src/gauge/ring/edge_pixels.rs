@@ -107,7 +107,13 @@ impl Band {
             let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
                 let below = pairs_below(values, end).map_or(0.0, free);
-                if below > least { below } else { grey_ends::expected_noise(level, free(flank), free(other)) }
+                // What is left of the flank's residuals is no noise only: of the shadow's it says nothing.
+                let flank = if level == Level::Light { free(flank) } else { 0.0 };
+                if below > least {
+                    below
+                } else {
+                    grey_ends::expected_noise(level, (flank, 0.0), free(other))
+                }
             });
             found.map(|(end, step)| (level.sign() * end, step))
         };
