@@ -104,14 +104,15 @@ pub(crate) fn judge(
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.
-pub(crate) fn expected_noise(level: Level, flank: f64, other: f64) -> f64 {
+/// `known_to` is the relative standard uncertainty of the flank's variance.
+pub(crate) fn expected_noise(level: Level, (flank, known_to): (f64, f64), other: f64) -> f64 {
     match level {
         // Light has the noise of the dark, and its photons'.
         Level::Light => flank.max(other),
         // In the dark the photons' are missing: what is left of a line through light and flank.
         Level::Dark => {
             let left = 2.0 * flank * flank - other * other;
-            if left > 0.3 * flank * flank { left.sqrt() } else { 0.0 }
+            if left > (6.0 * known_to).max(0.3) * flank * flank { left.sqrt() } else { 0.0 }
         }
     }
 }
@@ -160,11 +161,12 @@ fn reference_noise(
         return below;
     }
     let flank = flank_noise(windows, elsewhere, squares).map_or(0.0, |s| (s * s - rounding).max(0.0).sqrt());
+    let known_to = (2.0 / squares.len().max(1) as f64).sqrt();
     let other = |k: usize| {
         let s = elsewhere.noise[k];
         if s.is_finite() { (s * s - rounding).max(0.0).sqrt() } else { 0.0 }
     };
-    expected_noise(level, flank, other(if level == Level::Light { 0 } else { 1 }))
+    expected_noise(level, (flank, known_to), other(if level == Level::Light { 0 } else { 1 }))
 }
 
 /// Noise of neighbouring flat pixels neither of which stands at the end.
@@ -184,7 +186,8 @@ fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>
     robust_mean(squares).map(|mean| (0.5 * mean).sqrt())
 }
 
-/// Noise on the flank by second differences along the shaft, of the pixel nearest to the middle of the levels.
+/// Noise on the flank by second differences along the shaft of the two pixels nearest to the middle of the levels, less what an edge that
+/// moves would do to both: structure of the part is no noise.
 fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
     let middle = (0.5 * (elsewhere.levels[0] + elsewhere.levels[1])) as f32;
     let columns = windows.centre.len();
@@ -196,13 +199,17 @@ fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>)
             continue;
         }
         let window = &windows.of(column)[..windows.width - 1];
-        let Some(nearest) = (0..window.len())
-            .min_by(|a, b| (window[*a] - middle).abs().total_cmp(&(window[*b] - middle).abs()))
-        else {
-            continue;
-        };
-        let [before, after] = [column - 1, column + 1].map(|c| windows.of(c)[nearest]);
-        squares.push((before - 2.0 * window[nearest] + after).powi(2));
+        let off = |at: &usize| (window[*at] - middle).abs();
+        let Some(nearest) = (1..window.len() - 2).min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
+        let [before, after] = [column - 1, column + 1].map(|c| windows.of(c));
+        let bend = |at: usize| before[at] - 2.0 * window[at] + after[at];
+        let rise = |at: usize| window[at + 1] - window[at - 1];
+        let rises = [rise(nearest), rise(nearest + 1)];
+        let length = rises[0].hypot(rises[1]);
+        if length > 0.0 {
+            let own = (bend(nearest) * rises[1] - bend(nearest + 1) * rises[0]) / length;
+            squares.push(own * own);
+        }
     }
     robust_mean(squares).map(|mean| (mean / 6.0).sqrt())
 }

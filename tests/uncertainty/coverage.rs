@@ -40,3 +40,23 @@ fn a_misfit_that_the_masters_share_is_neither_flagged_nor_stated() {
     // A 95th percentile of 80 is known to a tenth.
     assert!(c.half_over_p95() <= 1.65, "{c:?}");
 }
+
+/// Light clipped on the part: the intervals of what is measured cover the truth.
+fn clipped_scenes_are_covered(scenes: usize) {
+    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+    let c = class_figures(Class::Clipped, scenes, 7, &renderer).unwrap();
+    println!("{c:?}");
+    assert!(c.flagged <= 0.1, "{c:?}");
+    assert!(c.covered >= 0.94 - 2.0 * (0.94 * 0.06 / scenes as f64).sqrt(), "{c:?}");
+}
+
+#[test]
+fn intervals_hold_under_clipped_light() {
+    clipped_scenes_are_covered(24);
+}
+
+#[test]
+#[ignore = "2000 scenes: minutes"]
+fn intervals_hold_under_clipped_light_in_2000_scenes() {
+    clipped_scenes_are_covered(2000);
+}

@@ -251,6 +251,12 @@ impl Joint<'_> {
         self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
     }
 
+    /// How many times what was presumed of them the shape terms are, at least 1: a lens that departs from its edge model in what is
+    /// seen does so in what is not.
+    pub(super) fn beyond_presumed(&self) -> f64 {
+        self.likelihood.terms.iter().fold(1.0, |most: f64, a| most.max(a.abs() / AMPLITUDE))
+    }
+
     /// Variance of a column's place by what all share: in all, and were the shape known; px².
     pub(super) fn shared(&self, settled: &Settled, column: usize, score: &Score) -> (f64, f64) {
         let own = score.information[(0, 0)];

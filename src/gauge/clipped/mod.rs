@@ -32,6 +32,10 @@ const KNOT_PRICE: f64 = 4.0;
 const MOST_SLOPE: f32 = 0.2;
 /// Share of the largest contrast looked for from which on the flank does not state it.
 const AT_THE_BOUND: f64 = 0.98;
+/// Excess of χ² over its expectation from which on a misfit has moved the levels.
+const EXPLAINED: f64 = 1.2;
+/// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
+const MOST_SHOWN_PX: f64 = 1.0;
 /// Relative standard uncertainty of a blur that is given.
 const GIVEN_TO: f64 = 1e-3;
 
@@ -80,7 +84,7 @@ pub(crate) fn fit_side(
         return None;
     };
     // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
-    let hidden = (settled.misfit - 1.2).max(0.0) * settled.telling;
+    let hidden = (settled.misfit - EXPLAINED).max(0.0) / settled.misfit;
     let (mut variance, mut usable) = (0.0, 0.0);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
@@ -215,8 +219,8 @@ fn fit_column(
         return (Edge::gap(Reason::Residual), 0.0);
     }
     let (all, known_shape) = joint.shared(settled, column, &score);
-    let model = 2.0 * (all - known_shape).max(0.0);
-    let shown = known_shape * settled.columns as f64 * hidden;
+    let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
+    let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
     let edge = Edge {
         row_px: windows.row(column, x as f32),
         u_own_px: (1.0 / own).sqrt() as f32,

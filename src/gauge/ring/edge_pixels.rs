@@ -102,12 +102,18 @@ impl Band {
         // Light so far beyond the end that nothing could be fitted: the noise of an ordinary frame.
         let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
-        let find = |level, values: &[Vec<f32>], other: f64| {
+        let find = |level: Level, values: &[Vec<f32>], other: f64| {
             let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
             let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
                 let below = pairs_below(values, end).map_or(0.0, free);
-                if below > least { below } else { grey_ends::expected_noise(level, free(flank), free(other)) }
+                // What is left of the flank's residuals is no noise only: of the shadow's it says nothing.
+                let flank = if level == Level::Light { free(flank) } else { 0.0 };
+                if below > least {
+                    below
+                } else {
+                    grey_ends::expected_noise(level, (flank, 0.0), free(other))
+                }
             });
             found.map(|(end, step)| (level.sign() * end, step))
         };

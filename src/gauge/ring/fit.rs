@@ -390,6 +390,13 @@ fn settle<const P: usize>(
     finish(&state, band).ok_or_else(|| singular.to_owned())
 }
 
+/// Variance along a lever were the shape terms known.
+fn known_shape<const P: usize>(normal: &Matrix<P>, lever: &Vector<P>) -> Option<f64> {
+    let (normal, lever) = (normal.fixed_view::<POOLED, POOLED>(0, 0), lever.fixed_rows::<POOLED>(0));
+    let covariance = normal.into_owned().try_inverse()?;
+    Some(lever.dot(&(covariance * lever)))
+}
+
 /// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
 fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     let sums: Vec<Sums<P>> =
@@ -402,7 +409,7 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
         count += 1.0;
     }
     state.add_priors(&mut normal, &mut Vector::<P>::zeros());
-    let covariance = normal.try_inverse()?;
+    let covariance: Matrix<P> = normal.try_inverse()?;
     let calipers = sums
         .iter()
         .zip(state.shifts.iter().zip(&state.good))
@@ -418,7 +425,14 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
             }
         })
         .collect();
-    let u_mean = (own + lever.dot(&(covariance * lever))).sqrt() / count;
+    let all = lever.dot(&(covariance * lever));
+    // A lens that departs from its edge model in what is seen does so in what is not.
+    let beyond = (POOLED..P).fold(1.0, |most: f64, k| most.max(state.pooled[k].abs() / AMPLITUDE));
+    let shape = match beyond > 1.0 {
+        true => (all - known_shape(&normal, &lever)?).max(0.0) * (beyond * beyond - 1.0),
+        false => 0.0,
+    };
+    let u_mean = (own + all + shape).sqrt() / count;
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
     let noise = state.variance.0[1].sqrt();
     Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise })
