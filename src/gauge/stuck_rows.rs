@@ -1,0 +1,88 @@
+//! Stuck rows of the sensor beside an edge: the windows that they cross are not looked at.
+//!
+//! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a fifth of the contrast
+//! (an edge is monotone, a fringe's crest wider than a pixel), or where it has one value all along and neither neighbour has.
+
+use super::pixels::{Plane, Sample};
+use super::table::half;
+use super::window::Windows;
+use crate::profile::Reason;
+
+/// Departure from both neighbours, as a share of the contrast.
+const DEPARTURE: f32 = 0.2;
+/// Share of the columns that must depart to the same side, and share that has one value in a stuck row and in a live one.
+const NEARLY_ALL: f64 = 0.9;
+const ALIKE: f64 = 0.95;
+const ALIVE: f64 = 0.6;
+/// Columns looked at, at most, and the fewest that show a row.
+const SAMPLES: usize = 64;
+const LEAST: usize = 8;
+
+/// A stuck row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StuckRow {
+    pub(crate) row: usize,
+    /// Grey value in the first column looked at, counts; negative for a lit part's frame.
+    pub(crate) level: f32,
+    /// Share of the side's columns whose windows it crosses.
+    pub(crate) share: f64,
+}
+
+/// Takes the windows that stuck rows cross out of a side; gives the row that crosses most of them.
+pub(crate) fn leave_out<T: Sample>(
+    plane: &Plane<'_, T>,
+    windows: &mut Windows,
+    contrast: f32,
+) -> Option<StuckRow> {
+    let reach = half(windows.width) as i32 + 1;
+    let known = || windows.centre.iter().flatten();
+    let (low, high) = (known().min()? - reach, known().max()? + reach);
+    let last = plane.rows as i32 - 2;
+    let stuck: Vec<(usize, f32)> = (low.max(1)..=high.min(last))
+        .filter_map(|row| Some((row as usize, level_if_stuck(plane, windows, row, (reach, contrast))?)))
+        .collect();
+    let mut most: Option<StuckRow> = None;
+    for (row, level) in stuck {
+        let crosses = |c: i32| (row as i32 - c).abs() <= reach;
+        let crossed: Vec<usize> =
+            (0..windows.centre.len()).filter(|k| windows.centre[*k].is_ok_and(crosses)).collect();
+        let share = crossed.len() as f64 / windows.centre.len() as f64;
+        for column in crossed {
+            windows.centre[column] = Err(Reason::Residual);
+            (windows.dark[column], windows.light[column]) = (f32::NAN, f32::NAN);
+        }
+        if most.is_none_or(|m| share > m.share) {
+            most = Some(StuckRow { row, level, share });
+        }
+    }
+    most
+}
+
+/// Level of a row in the windows that reach it, where it is stuck.
+fn level_if_stuck<T: Sample>(
+    plane: &Plane<'_, T>,
+    windows: &Windows,
+    row: i32,
+    (reach, contrast): (i32, f32),
+) -> Option<f32> {
+    let step = windows.centre.len().div_ceil(SAMPLES).max(1);
+    let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
+    let (mut above, mut below, mut count) = (0, 0, 0);
+    let mut equal = [0; 3];
+    let mut first: Option<[f32; 3]> = None;
+    for column in (0..windows.centre.len()).step_by(step).filter(in_reach) {
+        let values = [-1, 0, 1].map(|k| plane.at((row + k) as usize, column));
+        let [upper, own, lower] = values;
+        above += usize::from(own > upper.max(lower) + DEPARTURE * contrast);
+        below += usize::from(own < upper.min(lower) - DEPARTURE * contrast);
+        let first = first.get_or_insert(values);
+        for ((equal, value), first) in equal.iter_mut().zip(values).zip(first) {
+            *equal += usize::from(value.to_bits() == first.to_bits());
+        }
+        count += 1;
+    }
+    let share = |n: usize| n as f64 / count as f64;
+    let departs = share(above.max(below)) >= NEARLY_ALL;
+    let dead = share(equal[1]) >= ALIKE && share(equal[0].max(equal[2])) <= ALIVE;
+    first.filter(|_| count >= LEAST && (departs || dead)).map(|[_, own, _]| own)
+}
