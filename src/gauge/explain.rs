@@ -13,8 +13,8 @@ const SMALLEST_PX: f64 = 6.0;
 /// Share of the columns in which another view of the frame must show a part to be recommended.
 const RECOMMENDED: f64 = 0.5;
 /// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie
-/// 9.8 standard deviations apart.
-const ONE_LEVEL: f64 = 11.0;
+/// 9.8 standard deviations apart, and whole counts round them outwards.
+const ONE_LEVEL: f64 = 12.0;
 
 /// A refusal.
 pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
@@ -111,8 +111,11 @@ impl GreyValues {
         }
         let middle = differences.len() / 2;
         let (_, median, _) = differences.select_nth_unstable_by(middle, f32::total_cmp);
-        // The median of |difference| of two normal values is 0.954 of their standard deviation; whole counts scatter by 0.3.
-        let noise = f64::from(*median) / 0.954;
+        // Without the steps at edges; the mean of |difference| of two normal values is 1.128 of their standard deviation.
+        let cut = 6.0 * (*median + 0.5);
+        let small = differences.iter().filter(|d| **d < cut);
+        let (sum, count) = small.fold((0.0, 0.0_f64), |(sum, n), d| (sum + f64::from(*d), n + 1.0));
+        let noise = sum / count.max(1.0) / 1.128;
         let (least, most) = if plane.sign > 0.0 { (least, most) } else { (-most, -least) };
         Self { least, most, noise, full_scale: least == most && least > 0.0 }
     }

@@ -14,6 +14,8 @@ const DEPARTURE: f32 = 0.2;
 const NEARLY_ALL: f64 = 0.9;
 const ALIKE: f64 = 0.95;
 const ALIVE: f64 = 0.6;
+/// Least range of a live row's grey values, counts: less may be one level and its rounding.
+const LEAST_RANGE: f32 = 3.0;
 /// Columns looked at, at most, and the fewest that show a row.
 const SAMPLES: usize = 64;
 const LEAST: usize = 8;
@@ -69,6 +71,7 @@ fn level_if_stuck<T: Sample>(
     let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
     let (mut above, mut below, mut count) = (0, 0, 0);
     let mut equal = [0; 3];
+    let mut range = [(f32::INFINITY, f32::NEG_INFINITY); 3];
     let mut first: Option<[f32; 3]> = None;
     for column in (0..windows.centre.len()).step_by(step).filter(in_reach) {
         let values = [-1, 0, 1].map(|k| plane.at((row + k) as usize, column));
@@ -79,10 +82,17 @@ fn level_if_stuck<T: Sample>(
         for ((equal, value), first) in equal.iter_mut().zip(values).zip(first) {
             *equal += usize::from(value.to_bits() == first.to_bits());
         }
+        for ((low, high), value) in range.iter_mut().zip(values) {
+            (*low, *high) = (low.min(value), high.max(value));
+        }
         count += 1;
     }
-    let share = |n: usize| n as f64 / count as f64;
-    let departs = share(above.max(below)) >= NEARLY_ALL;
-    let dead = share(equal[1]) >= ALIKE && share(equal[0].max(equal[2])) <= ALIVE;
+    let scatters = |k: usize| range[k].1 - range[k].0 >= LEAST_RANGE && share_of(equal[k], count) <= ALIVE;
+    let departs = share_of(above.max(below), count) >= NEARLY_ALL;
+    let dead = share_of(equal[1], count) >= ALIKE && scatters(0) && scatters(2);
     first.filter(|_| count >= LEAST && (departs || dead)).map(|[_, own, _]| own)
+}
+
+fn share_of(part: usize, all: usize) -> f64 {
+    part as f64 / all.max(1) as f64
 }

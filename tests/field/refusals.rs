@@ -12,6 +12,7 @@ use shadowgauge::profile::Reason;
 use super::support::{collected, measured, shadowgauge};
 use gauge_synth::Synth;
 
+#[allow(dead_code, reason = "not every test needs all of it")]
 #[path = "../support/gauge_synth.rs"]
 mod gauge_synth;
 
