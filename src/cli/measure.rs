@@ -73,6 +73,10 @@ pub struct MeasureArgs {
     /// The part is lit before a dark ground.
     #[arg(long)]
     bright_on_dark: bool,
+    /// Smallest shadow taken for a part, px across; anything smaller is dirt. 24 for a shaft and 20 for a ring unless given;
+    /// 4 at least for a shaft (a wire), 16 for a ring.
+    #[arg(long, value_name = "PX", value_parser = positive_px)]
+    min_diameter_px: Option<f64>,
     /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a file `d_um,intensity` (.csv) or the
     /// optics of a config (.toml).
     #[arg(long, value_name = "NAME|FILE", default_value = "gaussian")]
@@ -93,6 +97,13 @@ enum Shape {
     Shaft,
     /// A ring or disc seen end-on.
     Ring,
+}
+
+fn positive_px(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a diameter above 0 in pixels is needed, for instance 6".to_owned()),
+    }
 }
 
 /// One frame's result.
@@ -117,8 +128,11 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
     let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
     calibration.as_ref().map_or(Ok(()), |c| c.check_edge_model(&esf)).map_err(Failure::refuse)?;
-    let gauge =
-        Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
+    let mut settings = GaugeSettings { polarity, esf, ..GaugeSettings::default() };
+    if args.shape == Shape::Shaft {
+        settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
+    }
+    let gauge = Gauge::new(settings).map_err(Failure::refuse)?;
     let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
     if args.shape == Shape::Ring {
         return rings(args, calibration.as_ref(), &conditions, paths);
@@ -143,7 +157,8 @@ fn rings(
     if let Some(name) = args.judge.needs_scale() {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
-    let settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
+    let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
+    settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let (mut frames, mut first_error) = (Vec::new(), None);
     while let Some((stem, read)) = source.next_frame() {

@@ -2,13 +2,16 @@
 //!
 //! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at the level that
 //! separates its grey values best (Otsu), and its largest connected shadow is the part. Specks of dirt, holes and
-//! neighbours that peep in at the border are other components and never seen again.
+//! neighbours that peep in at the border are other components and never seen again. Where one level does not separate
+//! light from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column cuts the part in
+//! two, the part is the largest shadow that stands between light in its own columns ([`super::valleys`]).
 
 use wide::f32x4;
 
 use super::components::{Components, Span};
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
+use super::valleys::{Bridged, Valleys, median_down};
 use crate::profile::Reason;
 
 /// Cells a side of the thinned image, at most.
@@ -16,6 +19,15 @@ const CELLS: usize = 256;
 /// (Difference of the two class means)²/(variance inside the classes) that two levels must exceed: a Gaussian noise
 /// image reaches 7.0, a uniform one or a plain ramp 12.
 const TWO_LEVELS: f64 = 16.0;
+
+/// Least width of a column as a share of the least diameter, which the part has in the median of its columns.
+const NECK: f64 = 0.8;
+/// Share of the columns with both edges from which the search by two levels has found all of a part.
+const WHOLE: f64 = 0.98;
+/// Share of the columns that a shadow between light must have where the frame has no two levels, and how many times as many as
+/// the search by two levels found: a speck in a field whose part reaches beyond the border is no part.
+const LEAST_BETWEEN: f64 = 0.25;
+const MORE: f64 = 1.02;
 
 /// Rows that the shadow itself is looked for inside a stretch of dimmed light.
 const INWARDS: usize = 256;
@@ -33,6 +45,10 @@ pub(crate) struct Coarse {
     thinned: Thinned,
     components: Components,
     spans: Vec<Span>,
+    valleys: Valleys,
+    widths: Vec<i32>,
+    /// What the search by two levels found, while valleys are looked for.
+    spare: [Vec<CoarseEdge>; 2],
 }
 
 /// The thinned image: one cell stands for `row_step` rows x `column_step` columns.
@@ -42,9 +58,36 @@ struct Thinned {
     row_step: usize,
     column_step: usize,
     values: Vec<f32>,
+    line: Vec<f32>,
+}
+
+/// What a search found, in figures.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    /// Median width of the shadow, px.
+    pub(crate) width_px: f64,
+    /// Share of the columns with both edges.
+    pub(crate) share: f64,
 }
 
 impl Coarse {
+    /// What a search of its own finds in a frame; `None` without a part.
+    pub(crate) fn found<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Option<Found> {
+        let mut coarse = Self::default();
+        coarse.find_part(plane, settings).ok()?;
+        let width_px = coarse.median_width()?;
+        Some(Found { width_px, share: coarse.pairs() as f64 / plane.columns as f64 })
+    }
+
+    /// Median width of the columns with both edges, px.
+    pub(crate) fn median_width(&mut self) -> Option<f64> {
+        self.widths.clear();
+        let pairs = self.top.iter().zip(&self.bottom);
+        self.widths.extend(pairs.filter_map(|(t, b)| Some(width((*t).ok()?, (*b).ok()?))));
+        let middle = self.widths.len() / 2;
+        (!self.widths.is_empty()).then(|| f64::from(*self.widths.select_nth_unstable(middle).1))
+    }
+
     /// Finds the part.
     ///
     /// # Errors
@@ -55,20 +98,77 @@ impl Coarse {
         settings: &GaugeSettings,
     ) -> Result<(), Reason> {
         self.thinned.fill(plane, settings.min_diameter_px);
+        let by_levels = self.find_by_levels(plane, settings);
+        let seen = self.pairs();
+        if by_levels.is_ok() && seen as f64 >= WHOLE * plane.columns as f64 {
+            return Ok(());
+        }
+        let [top, bottom] = &mut self.spare;
+        std::mem::swap(top, &mut self.top);
+        std::mem::swap(bottom, &mut self.bottom);
+        self.find_by_valleys(plane, settings);
+        let between = self.pairs();
+        if between as f64 >= LEAST_BETWEEN * plane.columns as f64 && between as f64 > MORE * seen as f64 {
+            return Ok(());
+        }
+        let [top, bottom] = &mut self.spare;
+        std::mem::swap(top, &mut self.top);
+        std::mem::swap(bottom, &mut self.bottom);
+        by_levels
+    }
+
+    /// Finds the largest shadow of a frame with one level of light and one of shadow.
+    fn find_by_levels<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        settings: &GaugeSettings,
+    ) -> Result<(), Reason> {
+        self.top.clear();
+        self.bottom.clear();
         let thinned = &self.thinned;
         let levels = separate(&thinned.values).ok_or(Reason::LowContrast)?;
         if !self.components.largest(&thinned.values, thinned.columns, levels.threshold, &mut self.spans) {
             return Err(Reason::NoEdge);
         }
+        self.refine_all(plane, settings.min_diameter_px, |_| levels.shadow);
+        self.explain().map_or(Ok(()), Err)
+    }
+
+    /// Finds the largest shadow between light of any level; no column has both edges where there is none.
+    fn find_by_valleys<T: Sample>(&mut self, plane: &Plane<'_, T>, settings: &GaugeSettings) {
         self.top.clear();
         self.bottom.clear();
+        let thinned = &self.thinned;
+        self.valleys.find(&thinned.values, thinned.columns, Bridged::Yes);
+        if self.components.largest(&self.valleys.shares, thinned.columns, 0.5, &mut self.spans) {
+            self.valleys.set_levels(&thinned.values, &self.spans);
+            let levels = std::mem::take(&mut self.valleys.shadow);
+            self.refine_all(plane, settings.min_diameter_px, |cell| levels[cell]);
+            self.valleys.shadow = levels;
+        }
+    }
+
+    /// Whole-pixel edges of every column along the spans, a pixel being shadow below `level` of its cell's column.
+    fn refine_all<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        min_diameter_px: f64,
+        level: impl Fn(usize) -> f32,
+    ) {
         for column in 0..plane.columns {
-            let (top, bottom) =
-                refine(plane, thinned, &self.spans, levels.shadow, column, settings.min_diameter_px);
+            let (top, bottom) = refine(plane, &self.thinned, &self.spans, &level, column, min_diameter_px);
             self.top.push(top);
             self.bottom.push(bottom);
         }
-        self.explain().map_or(Ok(()), Err)
+        if self.median_width().is_some_and(|width| width < min_diameter_px) {
+            let thin = self.top.iter_mut().zip(&mut self.bottom).filter(|(t, b)| t.is_ok() && b.is_ok());
+            thin.for_each(|(t, b)| (*t, *b) = (Err(Reason::NoEdge), Err(Reason::NoEdge)));
+        }
+    }
+
+    /// Columns with both edges.
+    fn pairs(&self) -> usize {
+        self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_ok() && b.is_ok()).count()
     }
 
     /// Why no column has both edges, if so.
@@ -106,6 +206,7 @@ impl Thinned {
                 plane.sign * 0.5 * (a.counts() + b.counts())
             }));
         }
+        median_down(&mut self.values, self.columns, &mut self.line);
     }
 }
 
@@ -187,24 +288,35 @@ fn range(values: &[f32]) -> (f32, f32) {
     (least, high.iter().chain(rest).fold(f32::NEG_INFINITY, |h, v| h.max(*v)))
 }
 
+/// Width of a shadow by its outermost pixels, px: they are shadow to two thirds at least, so that the edges lie about half a
+/// pixel farther out.
+fn width(top: i32, bottom: i32) -> i32 {
+    bottom - top + 2
+}
+
 fn refine<T: Sample>(
     plane: &Plane<'_, T>,
     thinned: &Thinned,
     spans: &[Span],
-    threshold: f32,
+    level: &impl Fn(usize) -> f32,
     column: usize,
     min_diameter_px: f64,
 ) -> (CoarseEdge, CoarseEdge) {
     let cell = column / thinned.column_step;
     let nearest = if column % thinned.column_step > thinned.column_step / 2 { cell + 1 } else { cell };
-    let span = spans.get(nearest).copied().flatten().or_else(|| spans[cell]);
-    let Some((first, last)) = span else { return (Err(Reason::NoEdge), Err(Reason::NoEdge)) };
+    let span = spans.get(nearest).copied().flatten().map(|span| (span, nearest));
+    let Some(((first, last), cell)) = span.or_else(|| spans[cell].map(|span| (span, cell))) else {
+        return (Err(Reason::NoEdge), Err(Reason::NoEdge));
+    };
+    let threshold = level(cell);
     let (first, last) = (first * thinned.row_step, (last * thinned.row_step).min(plane.rows - 1));
     let reach = 4 * thinned.row_step.max(thinned.column_step) + 8;
     let top = walk_out(plane, column, first, false, threshold, reach);
     let bottom = walk_out(plane, column, last, true, threshold, reach);
     match (top, bottom) {
-        (Ok(t), Ok(b)) if f64::from(b - t) < min_diameter_px => (Err(Reason::NoEdge), Err(Reason::NoEdge)),
+        (Ok(t), Ok(b)) if f64::from(width(t, b)) < NECK * min_diameter_px => {
+            (Err(Reason::NoEdge), Err(Reason::NoEdge))
+        }
         pair => pair,
     }
 }

@@ -1,9 +1,11 @@
 //! Light that falls off across an edge: a cloud of mist, a veil, the flank of a light that is not even.
 //!
 //! The light's level is read from flat pixels D px beyond the edge and holds up to it only where the light is even. A few pixels
-//! farther out, in a sample of the columns, tell how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
-//! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out. A
-//! level that neighbours share is also an error that neighbours share: it is stated with the shared uncertainty.
+//! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
+//! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out.
+//! Where the change is plain among its own scatter it is taken out of the windows, the contrast of every pixel being divided by
+//! 1 + g·(y_k − D); what is left of it, the light's curvature, is a share of the shift. A level that neighbours share is also an
+//! error that neighbours share: it is stated with the shared uncertainty.
 
 use super::edges::Edge;
 use super::levels::LevelCurve;
@@ -26,12 +28,38 @@ const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
 const MEDIAN: f64 = 1.2533;
+/// Share of the shift that stays uncertain where the change was taken out of the windows: over the 14 px between the edge and the
+/// far pixels the slope of exponentially falling light changes by a third of itself at 6:1 over 120 px.
+const LEFT: f32 = 0.35;
+/// Standard uncertainties of a tile's change from which it is taken out.
+const PLAIN: f32 = 6.0;
+/// Least factor of the contrast that a pixel of a window is divided by: farther into the shadow no light is left.
+const LEAST_FACTOR: f32 = 0.25;
+/// Most change that is taken out, as a share of the contrast: more is not light that falls off but a cloud or another part.
+const MOST_CHANGE: f32 = 0.5;
 
 /// How the light of a side changes outwards, tile by tile.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Falloff {
-    /// Median change of the light from the window's flat end to the far pixels, counts, and the number of columns; NaN where unknown.
-    tiles: Vec<(f32, u32)>,
+    tiles: Vec<Change>,
+}
+
+/// Change of the light beside a tile of columns.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    /// Median over the columns looked at, from the window's flat end to the far pixels, counts; NaN where unknown.
+    counts: f32,
+    /// Standard uncertainty of that median by the columns' own scatter, counts.
+    scatter: f32,
+    /// Columns looked at.
+    columns: u32,
+    /// Whether it was taken out of the windows.
+    levelled: bool,
+}
+
+/// Distance of the flat end's middle from that of the far pixels, px.
+fn apart(flat: usize) -> f32 {
+    BEYOND as f32 + 0.5 * (FAR as f32 + flat as f32)
 }
 
 impl Falloff {
@@ -53,13 +81,35 @@ impl Falloff {
                     count += 1;
                 }
             }
-            let known = &mut changes[..count];
-            let change = if count < LEAST {
-                f32::NAN
-            } else {
-                *known.select_nth_unstable_by(count / 2, f32::total_cmp).1
-            };
-            self.tiles.push((change, count as u32));
+            self.tiles.push(Change::of(&mut changes[..count]));
+        }
+    }
+
+    /// Takes the change out of the windows of the tiles where it is plain. Their flat ends stay as they are.
+    pub(crate) fn level(&mut self, windows: &mut Windows) {
+        let width = windows.width;
+        // Place of the light's flat end in a window.
+        let end = (width - 1) as f32 - 0.5 * (windows.flat as f32 + 1.0);
+        for (tile, change) in self.tiles.iter_mut().enumerate() {
+            if change.levelled || !(change.counts.abs() > PLAIN * change.scatter) {
+                continue;
+            }
+            let columns = tile * TILE..((tile + 1) * TILE).min(windows.centre.len());
+            let (dark, contrast) = mean_levels(windows, columns.clone());
+            let share = change.counts.abs() / contrast;
+            if !(share > LEAST_CHANGE as f32 && share < MOST_CHANGE) {
+                continue;
+            }
+            change.levelled = true;
+            let slope = change.counts / apart(windows.flat);
+            for column in columns.filter(|c| windows.centre[*c].is_ok()) {
+                let own = (windows.light[column] - windows.dark[column]).max(0.5 * contrast);
+                let window = &mut windows.pixels[column * width..(column + 1) * width];
+                for (k, value) in window.iter_mut().enumerate() {
+                    let factor = 1.0 + slope / own * (k as f32 - end);
+                    *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
+                }
+            }
         }
     }
 
@@ -72,25 +122,50 @@ impl Falloff {
         (noise, table): (&NoiseModel, &Table),
     ) {
         let flat = windows.flat as f64;
-        let apart = BEYOND as f64 + 0.5 * (FAR as f64 + flat);
-        let shift = shift(table, windows.flat) / apart;
-        for (tile, (edges, (change, count))) in line.chunks_mut(TILE).zip(&self.tiles).enumerate() {
+        let shift = shift(table, windows.flat) / f64::from(apart(windows.flat));
+        for (tile, (edges, seen)) in line.chunks_mut(TILE).zip(&self.tiles).enumerate() {
             let middle = tile * TILE + edges.len() / 2;
             let (Some(level), Some(ground)) = (light.level.get(middle), dark.level.get(middle)) else {
                 continue;
             };
             let (level, contrast) = (f64::from(*level), f64::from(level - ground));
-            let variance = noise.variance(level) * (1.0 / flat + 1.0 / FAR as f64) / f64::from(*count);
-            let change = f64::from(change.abs());
+            let variance = noise.variance(level) * (1.0 / flat + 1.0 / FAR as f64) / f64::from(seen.columns);
+            let change = f64::from(seen.counts.abs());
             if !(change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt())) {
                 continue;
             }
-            let moved = (shift * change / contrast) as f32;
+            let left = if seen.levelled { LEFT } else { 1.0 };
+            let moved = left * (shift * change / contrast) as f32;
             for edge in edges.iter_mut().filter(|e| e.is_usable()) {
                 edge.u_shared_px = edge.u_shared_px.hypot(moved);
             }
         }
     }
+}
+
+impl Change {
+    /// From the changes of single columns.
+    fn of(changes: &mut [f32]) -> Self {
+        let columns = changes.len();
+        let unknown = Self { counts: f32::NAN, scatter: f32::NAN, columns: columns as u32, levelled: false };
+        if columns < LEAST {
+            return unknown;
+        }
+        let counts = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
+        changes.iter_mut().for_each(|change| *change = (*change - counts).abs());
+        let spread = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
+        let scatter = 1.4826 * MEDIAN as f32 * spread / (columns as f32).sqrt();
+        Self { counts, scatter, ..unknown }
+    }
+}
+
+/// Mean shadow and contrast of some columns' flat ends, counts.
+fn mean_levels(windows: &Windows, columns: std::ops::Range<usize>) -> (f32, f32) {
+    let (mut dark, mut light, mut count) = (0.0, 0.0, 0.0_f32);
+    for column in columns.filter(|c| windows.light[*c].is_finite()) {
+        (dark, light, count) = (dark + windows.dark[column], light + windows.light[column], count + 1.0);
+    }
+    (dark / count, (light - dark) / count)
 }
 
 /// |Σ w_k E_k (y_k − D)| of an edge in the middle of its window, px of the edge per share of the contrast and px.

@@ -8,16 +8,18 @@
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
 use super::censored::Ends;
-use super::coarse::Coarse;
+use super::coarse::{Coarse, CoarseEdge};
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
+use super::explain::{self, refused};
 use super::gate;
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::{Scale, SideState};
 use super::window::Side;
+use super::{stuck_rows, wire, wire_frame};
 use crate::frame::FrameView;
 use crate::profile::Reason;
 
@@ -40,6 +42,8 @@ const SHARP_PX: f64 = 0.4;
 const NOISY_AREA_PX: f64 = 0.05;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
+/// Share of a side's windows that a stuck row may cross.
+const MOST_CROSSED: f64 = 0.5;
 /// Frames after which the part is searched anew, in case another has come in.
 const SEARCH_EVERY: u32 = 256;
 
@@ -54,6 +58,8 @@ pub struct EdgeStream {
     coarse: Coarse,
     axis: AxisScratch,
     one_sided: f64,
+    /// Rows of the frame looked at.
+    rows: usize,
     /// Whether both sides may be worked on at once.
     splits: bool,
     last: Option<Last>,
@@ -104,6 +110,7 @@ impl EdgeStream {
             coarse: Coarse::default(),
             axis: AxisScratch::default(),
             one_sided: 0.0,
+            rows: 0,
             splits: true,
             last: None,
         }
@@ -166,14 +173,16 @@ impl EdgeStream {
         scale: Scale,
         out: &mut FrameEdges,
     ) -> Result<(), FrameRefused> {
+        self.rows = plane.rows;
         let last = self.last.take();
         if let Some(last) = last
             && self.follow(plane, scale, last, out)
         {
             return Ok(());
         }
-        self.search(plane, scale, out)?;
-        self.keep(out, (plane.rows, plane.columns), 0);
+        if self.search(plane, scale, out)? {
+            self.keep(out, (plane.rows, plane.columns), 0);
+        }
         Ok(())
     }
 
@@ -249,15 +258,20 @@ impl EdgeStream {
         self.sides[0].misfit.max(self.sides[1].misfit)
     }
 
-    /// Measures from the coarse search on.
+    /// Measures from the coarse search on; false for a wire, which is searched in every frame.
     fn search<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
         scale: Scale,
         out: &mut FrameEdges,
-    ) -> Result<(), FrameRefused> {
+    ) -> Result<bool, FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
-        found.map_err(|reason| refused(reason, explain(reason)))?;
+        found.map_err(|reason| explain::no_part(plane, &self.settings, reason))?;
+        if self.coarse.median_width().is_some_and(|width| width < wire::WIDEST_PX) {
+            self.one_sided = 0.0;
+            let how = (&self.shape, &self.settings, scale);
+            return wire_frame::measure(plane, &self.coarse, how, out).map(|()| false);
+        }
         self.axis.reserve(plane.columns);
         self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
@@ -269,6 +283,7 @@ impl EdgeStream {
             None => self.rough_blur(plane)?,
         };
         let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+        scene = self.leave_out_stuck(plane, scale, scene)?;
         self.pool(&scene)?;
         if given.is_none() {
             self.refine_blur(&scene, sigma);
@@ -276,6 +291,7 @@ impl EdgeStream {
             if self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                scene = self.leave_out_stuck(plane, scale, scene)?;
                 self.pool(&scene)?;
             }
         } else {
@@ -292,7 +308,27 @@ impl EdgeStream {
         if self.settings.esf == (EsfModel::Learnt {}) {
             self.learn(&scene, out);
         }
-        self.judge(out)
+        self.judge(out).map(|()| true)
+    }
+
+    /// Leaves out the windows that a stuck row of the sensor crosses; refuses the frame where those are most of a side's.
+    fn leave_out_stuck<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        scene: Scene,
+    ) -> Result<Scene, FrameRefused> {
+        let contrast = (scene.light - scene.dark) as f32;
+        let mut any = false;
+        for side in &mut self.sides {
+            let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
+            if stuck.share > MOST_CROSSED {
+                return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));
+            }
+            any = true;
+            side.survey(scale, matches!(self.settings.noise, Noise::Estimated {}));
+        }
+        if any { self.scene(scale) } else { Ok(scene) }
     }
 
     /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps the Gaussian.
@@ -320,7 +356,8 @@ impl EdgeStream {
                 return Ok(sum / count);
             }
         }
-        Err(refused(Reason::Border, "no edge keeps clear of the border of the field".to_owned()))
+        let needed = self.sides[0].window_width(0.8) / 2;
+        Err(explain::too_near(needed, self.nearest_to_border(plane.rows)))
     }
 
     /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
@@ -365,7 +402,8 @@ impl EdgeStream {
         let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
         let count = top.levels.count + bottom.levels.count;
         if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
-            return Err(self.too_near());
+            let rows = self.rows;
+            return Err(explain::too_near(self.sides[0].windows.width / 2, self.nearest_to_border(rows)));
         }
         if count == 0.0 {
             return Err(no_levels());
@@ -375,13 +413,7 @@ impl EdgeStream {
         let noise = self.noise(dark, light, scale.floor(light - dark)).ok_or_else(no_levels)?;
         let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
         if !(snr >= self.settings.min_snr) {
-            return Err(refused(
-                Reason::LowContrast,
-                format!(
-                    "contrast is {snr:.1} times the noise; at least {} are needed",
-                    self.settings.min_snr
-                ),
-            ));
+            return Err(explain::too_faint((dark, light), snr, self.settings.min_snr));
         }
         Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], quantised: scale.floor > 0.0 })
     }
@@ -394,14 +426,16 @@ impl EdgeStream {
         })
     }
 
-    fn too_near(&self) -> FrameRefused {
-        refused(
-            Reason::Border,
-            format!(
-                "an edge lies too near the border of the field: {} px of light are needed beside it at this blur",
-                self.sides[0].windows.width / 2
-            ),
-        )
+    /// Median distance of the edges from the border of a field of so many rows, px, at the side where it is smaller.
+    fn nearest_to_border(&self, rows: usize) -> Option<f64> {
+        let median = |line: &[CoarseEdge], distance: &dyn Fn(i32) -> i32| {
+            let mut all: Vec<i32> = line.iter().flatten().map(|row| distance(*row)).collect();
+            all.sort_unstable();
+            all.get(all.len() / 2).map(|px| f64::from(*px))
+        };
+        let above = median(&self.coarse.top, &|row| row)?;
+        let below = median(&self.coarse.bottom, &|row| rows as i32 - 1 - row)?;
+        Some(above.min(below))
     }
 
     fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {
@@ -490,34 +524,19 @@ impl EdgeStream {
     fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let valid = self.valid(out);
         if valid < LEAST_VALID {
-            let reason = most_common(out).unwrap_or(Reason::NoEdge);
-            if reason == Reason::Saturated {
-                let detail = "light or shadow is clipped at the end of the grey scale and the flanks of the edges do not state how far beyond it lies; expose less";
-                return Err(refused(reason, detail.to_owned()));
-            }
-            return Err(refused(
-                reason,
-                format!(
-                    "only {valid} of {} columns have both edges; {LEAST_VALID} are needed",
-                    out.columns()
-                ),
-            ));
+            return Err(explain::too_few(out, valid, LEAST_VALID));
         }
         let jump_px = self.settings.outlier_px + self.settings.max_slope;
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
-        if !contours && gate::coherence(&out.top, &out.bottom, jump_px) < LEAST_COHERENT {
-            let detail = "the edges of neighbouring columns do not join to contours".to_owned();
-            return Err(refused(Reason::Outlier, detail));
+        let coherence = if contours { 1.0 } else { gate::coherence(&out.top, &out.bottom, jump_px) };
+        if coherence < LEAST_COHERENT {
+            return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
         }
         let residual = out.figures.misfit.sqrt() / out.figures.snr;
         let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > SHARP_PX);
         if blurred && out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
-            let detail = format!(
-                "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} %; light that falls off across the edge, a veil or another edge-spread function (gauge.esf)",
-                100.0 * residual,
-                100.0 / out.figures.snr
-            );
-            return Err(refused(Reason::Residual, detail));
+            let (noise, most) = (out.figures.snr.recip(), self.settings.max_residual_rel);
+            return Err(explain::no_fit(residual, noise, most));
         }
         Ok(())
     }
@@ -559,27 +578,4 @@ fn both<A: Send, B: Send>(
 
 fn no_levels() -> FrameRefused {
     refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
-}
-
-fn refused(reason: Reason, detail: String) -> FrameRefused {
-    FrameRefused { reason, detail }
-}
-
-fn explain(reason: Reason) -> String {
-    match reason {
-        Reason::LowContrast => "the grey values do not fall into light and shadow".to_owned(),
-        Reason::OneEdge => {
-            "the shadow reaches the border of the field, so that only one edge is seen; both must lie inside"
-                .to_owned()
-        }
-        _ => "no shadow as large as min_diameter_px lies in the field".to_owned(),
-    }
-}
-
-fn most_common(edges: &FrameEdges) -> Option<Reason> {
-    let mut counts = std::collections::BTreeMap::<Reason, usize>::new();
-    for reason in edges.top.iter().chain(&edges.bottom).filter_map(Edge::reason) {
-        *counts.entry(reason).or_default() += 1;
-    }
-    counts.into_iter().max_by_key(|(_, n)| *n).map(|(reason, _)| reason)
 }

@@ -19,6 +19,7 @@ mod diameter;
 mod edge_misfit;
 mod edges;
 mod esf;
+mod explain;
 mod falloff;
 mod finder;
 pub mod form;
@@ -43,9 +44,13 @@ mod settings;
 mod shape_terms;
 mod side;
 mod station;
+mod stuck_rows;
 mod table;
 pub mod turn_form;
+mod valleys;
 mod window;
+mod wire;
+mod wire_frame;
 
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,

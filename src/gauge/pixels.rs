@@ -53,6 +53,22 @@ impl<'a, T: Sample> Plane<'a, T> {
         }
     }
 
+    /// The same pixels with rows and columns exchanged.
+    pub(crate) fn transposed(&self) -> Self {
+        Self {
+            rows: self.columns,
+            columns: self.rows,
+            row_stride: self.column_stride,
+            column_stride: self.row_stride,
+            ..*self
+        }
+    }
+
+    /// The same pixels with light and shadow exchanged.
+    pub(crate) fn inverted(&self) -> Self {
+        Self { sign: -self.sign, ..*self }
+    }
+
     /// Counts at a pixel inside the frame.
     pub(crate) fn at(&self, row: usize, column: usize) -> f32 {
         self.sign * self.pixels[row * self.row_stride + column * self.column_stride].counts()

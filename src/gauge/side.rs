@@ -251,6 +251,9 @@ impl SideState {
             spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
         let ends = if levels.count > 0.0 { self.ends(scale, levels, spread, least) } else { None };
+        if ends.is_none() {
+            self.falloff.level(&mut self.windows);
+        }
         match ends {
             // What is clipped does not scatter as it would.
             Some(Ends { high, .. }) if high.is_finite() => spread[1] = Spread::default(),

@@ -52,7 +52,7 @@ pub enum BenchError {
     },
     /// Edges of another blur than the masters'.
     #[error(
-        "the edges are blurred by {found_px:.2} px, those of the masters by {calibrated_px:.2} px: out of focus, moving, or other optics"
+        "the edges are blurred by {found_px:.2} px, those of the masters by {calibrated_px:.2} px: out of focus, moving, other optics, or an edge model that does not fit (--esf learnt, --esf FILE, as when the masters were measured)"
     )]
     OutOfFocus {
         /// Blur of the frame, px.

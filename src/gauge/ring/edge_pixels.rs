@@ -18,6 +18,8 @@ pub(super) struct EdgePixel {
     pub(super) cos: f64,
     /// Direction of the radius.
     pub(super) sin: f64,
+    /// Distance from the centre over the circle's radius.
+    pub(super) reach: f64,
 }
 
 /// The pixels of each caliper, by sector.
@@ -70,6 +72,7 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
                     distance: side * (r - radius),
                     cos: arm.x / r,
                     sin: arm.y / r,
+                    reach: r / radius,
                 });
             }
         }

@@ -1,7 +1,7 @@
 //! Maximum likelihood of one whole edge: levels and blur pooled, one shift per caliper.
 //!
-//! Pixel i of caliper s reads m = B(θ) + A(θ)·E(d_i − δ_s; σ), B and A each a constant with a first harmonic in θ (a tilt of
-//! the light). Weighted Gauss-Newton on all parameters at once: the shifts are eliminated caliper by caliper
+//! Pixel i of caliper s reads m = B(x, y) + A(x, y)·E(d_i − δ_s; σ), B and A each a plane over the frame (a tilt of the
+//! light, across the edge too). Weighted Gauss-Newton on all parameters at once: the shifts are eliminated caliper by caliper
 //! (Schur complement), which leaves seven equations. Weights are 1/variance, the variance estimated from the residuals in
 //! shadow, mid-edge and light. Where light or shadow is clipped its pixels are censored, and two shape terms of the edge-spread function
 //! join the pooled parameters.
@@ -9,8 +9,8 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::super::censored::{Censored, Ends};
+use super::super::median::median_of as median;
 use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
-use super::coarse::median;
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
 
@@ -109,8 +109,9 @@ fn model<const P: usize>(
     separated: Option<&ShapeTerms>,
 ) -> (f64, Vector<P>, f64, f64) {
     let mut e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
-    let dark = p[0] + p[1] * pixel.cos + p[2] * pixel.sin;
-    let contrast = p[3] + p[4] * pixel.cos + p[5] * pixel.sin;
+    let (x, y) = (pixel.reach * pixel.cos, pixel.reach * pixel.sin);
+    let dark = p[0] + p[1] * x + p[2] * y;
+    let contrast = p[3] + p[4] * x + p[5] * y;
     let mut by_pooled = Vector::<P>::zeros();
     if let (SHAPED, Some(separated)) = (P, separated) {
         let terms = plain_terms(pixel.distance - shift, p[SIGMA]);
@@ -119,8 +120,7 @@ fn model<const P: usize>(
             by_pooled[POOLED + k] = contrast * term;
         }
     }
-    let seven =
-        [1.0, pixel.cos, pixel.sin, e.value, e.value * pixel.cos, e.value * pixel.sin, contrast * e.by_sigma];
+    let seven = [1.0, x, y, e.value, e.value * x, e.value * y, contrast * e.by_sigma];
     by_pooled.iter_mut().zip(seven).for_each(|(by, value)| *by = value);
     (dark + contrast * e.value, by_pooled, -contrast * e.by_distance, e.value)
 }

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
+use super::super::median::median_of;
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, collect};
 use super::fit::{EdgeFit, fit_edge};
@@ -203,7 +204,7 @@ impl Side<'_> {
             stylus_radius_px,
             sigma_px: fit.sigma,
             levels: [fit.levels.0, fit.levels.1],
-            reduced_chi2: coarse::median(good.iter().map(|c| c.reduced_chi2).collect()),
+            reduced_chi2: median_of(good.iter().map(|c| c.reduced_chi2).collect()),
             calipers: fit.calipers.len(),
             refused: fit.calipers.len() - good.len(),
             outline,

@@ -35,7 +35,7 @@ impl Default for RingSettings {
     fn default() -> Self {
         Self {
             bright_on_dark: false,
-            min_diameter_px: 32.0,
+            min_diameter_px: 20.0,
             calipers: 1440,
             half_band_px: 6.0,
             outlier_sigmas: 8.0,
