@@ -13,8 +13,11 @@ use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::gate;
+use super::grey_step::grey_step;
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
+use super::repeated::repeated_lines;
+use super::rounded_frame::Rounding;
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::{Scale, SideState};
 use super::window::Side;
@@ -56,6 +59,8 @@ pub struct EdgeStream {
     one_sided: f64,
     /// Whether both sides may be worked on at once.
     splits: bool,
+    /// Step of the grey scale, counts, as the last search found it.
+    step: f64,
     last: Option<Last>,
 }
 
@@ -75,7 +80,7 @@ struct Scene {
     dark: f64,
     light: f64,
     ends: [Option<Ends>; 2],
-    quantised: bool,
+    rounding: Rounding,
 }
 
 impl Scene {
@@ -105,6 +110,7 @@ impl EdgeStream {
             axis: AxisScratch::default(),
             one_sided: 0.0,
             splits: true,
+            step: 0.0,
             last: None,
         }
     }
@@ -168,13 +174,11 @@ impl EdgeStream {
     ) -> Result<(), FrameRefused> {
         let last = self.last.take();
         if let Some(last) = last
-            && self.follow(plane, scale, last, out)
+            && self.follow(plane, scale.stepped(self.step), last, out)
         {
             return Ok(());
         }
-        self.search(plane, scale, out)?;
-        self.keep(out, (plane.rows, plane.columns), 0);
-        Ok(())
+        self.search(plane, scale, out).map(|()| self.keep(out, (plane.rows, plane.columns), 0))
     }
 
     /// Measures around the last frame's edges with the last blur; false where the frame does not bear them out.
@@ -258,6 +262,11 @@ impl EdgeStream {
     ) -> Result<(), FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
         found.map_err(|reason| refused(reason, explain(reason)))?;
+        if let Some(lines) = repeated_lines(plane) {
+            return Err(refused(Reason::Repeated, lines.to_string()));
+        }
+        self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
+        let scale = scale.stepped(self.step);
         self.axis.reserve(plane.columns);
         self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
         let given = match self.settings.blur {
@@ -383,7 +392,10 @@ impl EdgeStream {
                 ),
             ));
         }
-        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], quantised: scale.floor > 0.0 })
+        let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
+        let given = NoiseModel::given(self.settings.noise, sign, 0.0);
+        let rounding = Rounding::of(&self.sides, given, (dark, light), scale.step());
+        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], rounding })
     }
 
     /// Whether most columns of a side have no window because it would reach beyond the field.
@@ -483,6 +495,7 @@ impl EdgeStream {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
+        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some()), out);
         true
     }
 
@@ -538,7 +551,8 @@ impl EdgeStream {
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
             misfit: self.misfit(),
-            quantised: scene.quantised,
+            quantised: scene.rounding.step > 0.0,
+            rounding_px: [0.0; 2],
         }
     }
 }

@@ -14,6 +14,7 @@ mod coarse;
 mod column_means;
 mod columns;
 mod components;
+mod coverage;
 mod curvature;
 mod diameter;
 mod edge_misfit;
@@ -24,6 +25,7 @@ mod finder;
 pub mod form;
 mod gate;
 mod grey_ends;
+mod grey_step;
 mod lanes;
 mod learn;
 mod levels;
@@ -34,9 +36,14 @@ mod noise;
 pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;
+mod repeated;
 pub mod ring;
+mod rounded_frame;
+mod rounding;
 mod score;
+pub mod series;
 pub mod size;
+pub mod stated;
 pub mod statistics;
 
 mod settings;
@@ -45,6 +52,7 @@ mod side;
 mod station;
 mod table;
 pub mod turn_form;
+mod turn_scatter;
 mod window;
 
 pub use calibration::{

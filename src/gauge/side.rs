@@ -15,6 +15,7 @@ use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
+use super::rounding::RoundedSide;
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
@@ -76,10 +77,19 @@ impl Scale {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
     }
 
+    /// The same for grey values that come in steps, counts.
+    pub(crate) fn stepped(self, step: f64) -> Self {
+        Self { floor: step * step / 12.0, ..self }
+    }
+
     /// Smallest scale of differences that is taken seriously, counts.
     fn least(self, contrast: f64) -> f32 {
-        let least = self.floor(contrast).sqrt();
-        (if self.floor > 0.0 { least.max(LEAST_OF_COUNTS) } else { least }) as f32
+        self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
+    }
+
+    /// Step of the grey scale, counts; 0 where there is none.
+    pub(crate) fn step(self) -> f64 {
+        (12.0 * self.floor).sqrt()
     }
 }
 
@@ -510,6 +520,28 @@ impl SideState {
         self.expected = expected;
         self.normalised = normalised;
         freedom
+    }
+
+    /// States what rounding repeats in the side's edges; gives its standard uncertainty, px. `noise` and `step` are in counts.
+    pub(crate) fn state_rounding(&self, noise: [f64; 2], step: f64, alike: bool, line: &mut [Edge]) -> f64 {
+        let run = |curve: &LevelCurve| {
+            let ends = curve
+                .level
+                .iter()
+                .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+            let share = f64::from(curve.length) / curve.level.len().max(1) as f64;
+            f64::from(ends.1 - ends.0) * share.min(1.0) / step
+        };
+        RoundedSide {
+            shape: &self.shape,
+            sigma: self.blur.mean(),
+            sign: f64::from(self.windows.side.sign()),
+            contrast: (self.light.mean - self.dark.mean) / step,
+            noise: noise.map(|sd| sd / step),
+            level_runs: [run(&self.dark), run(&self.light)],
+            alike,
+        }
+        .state(line)
     }
 
     /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean light.
