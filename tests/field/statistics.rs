@@ -326,3 +326,45 @@ fn text_gives_two_digits_of_u() {
     let expanded = budget.split("U = ").nth(1).unwrap().split(' ').next().unwrap();
     assert_eq!(expanded.trim_start_matches(['0', '.']).replace('.', "").len(), 2, "{budget}");
 }
+
+/// What certificates share needs a name and an amount that U holds.
+#[test]
+fn what_certificates_share_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |first: &str, second: &str| {
+        let pin = |d_mm: f64, more: &str| {
+            format!(
+                "[[masters]]\nname = \"{d_mm}\"\ndiameter_mm = {d_mm}\nexpanded_u_mm = 0.0004\n{more}\npositions = [{{ height_mm = 0.0 }}]\n"
+            )
+        };
+        let text = format!(
+            "optics_id = \"any\"\ndate = \"2026-11-22\"\n{}{}[simulate.camera]\nrows = 512\ncolumns = 320\n",
+            pin(4.0, first),
+            pin(6.6, second)
+        );
+        let path = folder.path().join("plan.toml");
+        std::fs::write(&path, text).unwrap();
+        let out = folder.path().join("out.json");
+        let output = shadowgauge([
+            "calibrate".as_ref(),
+            path.as_os_str(),
+            "--out".as_ref(),
+            out.as_os_str(),
+            "--backend".as_ref(),
+            "cpu".as_ref(),
+        ]);
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" "),
+        )
+    };
+    for (first, second, key) in [
+        ("certified_by = \"A\"", "", "masters[0].common_expanded_u_mm"),
+        ("", "common_expanded_u_mm = 0.0001", "masters[1].certified_by"),
+        ("", "certified_by = \"A\"\ncommon_expanded_u_mm = 0.0005", "masters[1].common_expanded_u_mm"),
+        ("certified_by = \"A\"\ncommon_expanded_u_mm = -1.0", "", "masters[0].common_expanded_u_mm"),
+    ] {
+        let (code, said) = plan(first, second);
+        assert!(code == Some(2) && said.contains(key), "{first} {second}: {code:?} {said}");
+    }
+}
