@@ -1,6 +1,7 @@
 //! What rounding repeats in the edges of both sides of a frame.
 
 use super::edges::FrameEdges;
+use super::levels::LevelCurve;
 use super::noise::NoiseModel;
 use super::rounding::{RoundedSide, noise_behind};
 use super::side::SideState;
@@ -57,8 +58,26 @@ impl Rounding {
         let lines = [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.figures.rounding_px);
         for ((side, (line, stated)), clipped) in sides.iter().zip(lines).zip(clipped) {
             if !clipped {
-                *stated = side.state_rounding(self.behind, self.step, alike, line);
+                *stated = self.of_side(side, alike).state(line);
             }
+        }
+    }
+
+    fn of_side<'a>(&self, side: &'a SideState, alike: bool) -> RoundedSide<'a> {
+        let run = |curve: &LevelCurve| {
+            let start = (f32::INFINITY, f32::NEG_INFINITY);
+            let ends = curve.level.iter().fold(start, |(l, h), v| (l.min(*v), h.max(*v)));
+            let share = f64::from(curve.length) / curve.level.len().max(1) as f64;
+            f64::from(ends.1 - ends.0) * share.min(1.0) / self.step
+        };
+        RoundedSide {
+            shape: &side.shape,
+            sigma: side.blur.mean(),
+            sign: f64::from(side.windows.side.sign()),
+            contrast: (side.light.mean - side.dark.mean) / self.step,
+            noise: self.behind.map(|sd| sd / self.step),
+            level_runs: [run(&side.dark), run(&side.light)],
+            alike,
         }
     }
 }

@@ -15,7 +15,6 @@ use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
-use super::rounding::RoundedSide;
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
@@ -50,7 +49,7 @@ pub(crate) struct SideState {
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
     /// The edge-spread function fitted.
-    shape: EdgeShape,
+    pub(crate) shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
     laid_out: f64,
     tables: Vec<Table>,
@@ -289,7 +288,7 @@ impl SideState {
             known.or_else(|| self.spread(in_light, least).variance()).map_or(f64::NAN, f64::sqrt)
         });
         let mean = [levels.dark, levels.light].map(|sum| sum / levels.count);
-        let elsewhere = Elsewhere { noise, levels: mean, whole: scale.floor > 0.0 };
+        let elsewhere = Elsewhere { noise, levels: mean, step: scale.step() };
         let mut squares = std::mem::take(&mut self.differences);
         let mut find =
             |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));
@@ -520,28 +519,6 @@ impl SideState {
         self.expected = expected;
         self.normalised = normalised;
         freedom
-    }
-
-    /// States what rounding repeats in the side's edges; gives its standard uncertainty, px. `noise` and `step` are in counts.
-    pub(crate) fn state_rounding(&self, noise: [f64; 2], step: f64, alike: bool, line: &mut [Edge]) -> f64 {
-        let run = |curve: &LevelCurve| {
-            let ends = curve
-                .level
-                .iter()
-                .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-            let share = f64::from(curve.length) / curve.level.len().max(1) as f64;
-            f64::from(ends.1 - ends.0) * share.min(1.0) / step
-        };
-        RoundedSide {
-            shape: &self.shape,
-            sigma: self.blur.mean(),
-            sign: f64::from(self.windows.side.sign()),
-            contrast: (self.light.mean - self.dark.mean) / step,
-            noise: noise.map(|sd| sd / step),
-            level_runs: [run(&self.dark), run(&self.light)],
-            alike,
-        }
-        .state(line)
     }
 
     /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean light.

@@ -104,11 +104,16 @@ impl Band {
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
         let find = |level, values: &[Vec<f32>], other: f64| {
             let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
-            let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
-                let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
-                let below = pairs_below(values, end).map_or(0.0, free);
-                if below > least { below } else { grey_ends::expected_noise(level, free(flank), free(other)) }
-            });
+            let found =
+                grey_ends::judge(&mut pool, if whole { 1.0 } else { 0.0 }, contrast, |end, least, step| {
+                    let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
+                    let below = pairs_below(values, end).map_or(0.0, free);
+                    if below > least {
+                        below
+                    } else {
+                        grey_ends::expected_noise(level, free(flank), free(other))
+                    }
+                });
             found.map(|(end, step)| (level.sign() * end, step))
         };
         let low = find(Level::Dark, &dark, scatter[1]);
