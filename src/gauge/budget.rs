@@ -12,7 +12,6 @@ use super::blur_share::u_blur_px;
 use super::calibration::Calibration;
 use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
-pub use super::coverage::{DRAWS, PROBABILITY};
 use super::diameter::Pose;
 use super::edges::{FrameEdges, FrameFigures};
 use super::stated::stated;
@@ -83,6 +82,12 @@ pub struct Budget {
     /// Its rows.
     pub contributions: Vec<Contribution>,
 }
+
+/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
+
+/// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
+pub const DRAWS: usize = 20_000;
 
 impl Budget {
     fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {

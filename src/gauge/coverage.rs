@@ -14,15 +14,9 @@
 use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::budget::{Budget, Contribution, Shape};
+use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
 use super::model::phi_cdf;
 use super::monte_carlo::Distribution;
-
-/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
-pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
-
-/// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
-pub const DRAWS: usize = 20_000;
 
 /// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of k.
 const LEAST_SHARE: f64 = 0.1;
