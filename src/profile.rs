@@ -25,6 +25,8 @@ pub enum Reason {
     Border,
     /// Dirt, a chip or a droplet covers the edge.
     Contaminated,
+    /// Rows or columns of the frame repeat each other: it was doubled, filled up or enlarged.
+    Repeated,
     /// The frame could not be read.
     Unreadable,
     /// The frame is blurred otherwise than the masters were: out of focus, or the part moved.
@@ -50,6 +52,7 @@ impl Reason {
             Self::Outlier => "outlier",
             Self::Border => "border",
             Self::Contaminated => "contaminated",
+            Self::Repeated => "repeated",
             Self::Unreadable => "unreadable",
             Self::Blurred => "blurred",
             Self::Implausible => "implausible",

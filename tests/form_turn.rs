@@ -218,14 +218,15 @@ fn over_half_a_turn_the_uncertainty_is_that_of_readings_that_count_once() {
         assert!(section.half_turn);
         let two = section.harmonics.section.iter().find(|h| h.lobes == 2).unwrap();
         error += (section.gg_mm - 50.0).powi(2);
-        stated += section.u_gg_mm.powi(2);
+        stated += section.u_gg_random_mm.powi(2);
         // Two quadratures.
         lobe += 0.5 * two.amplitude_mm.powi(2);
         stated_lobe += two.u_amplitude_mm.powi(2);
     }
     let (size, amplitude) = ((error / stated).sqrt(), (lobe / stated_lobe).sqrt());
     println!("scatter over stated: GG {size:.3}, two lobes {amplitude:.3}");
-    assert!((0.9..1.1).contains(&size) && (0.9..1.1).contains(&amplitude), "{size} {amplitude}");
+    // u is the larger one of what the edges state and what 36 readings scatter by: a tenth more than either.
+    assert!((0.8..1.05).contains(&size) && (0.8..1.05).contains(&amplitude), "{size} {amplitude}");
 }
 
 #[test]

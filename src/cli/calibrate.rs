@@ -10,6 +10,7 @@ use super::{CommandResult, Failure, Outcome};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
+use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::source::{Channel, FileFrames, listing};
@@ -120,6 +121,8 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
                     "prnu": s.prnu,
                     "black_counts": s.black_counts,
                 })),
+                "defective_pixels": bench.flat_field.as_ref().map(|f| f.defects.len()),
+                // For one version also under the name of the list in the calibration file.
                 "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
                 "response": bench.flat_field.as_ref().and_then(|f| f.response),
             })
@@ -167,10 +170,10 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
         say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
     }
     if let Some(check) = bench.check {
+        let [error_um, expanded_um] = stated(1e3 * check.error_mm, 1e3 * check.expanded_u_mm);
         say_line!(
-            "check pin: {:+.3} um off, U = {:.3} um (k = {:.2}), E_n = {:.2}: {}",
-            1e3 * check.error_mm,
-            1e3 * check.expanded_u_mm,
+            "check pin: {}{error_um} um off, U = {expanded_um} um (k = {:.2}), E_n = {:.2}: {}",
+            if check.error_mm < 0.0 { "" } else { "+" },
             check.coverage_factor,
             check.e_n,
             if check.accepted { "accepted" } else { "REFUSED" }

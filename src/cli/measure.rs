@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use super::esf_argument::esf_model;
 use super::measure_bench;
 use super::measure_frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use super::measure_judge::{Follower, JudgeArgs, stated_budget, statistics_line};
+use super::measure_judge::{Follower, JudgeArgs, stated_budget};
+use super::measure_statistics::statistics_line;
 use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
@@ -18,6 +19,7 @@ use crate::frame::{Frame, FrameMeta, FrameView};
 use crate::gauge::bench::{Conditions, Date, ShaftRuns};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
+use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper,
@@ -451,7 +453,10 @@ fn judged_by(figures: &Value) -> String {
     let judged = &figures["judged"];
     let what = judged["what"].as_str().unwrap_or("frame");
     match (judgement.as_str(), judged["d_mm"].as_f64()) {
-        (Some(judgement), Some(d_mm)) => format!("{judgement} {what} {d_mm:.5} mm"),
+        (Some(judgement), Some(d_mm)) => {
+            let u_mm = judged["u_mm"].as_f64().unwrap_or(f64::NAN);
+            format!("{judgement} {what} {} mm", stated(d_mm, u_mm)[0])
+        }
         _ => match judged["z_mm"].as_f64() {
             Some(z_mm) => format!("- {what} at z {z_mm:.2} unmeasured"),
             None => format!("- {what} unmeasured"),
@@ -470,8 +475,13 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
         "u mm",
         "judged by"
     );
-    let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let of = |f: &Value, value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
+        (Some(value), Some(u)) => stated(value, u),
+        _ => ["-", "-"].map(str::to_owned),
+    };
     for f in figures {
+        let [max_px, _] = of(f, "max_diameter_px", "u_max_px");
+        let [max_mm, u_mm] = of(f, "max_diameter_mm", "u_max_mm");
         let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
@@ -480,9 +490,9 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
-            number(&f["max_diameter_px"], 4),
-            number(&f["max_diameter_mm"], 5),
-            number(&f["u_max_mm"], 6),
+            max_px,
+            max_mm,
+            u_mm,
             judged_by(f),
         );
     }

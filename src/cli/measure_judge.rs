@@ -4,7 +4,8 @@ use serde_json::{Map, Value, json};
 
 use super::Failure;
 use super::measure_size::{common_mm, envelope, judge_turn, part_form};
-use super::measure_turn::turn_json;
+use super::measure_statistics::FrameMeans;
+use super::measure_turn::{scatter_word, turn_json};
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
@@ -170,7 +171,7 @@ pub struct Follower<'a> {
     conditions: Conditions,
     judge: Option<(Judge, (f64, f64))>,
     average: Average,
-    statistics: RunningStatistics,
+    means: FrameMeans,
     /// Random variances of the values in the statistics, mm².
     noise: RunningStatistics,
     worst: Judgement,
@@ -225,7 +226,7 @@ impl<'a> Follower<'a> {
             conditions,
             judge,
             average: Average::new(args.average.unwrap_or_default()).map_err(Failure::refuse)?,
-            statistics: RunningStatistics::default(),
+            means: FrameMeans::default(),
             noise: RunningStatistics::default(),
             worst: Judgement::GO,
             turn: Vec::new(),
@@ -265,8 +266,10 @@ impl<'a> Follower<'a> {
         let mean = diameters.mean(0..diameters.readings.len());
         if let Some(d) = mean.value() {
             put(out, "mean_diameter_mm", d.d_mm);
+            put(out, "u_mean_diameter_mm", d.u_mm());
+            // For one version also under the name that it shared with the u of the frames' mean.
             put(out, "u_mean_mm", d.u_mm());
-            self.statistics.push(d.d_mm);
+            self.means.push(d);
             self.noise.push(d.u_random_mm.powi(2));
         }
         if let Some(budget) = &budget {
@@ -355,8 +358,14 @@ impl<'a> Follower<'a> {
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
         let k = budget.factor_or(self.args.coverage_factor);
-        put(out, "u_random_mm", budget.u_random_mm());
-        put(out, "u_common_mm", budget.u_common_mm());
+        // `u_random_mm` and `u_common_mm` are those of `d_mm` in stations and tables; here they were those of the largest diameter.
+        for (name, old, u) in [
+            ("u_max_random_mm", "u_random_mm", budget.u_random_mm()),
+            ("u_max_common_mm", "u_common_mm", budget.u_common_mm()),
+        ] {
+            put(out, name, u);
+            put(out, old, u);
+        }
         put(out, "expanded_u_max_mm", k * budget.u_mm());
         put(out, "coverage_factor", k);
         if self.args.budget {
@@ -462,11 +471,15 @@ impl<'a> Follower<'a> {
     /// # Errors
     /// Exit 3 for frames that make no turn.
     pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
-        if self.statistics.count() > 0 {
-            out.insert("statistics".to_owned(), self.statistics_json());
+        if let Some(statistics) = self.statistics_json() {
+            out.insert("statistics".to_owned(), statistics);
         }
+        let mut words = Vec::new();
+        // Over a turn the means differ by the form that is measured.
+        words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
             let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;
+            words.extend(scatter_word(&form));
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
             let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
             turn["implausible"] = json!(self.jumps);
@@ -480,18 +493,15 @@ impl<'a> Follower<'a> {
             }
             out.insert("turn".to_owned(), turn);
         }
+        if !words.is_empty() {
+            words.iter().for_each(|word| tracing::warn!("{word}"));
+            out.insert("warnings".to_owned(), json!(words));
+        }
         Ok(())
     }
 
-    fn statistics_json(&self) -> Value {
-        let s = &self.statistics;
-        let (min, max) = s.extremes().unwrap_or_default();
-        // One value says nothing of the scatter.
-        let scatter = |value: f64| (s.count() > 1).then_some(value);
-        let mut all = json!({
-            "count": s.count(), "mean_mm": s.mean(), "sd_mm": scatter(s.sd()), "u_mean_mm": scatter(s.u_mean()),
-            "min_mm": min, "max_mm": max, "range_mm": max - min,
-        });
+    fn statistics_json(&self) -> Option<Value> {
+        let mut all = self.means.to_json()?;
         if let Some((_, (lower, upper))) = self.judge {
             let (cp, cpk, none) = match self.capability(lower, upper) {
                 Ok((cp, cpk)) => (json!(cp), json!(cpk), Value::Null),
@@ -499,7 +509,7 @@ impl<'a> Follower<'a> {
             };
             (all["cp"], all["cpk"], all["capability_none"]) = (cp, cpk, none);
         }
-        all
+        Some(all)
     }
 
     /// Cp and Cpk of the batch with intervals of 95 %.
@@ -510,35 +520,11 @@ impl<'a> Follower<'a> {
         if !self.args.parts {
             return Err("one part has none; --parts takes every frame as another part".to_owned());
         }
-        let s = &self.statistics;
+        let s = self.means.running();
         s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
         let both = s.cp(lower, upper, 0.95).and_then(|cp| Ok((cp, s.cpk(lower, upper, 0.95)?)));
         both.map_err(|e| e.to_string())
     }
-}
-
-/// Statistics for people.
-pub fn statistics_line(s: &Value) -> String {
-    let number = |v: &Value, digits: usize| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-    let mut text = format!(
-        "mean diameters of {} frames: mean {} mm (u {}), sd {}, from {} to {}",
-        s["count"],
-        number(&s["mean_mm"], 5),
-        number(&s["u_mean_mm"], 6),
-        number(&s["sd_mm"], 6),
-        number(&s["min_mm"], 5),
-        number(&s["max_mm"], 5)
-    );
-    for (key, name) in [("cp", "Cp"), ("cpk", "Cpk")] {
-        if let Some(index) = s.get(key).filter(|c| c.is_object()) {
-            let [value, lower, upper] = ["index", "lower", "upper"].map(|k| number(&index[k], 2));
-            text += &format!(", {name} {value} (95 %: {lower} to {upper})");
-        }
-    }
-    if let Some(why) = s.get("capability_none").and_then(Value::as_str) {
-        text += &format!(", Cp and Cpk - ({why})");
-    }
-    text
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -6,6 +6,7 @@ use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::bench::Conditions;
 use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
+use crate::gauge::stated::stated;
 
 use super::{CommandResult, Failure, Outcome};
 
@@ -59,14 +60,10 @@ pub fn run(
 }
 
 fn line(edge: &EdgeCircle) -> String {
-    match edge.mm {
-        Some(mm) => format!(
-            "{:.5} mm (u {:.5}), roundness {:.5} mm",
-            mm.diameter_mm, mm.u_diameter_mm, mm.roundness_mm
-        ),
-        None => format!(
-            "{:.4} px (u {:.4}), roundness {:.4} px",
-            edge.diameter_px, edge.u_diameter_px, edge.roundness_px
-        ),
-    }
+    let (unit, diameter, u, roundness) = match edge.mm {
+        Some(mm) => ("mm", mm.diameter_mm, mm.u_diameter_mm, mm.roundness_mm),
+        None => ("px", edge.diameter_px, edge.u_diameter_px, edge.roundness_px),
+    };
+    let [diameter, u_text] = stated(diameter, u);
+    format!("{diameter} {unit} (u {u_text}), roundness {} {unit}", stated(roundness, u)[0])
 }

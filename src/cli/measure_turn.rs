@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::gauge::stated::stated;
 use crate::gauge::turn_form::{PartForm, SectionForm};
 
 /// A turn as the JSON document has it; `common_mm` gives the common standard uncertainty of a section's sizes.
@@ -13,9 +14,9 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
     if let Some(sections) = all["sections"].as_array_mut() {
         for section in sections {
             let [lsci, mzci, mici, mcci] = [0, 1, 2, 3].map(|k| section["roundness_mm"][k].clone());
-            let (random, common) =
-                (section["u_gg_mm"].clone(), section["z_mm"].as_f64().and_then(&common_mm));
-            section["u_gg_random_mm"] = random;
+            let common = section["z_mm"].as_f64().and_then(&common_mm);
+            let random = section["u_gg_random_mm"].as_f64().unwrap_or(f64::NAN);
+            section["u_gg_mm"] = json!(common.map(|common| random.hypot(common)));
             section["u_gg_common_mm"] = json!(common);
             if section["half_turn"] == true {
                 // Half a turn takes the spindle as still: of its even motion nothing is known.
@@ -25,6 +26,28 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
         }
     }
     all
+}
+
+/// A word where sections scatter by more than their form and their u explain.
+pub(super) fn scatter_word(form: &PartForm) -> Option<String> {
+    let beyond: Vec<&SectionForm> =
+        form.sections.iter().filter(|s| s.scatter.is_some_and(|test| test.beyond_u)).collect();
+    let (worst, test) = beyond
+        .iter()
+        .filter_map(|s| s.scatter.map(|test| (s, test)))
+        .max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()))?;
+    Some(format!(
+        "{} of {} sections scatter over the turn by more than their form and their u explain, at z = {:.3} mm {:.1} times (chi2 {:.4} at {} degrees \
+         of freedom, limit {:.4} at a false alarm of {} %): vibration, drift, dirt or texture; u is taken from the scatter",
+        beyond.len(),
+        form.sections.len(),
+        worst.z_mm,
+        test.ratio(),
+        test.chi2,
+        test.freedom,
+        test.chi2_limit,
+        100.0 * test.false_alarm_probability
+    ))
 }
 
 /// The filter and how far the angles let it reach: n tangents a revolution carry up to n/2 undulations.
@@ -45,13 +68,13 @@ fn filter_text(form: &PartForm) -> String {
 /// The part's form for people.
 pub fn turn_table(turn: &Value) -> String {
     let um = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{:.3}", 1e3 * x));
-    let mm = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| format!("{x:.5}"));
     let mut text = format!(
-        "\nform over the turn, of {}\n{}\n{:>10} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
+        "\nform over the turn, of {}\n{}\n{:>10} {:>11} {:>9} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
         turn["of"].as_str().unwrap_or(""),
         turn["filter"].as_str().unwrap_or(""),
         "z/mm",
         "GG/mm",
+        "u/mm",
         "GN/mm",
         "GX/mm",
         "run-out",
@@ -62,10 +85,13 @@ pub fn turn_table(turn: &Value) -> String {
     );
     for s in turn["sections"].as_array().into_iter().flatten() {
         let r = &s["roundness_mm"];
+        let u = s["u_gg_mm"].as_f64().unwrap_or(f64::NAN);
+        let mm = |v: &Value| v.as_f64().map_or("-".to_owned(), |x| stated(x, u)[0].clone());
         text += &format!(
-            "{:>10.3} {:>11} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
+            "{:>10.3} {:>11} {:>9} {:>11} {:>11} {:>9} {:>8} {:>8} {:>8} {:>8}\n",
             s["z_mm"].as_f64().unwrap_or(f64::NAN),
             mm(&s["gg_mm"]),
+            stated(u, u)[1],
             mm(&s["gn_mm"]),
             mm(&s["gx_mm"]),
             um(&s["run_out_mm"]),
@@ -86,7 +112,16 @@ pub fn turn_table(turn: &Value) -> String {
     if let Some(judged) = turn.get("judged") {
         let word = judged["judgement"].as_str().map_or_else(
             || format!("not proven: {}", judged["why"].as_str().unwrap_or("")),
-            |word| format!("{} mm: {word}", mm(&judged["d_mm"])),
+            |word| {
+                format!(
+                    "{} mm: {word}",
+                    judged["d_mm"].as_f64().map_or("-".to_owned(), |d| stated(
+                        d,
+                        judged["u_mm"].as_f64().unwrap_or(f64::NAN)
+                    )[0]
+                    .clone())
+                )
+            },
         );
         text += &format!("{} {word}\n", judged["what"].as_str().unwrap_or(""));
     }

@@ -20,6 +20,7 @@ mod measure_frames;
 mod measure_judge;
 pub mod measure_ring;
 mod measure_size;
+mod measure_statistics;
 mod measure_turn;
 mod nc;
 mod optimize;

@@ -208,6 +208,8 @@ impl Finished {
             "adapter": self.adapter,
             "passes": rows(&self.passes, &self.seconds),
             "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
+            "conformity": self.verdict.as_ref().map(Verdict::part),
+            // For one version also under the name that `measure` has for GO, HI, …
             "judgement": self.verdict.as_ref().map(Verdict::part),
             "alarm": self.verdict.as_ref().and_then(|v| v.alarm.clone()),
             "stopped": self.stopped,

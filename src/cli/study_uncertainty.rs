@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::calibrate::make;
 use super::study_files::{ConfigText, StudyFolder, json_text};
 use super::{CommandResult, Failure, Outcome};
+use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
@@ -87,13 +88,11 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn um(from_mm: f64, y_mm: f64) -> String {
-    format!("{:+.4}", 1e3 * (from_mm - y_mm))
-}
-
 fn rows(r: &Uncertainty) -> Vec<Vec<String>> {
-    let row = |name: &str, y: f64, u: f64, (low, high): (f64, f64)| {
-        vec![name.to_owned(), format!("{y:.6}"), format!("{:.4}", 1e3 * u), um(low, r.y_mm), um(high, r.y_mm)]
+    let row = |name: &str, y: f64, u: f64, ends: (f64, f64)| {
+        let [value, _] = stated(y, u);
+        let um = |end_mm: f64| stated(1e3 * (end_mm - r.y_mm), 1e3 * u)[0].clone();
+        vec![name.to_owned(), value, stated(0.0, 1e3 * u)[1].clone(), um(ends.0), um(ends.1)]
     };
     vec![
         row("law of propagation (GUM)", r.y_mm, r.u_mm, r.interval_mm),

@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use rand_pcg::Pcg64;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::bench::{Along, Conditions, CovariancePart, LensModel};
 use super::block_scatter::FEW_COLUMNS;
@@ -16,7 +14,7 @@ use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
 use super::diameter::Pose;
 use super::edges::{FrameEdges, FrameFigures};
-use super::monte_carlo::Distribution;
+use super::stated::stated;
 
 /// Whether a source's errors differ from reading to reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -91,20 +89,6 @@ pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
 pub const DRAWS: usize = 20_000;
 
-impl Contribution {
-    /// Its distribution, scaled to the diameter.
-    fn distribution(&self) -> Distribution {
-        match (self.shape, self.freedom) {
-            (Shape::Rectangular, _) => Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() },
-            (Shape::Product { known }, _) => Distribution::Product { u: self.u_mm, known },
-            (Shape::Normal, Some(freedom)) if freedom < 100.0 => {
-                Distribution::StudentT { scale: self.u_mm, freedom: freedom.max(2.1) }
-            }
-            (Shape::Normal, _) => Distribution::Normal { u: self.u_mm },
-        }
-    }
-}
-
 impl Budget {
     fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {
         // From +0: an empty sum of floats is −0.
@@ -131,35 +115,6 @@ impl Budget {
         let fourth: f64 =
             self.contributions.iter().filter_map(|c| c.freedom.map(|n| c.u_mm.powi(4) / n.max(1.0))).sum();
         if fourth > 0.0 { self.u_mm().powi(4) / fourth } else { f64::INFINITY }
-    }
-
-    /// Coverage factor for a probability, Student's t at the effective degrees of freedom (GUM G.3).
-    pub fn coverage_factor(&self, probability: f64) -> f64 {
-        let freedom = self.effective_freedom();
-        if freedom > 1e5 {
-            // Student's t is the normal there to 1e-5.
-            return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);
-        }
-        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
-    }
-
-    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom, to four decimals: 2 where there are many.
-    pub fn factor_or(&self, given: Option<f64>) -> f64 {
-        given.unwrap_or_else(|| (1e4 * self.coverage_factor(PROBABILITY)).round() / 1e4)
-    }
-
-    /// Half width of the interval about the diameter that holds a probability when every row has its own distribution
-    /// (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with one dominant rectangular row it is narrower than k·u of
-    /// a normal.
-    pub fn half_width_mm(&self, probability: f64) -> f64 {
-        let mut random = Pcg64::new(0x6275_6467_6574, 1);
-        let distributions: Vec<Distribution> =
-            self.contributions.iter().map(Contribution::distribution).collect();
-        let mut sums: Vec<f64> = (0..DRAWS)
-            .map(|_| distributions.iter().map(|d| d.draw(&mut random)).sum::<f64>().abs())
-            .collect();
-        let at = ((probability * DRAWS as f64) as usize).min(DRAWS - 1);
-        *sums.select_nth_unstable_by(at, f64::total_cmp).1
     }
 
     /// Adds a row, unless it is nothing. What is no number stays: the sum is then no number either, where leaving it out would
@@ -201,14 +156,16 @@ impl Budget {
                 100.0 * row.u_mm * row.u_mm / total
             );
         }
+        let expanded_mm = k * self.u_mm();
+        let u = |u_mm: f64| stated(0.0, 1e3 * u_mm)[1].clone();
         let _ = writeln!(
             text,
-            "D = {:.5} mm   u random {:.4} um, common {:.4} um, combined {:.4} um   U = {:.4} um (k = {}{covers} 95.45 % at {freedom} effective degrees of freedom)",
-            self.diameter_mm,
-            1e3 * self.u_random_mm(),
-            1e3 * self.u_common_mm(),
-            1e3 * self.u_mm(),
-            1e3 * k * self.u_mm(),
+            "D = {} mm   u random {} um, common {} um, combined {} um   U = {} um (k = {}{covers} 95.45 % at {freedom} effective degrees of freedom)",
+            stated(self.diameter_mm, expanded_mm)[0],
+            u(self.u_random_mm()),
+            u(self.u_common_mm()),
+            u(self.u_mm()),
+            u(expanded_mm),
             // Up to three digits, none of them for nothing.
             (1e3 * k).round() / 1e3
         );
@@ -237,6 +194,8 @@ pub struct WidthReading {
     pub u_misfit_px: f64,
     /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
     pub u_clipped_px: f64,
+    /// Standard uncertainty of the width by rounding that repeats in neighbouring columns and in every frame, px.
+    pub u_rounding_px: f64,
     /// Standard uncertainty of the width by the blur's, px.
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
@@ -261,9 +220,15 @@ impl WidthReading {
             chord,
             u_noise_px: over.own_variance_px2.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2) - clipped).max(0.0).sqrt(),
+            u_levels_px: (over.u_shared_px.powi(2)
+                - over.u_misfit_px.powi(2)
+                - clipped
+                - edges.figures.rounding_variance())
+            .max(0.0)
+            .sqrt(),
             u_misfit_px: over.u_misfit_px,
             u_clipped_px: clipped.sqrt(),
+            u_rounding_px: edges.figures.rounding_variance().sqrt(),
             u_blur_px,
             u_sigma_px,
             figures: edges.figures,
@@ -302,6 +267,7 @@ impl WidthReading {
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
         let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
         let clipped = edges.clipped_variance().min(shared - misfit);
+        let rounding = edges.figures.rounding_variance().min(shared - misfit - clipped);
         Some(Self {
             column_px: largest.column_px,
             column_variance_px2: 0.0,
@@ -309,9 +275,10 @@ impl WidthReading {
             chord: 1.0,
             u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: (shared - misfit - clipped).sqrt(),
+            u_levels_px: (shared - misfit - clipped - rounding).max(0.0).sqrt(),
             u_misfit_px: misfit.sqrt(),
             u_clipped_px: clipped.sqrt(),
+            u_rounding_px: rounding.sqrt(),
             u_blur_px,
             u_sigma_px,
             figures: edges.figures,
@@ -384,6 +351,7 @@ impl WidthReading {
             ("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px),
             ("misfit of the edge model", misfit, self.u_misfit_px),
             ("light beyond the end of the grey scale", width(self.u_clipped_px), self.u_clipped_px),
+            ("quantisation that repeats", width(self.u_rounding_px), self.u_rounding_px),
         ] {
             budget.push(Contribution {
                 source: source.to_owned(),
@@ -519,45 +487,6 @@ mod tests {
         assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
     }
 
-    /// GUM G.3: with 10 degrees of freedom 95.45 % need k = 2.28 (table G.2), not 2.
-    #[test]
-    fn few_degrees_of_freedom_widen_the_interval() {
-        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
-        budget.push(row(1e-3, Share::Random, Some(10.0)));
-        assert!((budget.factor_or(None) - 2.28).abs() < 0.005, "{}", budget.factor_or(None));
-        assert_eq!(budget.factor_or(Some(2.0)), 2.0);
-        let table = budget.to_table(None);
-        assert!(table.contains("(k = 2.284 covers 95.45 % at 10.0 effective"), "{table}");
-        assert!(
-            budget.to_table(Some(2.0)).contains("(k = 2; 2.284 covers 95.45 %"),
-            "{}",
-            budget.to_table(Some(2.0))
-        );
-        let mut known = Budget { diameter_mm: 50.0, contributions: Vec::new() };
-        known.push(row(1e-3, Share::Common, None));
-        assert!((known.factor_or(None) - 2.0).abs() < 1e-6 && known.to_table(None).contains("(k = 2 covers"));
-    }
-
-    /// A factor known exactly leaves the rectangle of the limits, 0.95·√3·u; one around 0 has a normal's long tails in a rectangle:
-    /// P(|√3·u·R·Z| ≤ w) = ∫₀¹ erf(w/(√6·u·r)) dr by sums.
-    #[test]
-    fn a_product_is_drawn_as_one() {
-        let half = |known| {
-            let shape = Shape::Product { known };
-            let contributions = vec![Contribution { shape, ..row(1.0, Share::Common, None) }];
-            Budget { diameter_mm: 50.0, contributions }.half_width_mm(0.95)
-        };
-        assert!((half(1.0) / (0.95 * 3.0_f64.sqrt()) - 1.0).abs() < 0.01, "{}", half(1.0));
-        let n = 2000;
-        let covered = |w: f64| {
-            let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
-            let normal = Normal::standard();
-            (0..n).map(|i| 2.0 * normal.cdf(w / (3.0_f64.sqrt() * at(i))) - 1.0).sum::<f64>() / f64::from(n)
-        };
-        assert!((covered(half(0.0)) - 0.95).abs() < 0.005, "{} {}", half(0.0), covered(half(0.0)));
-        assert!(half(0.0) > 2.0);
-    }
-
     /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
     #[test]
     fn what_is_no_number_does_not_vanish() {
@@ -588,6 +517,7 @@ mod tests {
             u_levels_px: 0.0,
             u_misfit_px: 0.0,
             u_clipped_px: 0.0,
+            u_rounding_px: 0.0,
             u_blur_px: 0.0,
             u_sigma_px: 0.0,
             form: Scatter::Known { u_px: 0.0, freedom: 1.0 },

@@ -256,15 +256,15 @@ pub(crate) fn column_diameters(
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
-        // A misfit of the edge model is the same in every frame of one light.
-        let misfit = edges.misfit_variance(column);
-        let random = |top: f64, bottom: f64| scale * (top * top + bottom * bottom - misfit).max(0.0).sqrt();
+        // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
+        let repeated = edges.repeated_variance(column);
+        let random = |top: f64, bottom: f64| scale * (top * top + bottom * bottom - repeated).max(0.0).sqrt();
         out.readings.push(Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),
             u_random_mm: random(top.u_px(), bottom.u_px()),
             u_common_mm: reader
                 .u_common_mm(column, rows_px, width_px)
-                .hypot(scale * misfit.sqrt().hypot(u_all_px)),
+                .hypot(scale * repeated.sqrt().hypot(u_all_px)),
         }));
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);

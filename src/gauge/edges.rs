@@ -82,12 +82,20 @@ pub struct FrameFigures {
     pub misfit: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,
+    /// Standard uncertainty of the upper and lower edge by rounding that repeats in neighbouring columns and in every frame, px: noise below
+    /// half a count leaves some.
+    pub rounding_px: [f64; 2],
 }
 
 impl FrameFigures {
     /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie inwards by anything up to the limits.
     pub fn u_place_px(&self) -> f64 {
         (self.unknown_place_px[0] + self.unknown_place_px[1]) / 3.0_f64.sqrt()
+    }
+
+    /// Variance of a width by rounding that repeats, px².
+    pub(crate) fn rounding_variance(&self) -> f64 {
+        self.rounding_px.iter().map(|u| u * u).sum()
     }
 }
 
@@ -143,6 +151,12 @@ impl FrameEdges {
     /// Variance of a width by what is clipped of both edges' shapes, px².
     pub(crate) fn clipped_variance(&self) -> f64 {
         self.clipped_px.iter().map(|u| u * u).sum()
+    }
+
+    /// Variance of a column's width by what neither columns nor frames average: a misfit of the edge model, what is clipped of the edges'
+    /// shapes, and rounding that repeats, px².
+    pub(crate) fn repeated_variance(&self, column: usize) -> f64 {
+        self.misfit_variance(column) + self.clipped_variance() + self.figures.rounding_variance()
     }
 
     /// Shadow width (bottom − top) of a column, px, where both edges are usable.

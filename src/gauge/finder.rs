@@ -14,8 +14,11 @@ use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
 use super::explain::{self, refused};
 use super::gate;
+use super::grey_step::grey_step;
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
+use super::repeated::repeated_lines;
+use super::rounded_frame::Rounding;
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::{Scale, SideState};
 use super::window::Side;
@@ -62,6 +65,8 @@ pub struct EdgeStream {
     rows: usize,
     /// Whether both sides may be worked on at once.
     splits: bool,
+    /// Step of the grey scale, counts, as the last search found it.
+    step: f64,
     last: Option<Last>,
 }
 
@@ -81,7 +86,7 @@ struct Scene {
     dark: f64,
     light: f64,
     ends: [Option<Ends>; 2],
-    quantised: bool,
+    rounding: Rounding,
 }
 
 impl Scene {
@@ -112,6 +117,7 @@ impl EdgeStream {
             one_sided: 0.0,
             rows: 0,
             splits: true,
+            step: 0.0,
             last: None,
         }
     }
@@ -176,7 +182,7 @@ impl EdgeStream {
         self.rows = plane.rows;
         let last = self.last.take();
         if let Some(last) = last
-            && self.follow(plane, scale, last, out)
+            && self.follow(plane, scale.stepped(self.step), last, out)
         {
             return Ok(());
         }
@@ -267,6 +273,11 @@ impl EdgeStream {
     ) -> Result<bool, FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
         found.map_err(|reason| explain::no_part(plane, &self.settings, reason))?;
+        if let Some(lines) = repeated_lines(plane) {
+            return Err(refused(Reason::Repeated, lines.to_string()));
+        }
+        self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
+        let scale = scale.stepped(self.step);
         if self.coarse.median_width().is_some_and(|width| width < wire::WIDEST_PX) {
             self.one_sided = 0.0;
             let how = (&self.shape, &self.settings, scale);
@@ -415,7 +426,10 @@ impl EdgeStream {
         if !(snr >= self.settings.min_snr) {
             return Err(explain::too_faint((dark, light), snr, self.settings.min_snr));
         }
-        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], quantised: scale.floor > 0.0 })
+        let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
+        let given = NoiseModel::given(self.settings.noise, sign, 0.0);
+        let rounding = Rounding::of(&self.sides, given, (dark, light), scale.step());
+        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], rounding })
     }
 
     /// Whether most columns of a side have no window because it would reach beyond the field.
@@ -517,6 +531,7 @@ impl EdgeStream {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
+        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some()), out);
         true
     }
 
@@ -557,7 +572,8 @@ impl EdgeStream {
             noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
             misfit: self.misfit(),
-            quantised: scene.quantised,
+            quantised: scene.rounding.step > 0.0,
+            rounding_px: [0.0; 2],
         }
     }
 }

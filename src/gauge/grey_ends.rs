@@ -22,8 +22,9 @@ const EXPECTED: f64 = 10.0;
 const PAIRS: usize = 32;
 /// Most flat pixels looked at closely.
 const CLOSELY: usize = 4096;
-/// Scatter that counts as noise, in steps of the grey scale (0.29 is that of rounding alone) and of the contrast.
-const NOISE: (f64, f64) = (0.35, 1e-3);
+/// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps toggles under the least noise: √(1/4 − 1/12) = 0.41 are
+/// left without rounding's own) and of the contrast.
+const NOISE: (f64, f64) = (0.45, 1e-3);
 
 /// Which flat end of the windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,8 +52,8 @@ pub(crate) struct Elsewhere {
     pub(crate) noise: [f64; 2],
     /// Mean levels.
     pub(crate) levels: [f64; 2],
-    /// Whether grey values are whole counts.
-    pub(crate) whole: bool,
+    /// Step of the grey scale, counts; 0 where there is none.
+    pub(crate) step: f64,
 }
 
 /// Whether anything speaks for an end at a level: a glance at few pixels.
@@ -70,25 +71,25 @@ pub(crate) fn find_end(
 ) -> Option<(f32, f64)> {
     collect(windows, level, CLOSELY / windows.flat.max(1), pool);
     let contrast = elsewhere.levels[1] - elsewhere.levels[0];
-    let found = judge(pool, elsewhere.whole, contrast, |end, least, step| {
+    let found = judge(pool, elsewhere.step, contrast, |end, least, step| {
         reference_noise(windows, level, end, elsewhere, (least, step), squares)
     });
     found.map(|(end, step)| (level.sign() * end, step))
 }
 
 /// The grey value at which flat pixels are clipped, their largest, and the distance of two grey values; `None` where they are not.
-/// `whole`: grey values are whole counts. `noise` gives what they should scatter by, from a presumed end, the least scatter that counts and
+/// `known_step`: step of the grey scale, 0 where there is none. `noise` gives what they should scatter by, from a presumed end, the least scatter that counts and
 /// the distance of two grey values.
 pub(crate) fn judge(
     pool: &mut [f32],
-    whole: bool,
+    known_step: f64,
     contrast: f64,
     noise: impl FnOnce(f32, f64, f64) -> f64,
 ) -> Option<(f32, f64)> {
     let end = candidate(pool)?;
     let all = pool.len() as f64;
-    let step = f64::from(grid(pool)).max(if whole { 1.0 } else { 0.0 });
-    let least = (NOISE.0 * step).max(if whole { 0.0 } else { NOISE.1 * contrast });
+    let step = f64::from(grid(pool)).max(known_step);
+    let least = (NOISE.0 * step).max(if known_step > 0.0 { 0.0 } else { NOISE.1 * contrast });
     let noise = noise(end, least, step);
     if !(noise > least) {
         return None;

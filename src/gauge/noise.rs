@@ -59,6 +59,8 @@ pub(crate) struct Spread {
     squares: f64,
     count: f64,
     seen: usize,
+    /// Differences of more than two of the least scales: of whole counts, of two counts and more.
+    wide: usize,
 }
 
 impl Spread {
@@ -91,7 +93,10 @@ impl Spread {
             squares[0] += f64::from(*difference).powi(2);
             count[0] += 1.0;
         }
-        Self { squares: squares.iter().sum(), count: count.iter().sum(), seen: differences.len() }
+        // Half-way between one and two steps of whole counts.
+        let far = 1.5 / LEAST_OF_COUNTS as f32 * least;
+        let wide = differences.iter().filter(|d| d.abs() > far).count();
+        Self { squares: squares.iter().sum(), count: count.iter().sum(), seen: differences.len(), wide }
     }
 
     /// Both together.
@@ -100,7 +105,13 @@ impl Spread {
             squares: self.squares + other.squares,
             count: self.count + other.count,
             seen: self.seen + other.seen,
+            wide: self.wide + other.wide,
         }
+    }
+
+    /// Share of the differences that lie more than a step of the grey scale apart; 0 without any.
+    pub(crate) fn wide_share(self) -> f64 {
+        self.wide as f64 / self.seen.max(1) as f64
     }
 
     /// Variance of one pixel; `None` from fewer than 16 differences.

@@ -49,7 +49,7 @@ pub(crate) struct SideState {
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
     /// The edge-spread function fitted.
-    shape: EdgeShape,
+    pub(crate) shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
     laid_out: f64,
     tables: Vec<Table>,
@@ -76,10 +76,19 @@ impl Scale {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
     }
 
+    /// The same for grey values that come in steps, counts.
+    pub(crate) fn stepped(self, step: f64) -> Self {
+        Self { floor: step * step / 12.0, ..self }
+    }
+
     /// Smallest scale of differences that is taken seriously, counts.
     fn least(self, contrast: f64) -> f32 {
-        let least = self.floor(contrast).sqrt();
-        (if self.floor > 0.0 { least.max(LEAST_OF_COUNTS) } else { least }) as f32
+        self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
+    }
+
+    /// Step of the grey scale, counts; 0 where there is none.
+    pub(crate) fn step(self) -> f64 {
+        (12.0 * self.floor).sqrt()
     }
 }
 
@@ -282,7 +291,7 @@ impl SideState {
             known.or_else(|| self.spread(in_light, least).variance()).map_or(f64::NAN, f64::sqrt)
         });
         let mean = [levels.dark, levels.light].map(|sum| sum / levels.count);
-        let elsewhere = Elsewhere { noise, levels: mean, whole: scale.floor > 0.0 };
+        let elsewhere = Elsewhere { noise, levels: mean, step: scale.step() };
         let mut squares = std::mem::take(&mut self.differences);
         let mut find =
             |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));

@@ -2,7 +2,9 @@
 //!
 //! For every station the diameters and middles of its columns are averaged angle by angle; the angles either divide a whole turn
 //! evenly, or half a turn. Half a turn shows every tangent once: with the spindle's axis taken as still, bottom edges stand for the
-//! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis. Either way odd lobes and odd spindle motion cannot be told apart.
+//! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis, and the unknown m is in the u of the odd lobes. Either way odd
+//! lobes and odd spindle motion cannot be told apart. Every u is at least what the readings scatter by that the form does not explain
+//! (`turn_scatter`).
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
 
@@ -18,8 +20,10 @@ use super::form::{
     circumscribed_cylinder, harmonics, least_squares_circle, polar_profile, roundness, silhouette_cylinder,
     straightness, total_run_out,
 };
+use super::series::ScatterTest;
 use super::size::turn_sizes;
 use super::station::variance_of_mean;
+use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
 use crate::frame::FrameMeta;
 use crate::profile::Reading;
 
@@ -60,8 +64,8 @@ pub struct SectionForm {
     pub half_turn: bool,
     /// Least-squares size GG of the hull, mm.
     pub gg_mm: f64,
-    /// Its random standard uncertainty, mm.
-    pub u_gg_mm: f64,
+    /// Its random standard uncertainty, mm: the larger one of what the edges state and what the readings scatter by beyond the form.
+    pub u_gg_random_mm: f64,
     /// Minimum circumscribed size GN, mm.
     pub gn_mm: f64,
     /// Maximum inscribed size GX of the hull, mm.
@@ -78,8 +82,12 @@ pub struct SectionForm {
     pub roundness_mm: [f64; 4],
     /// Gaussian filter, undulations per revolution.
     pub cutoff_upr: f64,
-    /// Standard uncertainty of one edge of a station at one angle, mm.
+    /// Standard uncertainty of one edge of a station at one angle, mm, stated or scattered, whichever is larger.
     pub u_edge_mm: f64,
+    /// Standard uncertainty of the height of the spindle's axis, which half a turn must adjust, mm; it is in the u of the odd lobes.
+    pub u_axis_mm: Option<f64>,
+    /// χ² of what the form does not explain against the edges' own statements; `None` from too few angles.
+    pub scatter: Option<ScatterTest>,
     /// Harmonics.
     pub harmonics: TurnHarmonics,
     /// Hull's profile over the polar angle, mm from the least-squares centre.
@@ -160,11 +168,11 @@ impl TurnAverager {
         let mut samples = Vec::new();
         let mut u_edge_mm: f64 = 0.0;
         for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
-            let (turn, _, u_mm) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
+            let (turn, seen) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
             let support = super::form::gaussian_closed(&turn.support_mm(), cutoff);
             let n = support.len() as f64;
             samples.extend(support.iter().enumerate().map(|(i, h)| [*z_mm, TAU * i as f64 / n, *h]));
-            u_edge_mm = u_edge_mm.max(u_mm);
+            u_edge_mm = u_edge_mm.max(seen.stated_mm);
         }
         if self.z_mm.len() < 3 {
             return Err(format!("{} sections are seen, and three at least show an axis", self.z_mm.len()));
@@ -194,13 +202,19 @@ impl TurnAverager {
 }
 
 fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Section, FormError> {
-    let (turn, angles, u_edge_mm) = section_turn(sums)?;
-    let form = section_form(z_mm, &turn, angles, cutoff, u_edge_mm)?;
+    let (turn, seen) = section_turn(sums)?;
+    let widths: Vec<f64> = turn.widths_mm();
+    let u_width_mm = std::f64::consts::SQRT_2 * seen.stated_mm;
+    let scatter = match seen.u_axis_mm {
+        Some(_) => of_half_turn(&widths[..seen.angles], cutoff.undulations(), u_width_mm),
+        None => Some(of_whole_turn(&widths, u_width_mm)),
+    };
+    let form = section_form(z_mm, &turn, &Seen { scatter, ..seen }, cutoff)?;
     Ok(Section { z_mm, turn, form })
 }
 
-/// A section's turn, how many angles of it were seen and whether of half a turn only, and the standard uncertainty of one edge, mm.
-fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, (usize, bool), f64), FormError> {
+/// A section's turn and what was seen of it, its scatter left open.
+fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, Seen), FormError> {
     let good: Vec<(f64, &Sums)> = sums
         .iter()
         .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
@@ -213,55 +227,48 @@ fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, (usize, bool), f64)
             [*angle, m + 0.5 * d, m - 0.5 * d]
         })
         .collect();
-    let (turn, half_turn) = turn_of(&readings)?;
     let variance = good.iter().map(|(_, s)| variance_of_mean(s.n, s.own, s.shared, s.length)).sum::<f64>()
         / good.len() as f64;
-    Ok((turn, (readings.len(), half_turn), (0.5 * variance).sqrt()))
+    let stated_mm = (0.5 * variance).sqrt();
+    let (turn, u_axis_mm) = turn_of(&readings, stated_mm)?;
+    Ok((turn, Seen { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))
 }
 
-/// The turn, and whether only half of it was seen.
-fn turn_of(readings: &[[f64; 3]]) -> Result<(Turn, bool), FormError> {
+/// What was seen of a section.
+struct Seen {
+    angles: usize,
+    /// Standard uncertainty of one edge by the edges' own statements, mm.
+    stated_mm: f64,
+    /// That of the spindle's axis; `None` over a whole turn.
+    u_axis_mm: Option<f64>,
+    scatter: Option<TurnScatter>,
+}
+
+/// The turn, and where only half of it was seen the standard uncertainty of the spindle's axis, mm.
+fn turn_of(readings: &[[f64; 3]], u_edge_mm: f64) -> Result<(Turn, Option<f64>), FormError> {
     match Turn::from_readings(readings) {
         Err(FormError::UnevenAngles { .. } | FormError::TooFew { .. } | FormError::Argument { .. })
             if readings.len() >= 4 && readings.iter().all(|r| r[0] < 180.0) =>
         {
-            let middle = middle_of_half_turn(readings).ok_or(FormError::TooFew {
+            let middles: Vec<(f64, f64)> = readings.iter().map(|r| (r[0], 0.5 * (r[1] + r[2]))).collect();
+            let u_middle_mm = u_edge_mm * std::f64::consts::FRAC_1_SQRT_2;
+            let (middle, u_axis_mm) = axis_of_half_turn(&middles, u_middle_mm).ok_or(FormError::TooFew {
                 feature: "half a turn",
                 found: readings.len(),
                 needed: 4,
             })?;
             let other = readings.iter().map(|r| [r[0] + 180.0, 2.0 * middle - r[2], 2.0 * middle - r[1]]);
             let whole: Vec<[f64; 3]> = readings.iter().copied().chain(other).collect();
-            Ok((Turn::from_readings(&whole)?, true))
+            Ok((Turn::from_readings(&whole)?, Some(u_axis_mm)))
         }
-        turn => Ok((turn?, false)),
+        turn => Ok((turn?, None)),
     }
 }
 
-/// Height of the spindle's axis from the middles over half a turn. The middle is the axis plus odd harmonics of the turn (eccentricity,
-/// odd lobes), whose mean over half a turn is not zero: both are adjusted together, as many orders as a third of the angles allows.
-fn middle_of_half_turn(readings: &[[f64; 3]]) -> Option<f64> {
-    let orders = (readings.len().saturating_sub(3) / 6).clamp(1, 3);
-    let rows = readings.len();
-    let basis = nalgebra::DMatrix::from_fn(rows, 1 + 2 * orders, |row, column| {
-        let turned = (2.0 * column.div_ceil(2) as f64 - 1.0) * readings[row][0].to_radians();
-        match column {
-            0 => 1.0,
-            c if c % 2 == 1 => turned.cos(),
-            _ => turned.sin(),
-        }
-    });
-    let middles = nalgebra::DVector::from_fn(rows, |row, _| 0.5 * (readings[row][1] + readings[row][2]));
-    basis.svd(true, true).solve(&middles, 1e-12).ok().map(|p| p[0])
-}
-
-fn section_form(
-    z_mm: f64,
-    turn: &Turn,
-    (angles, half_turn): (usize, bool),
-    cutoff: Cutoff,
-    u_edge_mm: f64,
-) -> Result<SectionForm, FormError> {
+fn section_form(z_mm: f64, turn: &Turn, seen: &Seen, cutoff: Cutoff) -> Result<SectionForm, FormError> {
+    let half_turn = seen.u_axis_mm.is_some();
+    let scattered_mm = seen.scatter.map_or(0.0, |s| s.sd_width_mm * std::f64::consts::FRAC_1_SQRT_2);
+    let u_edge_mm = seen.stated_mm.max(scattered_mm);
     // Over half a turn every edge stands in two places: the turn holds each reading twice.
     let u_reading_mm = if half_turn { u_edge_mm * std::f64::consts::SQRT_2 } else { u_edge_mm };
     let sizes = turn_sizes(turn, cutoff, u_reading_mm)?;
@@ -280,10 +287,10 @@ fn section_form(
     }
     Ok(SectionForm {
         z_mm,
-        angles,
+        angles: seen.angles,
         half_turn,
         gg_mm: sizes.gg_mm,
-        u_gg_mm: sizes.u_gg_mm,
+        u_gg_random_mm: sizes.u_gg_mm.max(seen.scatter.map_or(0.0, |s| s.u_mean_mm)),
         gn_mm: sizes.gn_mm,
         gx_mm: sizes.gx_mm,
         mean_caliper_mm: sizes.mean_caliper_mm,
@@ -293,7 +300,9 @@ fn section_form(
         roundness_mm,
         cutoff_upr: cutoff.undulations(),
         u_edge_mm,
-        harmonics: harmonics(turn, MOST_LOBES, u_reading_mm),
+        u_axis_mm: seen.u_axis_mm,
+        scatter: seen.scatter.and_then(|s| s.test),
+        harmonics: harmonics(turn, MOST_LOBES, u_reading_mm).with_axis(seen.u_axis_mm.unwrap_or(0.0)),
         profile_mm: points.iter().map(|p| p.distance(centre)).collect(),
     })
 }

@@ -5,6 +5,7 @@ use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::EdgeMisfit;
 use crate::gauge::bench::{BenchCalibration, Residual};
+use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, parameter_table};
 
 /// The page of a calibration.
@@ -39,18 +40,8 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
     residuals(&mut page, plan, &bench.residuals)?;
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
-        let k = budget.factor_or(None);
-        page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm)).text(
-            &format!(
-                "D = {:.5} mm, u = {:.3} µm (random {:.3}, common {:.3}), U = {:.3} µm at k = {:.2}.",
-                budget.diameter_mm,
-                1e3 * budget.u_mm(),
-                1e3 * budget.u_random_mm(),
-                1e3 * budget.u_common_mm(),
-                1e3 * k * budget.u_mm(),
-                k
-            ),
-        );
+        page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm))
+            .text(&super::budget_words(budget, budget.factor_or(None)));
         page.table(&super::BUDGET_HEADER, &super::budget_rows(budget));
     }
     sensor(&mut page, bench)?;
@@ -64,12 +55,12 @@ fn verdict(page: &mut Page, bench: &BenchCalibration) {
         );
         return;
     };
+    let [error_um, expanded_um] = stated(1e3 * check.error_mm, 1e3 * check.expanded_u_mm);
+    let mm = |value: f64| stated(value, check.expanded_u_mm)[0].clone();
     page.text(&format!(
-        "Check pin: certified {:.5} mm, measured {:.5} mm, error {:+.3} µm, U = {:.3} µm (k = {:.2}), E_n = {:.2}: {}.",
-        check.certified_mm,
-        check.measured_mm,
-        1e3 * check.error_mm,
-        1e3 * check.expanded_u_mm,
+        "Check pin: certified {} mm, measured {} mm, error {error_um} µm, U = {expanded_um} µm (k = {:.2}), E_n = {:.2}: {}.",
+        mm(check.certified_mm),
+        mm(check.measured_mm),
         check.coverage_factor,
         check.e_n,
         if check.accepted { "accepted" } else { "REFUSED, no calibration was written" }

@@ -13,6 +13,7 @@ pub use run_report::{ReportError, RunPage, RunView, run_report};
 pub use washers_report::washers_page;
 
 use crate::gauge::budget::Budget;
+use crate::gauge::stated::stated;
 
 /// Columns of [`budget_rows`].
 pub const BUDGET_HEADER: [&str; 6] = ["source", "input", "distribution", "share", "u / µm", "% of u²"];
@@ -34,4 +35,18 @@ pub fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
             ]
         })
         .collect()
+}
+
+/// The result of a budget in words, U and value to the place of U's second significant digit (GUM 7.2.6); U is k·u.
+fn budget_words(budget: &Budget, k: f64) -> String {
+    let expanded_mm = k * budget.u_mm();
+    let um = |u_mm: f64| stated(0.0, 1e3 * u_mm)[1].clone();
+    format!(
+        "D = {} mm, u = {} µm (random {}, common {}), U = {} µm at k = {k:.2}.",
+        stated(budget.diameter_mm, expanded_mm)[0],
+        um(budget.u_mm()),
+        um(budget.u_random_mm()),
+        um(budget.u_common_mm()),
+        um(expanded_mm)
+    )
 }

@@ -368,14 +368,9 @@ fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), Report
         freedom: None,
         u_mm: random[random.len() / 2],
     });
-    page.heading("Uncertainty budget of a station").text(&format!(
-        "D = {:.5} mm: u = {:.4} µm (random {:.4}, common {:.4}), U = {:.4} µm at k = 2. The random part is the median over the stations.",
-        budget.diameter_mm,
-        1e3 * budget.u_mm(),
-        1e3 * budget.u_random_mm(),
-        1e3 * budget.u_common_mm(),
-        2e3 * budget.u_mm()
-    ));
+    let words = super::budget_words(&budget, budget.factor_or(None));
+    page.heading("Uncertainty budget of a station")
+        .text(&format!("{words} The random part is the median over the stations."));
     page.table(&super::BUDGET_HEADER, &super::budget_rows(&budget));
     Ok(())
 }

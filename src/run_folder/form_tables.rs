@@ -19,7 +19,7 @@ pub struct FormRow {
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,
-    /// Its random standard uncertainty, mm; the common one stands in `u_gg_common_mm`.
+    /// Its standard uncertainty, mm: `u_gg_random_mm` and `u_gg_common_mm` together. Version 0.1 wrote the random one alone.
     pub u_gg_mm: f64,
     /// Minimum circumscribed size GN, mm.
     pub gn_mm: f64,
@@ -52,6 +52,9 @@ pub struct FormRow {
     /// Common standard uncertainty of GG, mm: that of the station's mean diameter.
     #[serde(default)]
     pub u_gg_common_mm: Option<f64>,
+    /// Random standard uncertainty of GG, mm.
+    #[serde(default)]
+    pub u_gg_random_mm: Option<f64>,
 }
 
 impl FormRow {
@@ -60,13 +63,14 @@ impl FormRow {
         let lobes = |k: usize| s.harmonics.section.iter().find(|h| h.lobes == k).map(|h| h.amplitude_mm);
         let station = stations.iter().find(|station| (station.z_mm - s.z_mm).abs() < 1e-6);
         let [lsci_mm, mzci_mm, mici_mm, mcci_mm] = s.roundness_mm;
+        let u_gg_common_mm = station.and_then(|s| s.reading.value()).map(|d| d.u_common_mm);
         Self {
             pass,
             z_mm: s.z_mm,
             angles: s.angles,
             half_turn: s.half_turn,
             gg_mm: s.gg_mm,
-            u_gg_mm: s.u_gg_mm,
+            u_gg_mm: s.u_gg_random_mm.hypot(u_gg_common_mm.unwrap_or(0.0)),
             gn_mm: s.gn_mm,
             gx_mm: s.gx_mm,
             mean_caliper_mm: s.mean_caliper_mm,
@@ -81,7 +85,8 @@ impl FormRow {
             lobes_3_form_spindle_mm: lobes(3),
             lobes_4_mm: lobes(4),
             lobes_5_form_spindle_mm: lobes(5),
-            u_gg_common_mm: station.and_then(|s| s.reading.value()).map(|d| d.u_common_mm),
+            u_gg_common_mm,
+            u_gg_random_mm: Some(s.u_gg_random_mm),
         }
     }
 }

@@ -5,7 +5,7 @@
 use serde::Serialize;
 
 use crate::gauge::Calibration;
-use crate::gauge::bench::{Adjustment, Conditions, LensModel, PARAMETERS, Solver};
+use crate::gauge::bench::{Adjustment, Conditions, LensModel, PARAMETERS, Solver, shared_source};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
@@ -108,6 +108,9 @@ fn inputs(adjustment: &Adjustment, scale: f64, part: &PartView, c: &Conditions) 
     }
     for master in adjustment.masters() {
         all.push(input(format!("certificate of {}", master.name), 0.0, normal(1.0)));
+    }
+    for name in adjustment.laboratories() {
+        all.push(input(shared_source(name), 0.0, normal(1.0)));
     }
     all.push(input("temperature of the masters".to_owned(), 0.0, limit));
     all.push(input("expansion of the masters".to_owned(), 0.0, limit));

@@ -4,7 +4,8 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use shadowgauge::gauge::bench::{
-    Adjustment, Along, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS, Thermometer,
+    Adjustment, Along, CertificateShare, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
+    Thermometer,
 };
 use shadowgauge::gauge::{CalibrationError, MasterCertificate};
 
@@ -12,7 +13,7 @@ const SIZE: (usize, usize) = (2048, 2448);
 
 fn master(name: &str, diameter_mm: f64, expanded_u_mm: f64) -> MasterPrior {
     let certificate = MasterCertificate { diameter_mm, expanded_u_mm, coverage_factor: 2.0 };
-    MasterPrior { name: name.to_owned(), certificate }
+    MasterPrior { name: name.to_owned(), certificate, common: None }
 }
 
 /// The world as it is.
@@ -238,4 +239,39 @@ fn masters_that_determine_no_bench_are_refused() {
     assert!(matches!(adjust(seen.clone(), unsure), Err(CalibrationError::Certificate { master: 1 })));
     let unseen = vec![master("A", 16.0, 1e-4), master("B", 26.0, 1e-4), master("C", 30.0, 1e-4)];
     assert!(matches!(adjust(seen, unseen), Err(CalibrationError::Unseen { .. })));
+}
+
+/// Two masters hold a line: a diameter between them has the levers a and b of both, and of certificates with the covariance c₁c₂ the variance
+/// a²u₁² + b²u₂² + 2ab·c₁c₂. Half-way between fully shared ones nothing averages, between independent ones half does.
+#[test]
+fn certificates_of_one_laboratory_are_correlated() {
+    let (small, large) = (16.0, 26.0);
+    let seen = observations(&world(), &[small, large], &mut Pcg64::seed_from_u64(1));
+    let (u_small, u_large) = (2e-4, 3e-4);
+    let at = |d_mm: f64, share: f64| {
+        let by_laboratory = |name: &str, diameter_mm: f64, u_mm: f64| MasterPrior {
+            common: (share > 0.0)
+                .then(|| CertificateShare { certified_by: "PTB".to_owned(), u_mm: share.sqrt() * u_mm }),
+            ..master(name, diameter_mm, 2.0 * u_mm)
+        };
+        let masters = vec![by_laboratory("A", small, u_small), by_laboratory("B", large, u_large)];
+        let adjusted = adjust(seen.clone(), masters).unwrap().fit().unwrap();
+        let width_px = (d_mm - adjusted.parameters[1]) / adjusted.parameters[0];
+        let by = [width_px, 1.0, 0.0, 0.0, 0.0, 0.0];
+        let certificates = adjusted.parts.iter().filter(|p| p.source.starts_with("certificate"));
+        certificates.map(|p| p.variance(&by)).sum::<f64>().sqrt()
+    };
+    for d_mm in [14.0, 16.0, 21.0, 25.0, 30.0] {
+        let (a, b) = ((large - d_mm) / (large - small), (d_mm - small) / (large - small));
+        for share in [0.0, 0.5, 1.0] {
+            let variance =
+                (a * u_small).powi(2) + (b * u_large).powi(2) + 2.0 * a * b * share * u_small * u_large;
+            let found = at(d_mm, share);
+            assert!(
+                (found / variance.sqrt() - 1.0).abs() < 2e-3,
+                "{d_mm} {share}: {found} {}",
+                variance.sqrt()
+            );
+        }
+    }
 }

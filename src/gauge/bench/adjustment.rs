@@ -1,11 +1,13 @@
 //! Least squares over the masters' observations and everything that is uncertain about the masters themselves.
 //!
-//! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p of each
-//! certificate, the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of a frame share.
+//! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
+//! certificate has for itself, an error γ_g that the certificates of one laboratory share (GUM F.1.2.3: a common standard makes them
+//! correlated, cov(D_p, D_q) = c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of
+//! a frame share.
 //! The residual of an observation is
 //!
 //! ```text
-//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f]·χ + o − (D_p + δ_p)·(1 + (α + δα)(T + δT − 20 °C))
+//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f]·χ + o − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
 //! ```
 //!
 //! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
@@ -34,6 +36,31 @@ pub struct MasterPrior {
     pub name: String,
     /// Its certificate, at 20 °C.
     pub certificate: MasterCertificate,
+    /// What it shares with the certificates of other masters; `None` where they are independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub common: Option<CertificateShare>,
+}
+
+/// The part of a certificate's error that the certificates of one laboratory (one reference standard, one instrument) share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertificateShare {
+    /// Who or what they share it by.
+    pub certified_by: String,
+    /// Its standard uncertainty, mm; at most the certificate's.
+    pub u_mm: f64,
+}
+
+impl MasterPrior {
+    /// Standard uncertainty that the certificate shares with others, mm.
+    fn u_common_mm(&self) -> f64 {
+        self.common.as_ref().map_or(0.0, |c| c.u_mm)
+    }
+
+    /// Standard uncertainty that the certificate has for itself, mm.
+    fn u_own_mm(&self) -> f64 {
+        (self.certificate.u_mm().powi(2) - self.u_common_mm().powi(2)).max(0.0).sqrt()
+    }
 }
 
 /// Temperature of the masters while they were recorded: one thermometer, one material.
@@ -129,6 +156,9 @@ pub struct Residual {
 #[derive(Clone, Debug)]
 pub struct Adjustment {
     masters: Vec<MasterPrior>,
+    /// Laboratories whose certificates share an error, and each master's index among them.
+    laboratories: Vec<String>,
+    laboratory_of: Vec<Option<usize>>,
     observations: Vec<Observation>,
     thermometer: Thermometer,
     perfect: LensModel,
@@ -213,7 +243,10 @@ impl Adjustment {
         let scale = masters[0].certificate.diameter_mm / means[0];
         let perfect = LensModel::perfect(size.0, size.1);
         let frames = observations.iter().map(|o| o.frame + 1).max().unwrap_or(0);
+        let (laboratories, laboratory_of) = laboratories(&masters);
         let mut adjustment = Self {
+            laboratories,
+            laboratory_of,
             u_lens: limits.u_parameters(scale * perfect.half_diagonal_px),
             sigma: observations.iter().map(|o| (scale * o.chord * o.u_width_px).max(1e-9)).collect(),
             unit: Vec::new(),
@@ -236,7 +269,9 @@ impl Adjustment {
         let [u_t, u_alpha] = self.thermometer.u();
         let mut unit = vec![1e-4 * scale, 1e-3];
         unit.extend(self.u_lens.map(some));
-        unit.extend(self.masters.iter().map(|m| m.certificate.u_mm()));
+        unit.extend(self.masters.iter().map(|m| some(m.u_own_mm())));
+        // γ counts in standard uncertainties; c_p stands in the rows.
+        unit.extend(self.laboratories.iter().map(|_| 1.0));
         unit.extend([some(u_t), some(u_alpha)]);
         unit.extend((0..self.frames).map(|f| some(self.u_frame(f))));
         unit
@@ -254,8 +289,25 @@ impl Adjustment {
         PARAMETERS
     }
 
-    fn thermal(&self) -> usize {
+    fn first_laboratory(&self) -> usize {
         PARAMETERS + self.masters.len()
+    }
+
+    fn thermal(&self) -> usize {
+        self.first_laboratory() + self.laboratories.len()
+    }
+
+    /// Index of the unknown that a master's certificate shares, and c_p, mm.
+    fn shared(&self, master: usize) -> Option<(usize, f64)> {
+        let laboratory = self.laboratory_of[master]?;
+        Some((self.first_laboratory() + laboratory, self.masters[master].u_common_mm()))
+    }
+
+    /// Diameter of a master at 20 °C with the errors of its certificate, mm.
+    fn true_diameter_mm(&self, z: &DVector<f64>, master: usize) -> f64 {
+        let v = |k: usize| z[k] * self.unit[k];
+        let shared = self.shared(master).map_or(0.0, |(k, c)| c * v(k));
+        self.masters[master].certificate.diameter_mm + v(self.first_master() + master) + shared
     }
 
     fn first_frame(&self) -> usize {
@@ -263,7 +315,7 @@ impl Adjustment {
     }
 
     /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width (px), then one for
-    /// each prior: a, q, g, t, the masters' δ_p, δT, δα, the frames' ε_f, in units of their standard uncertainties.
+    /// each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα, the frames' ε_f, in units of their standard uncertainties.
     pub fn inputs(&self) -> usize {
         self.observations.len() + self.unit.len() - 2
     }
@@ -271,6 +323,11 @@ impl Adjustment {
     /// The masters.
     pub fn masters(&self) -> &[MasterPrior] {
         &self.masters
+    }
+
+    /// Laboratories whose certificates share an error.
+    pub fn laboratories(&self) -> &[String] {
+        &self.laboratories
     }
 
     /// The observations.
@@ -297,24 +354,24 @@ impl Adjustment {
     fn residual(&self, z: &DVector<f64>, lens: &LensModel, index: usize, deviation_px: f64) -> f64 {
         let o = &self.observations[index];
         let v = |k: usize| z[k] * self.unit[k];
-        let certificate = &self.masters[o.master].certificate;
         let thermal = self.thermal();
         let alpha = self.thermometer.alpha() + v(thermal + 1);
         let warm = 1.0 + alpha * (self.thermometer.temperature_c + v(thermal) - 20.0);
         let width = lens.ideal_mean(o.along(), o.bottom_px) - lens.ideal_mean(o.along(), o.top_px);
         let seen = width + deviation_px + v(self.first_frame() + o.frame);
-        v(0) * (1.0 + v(5) * o.axis_y_mm) * seen * o.chord + v(1)
-            - (certificate.diameter_mm + v(self.first_master() + o.master)) * warm
+        v(0) * (1.0 + v(5) * o.axis_y_mm) * seen * o.chord + v(1) - self.true_diameter_mm(z, o.master) * warm
     }
 
     /// Derivatives of the residual by the unknowns in their units, as (index, value).
-    fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 10] {
+    fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 11] {
         let o = &self.observations[index];
         let v = |k: usize| z[k] * self.unit[k];
         let thermal = self.thermal();
         let lag = self.thermometer.temperature_c + v(thermal) - 20.0;
         let alpha = self.thermometer.alpha() + v(thermal + 1);
-        let diameter = self.masters[o.master].certificate.diameter_mm + v(self.first_master() + o.master);
+        let diameter = self.true_diameter_mm(z, o.master);
+        // Without a laboratory the last entry adds nothing to the offset's.
+        let (laboratory, c) = self.shared(o.master).unwrap_or((1, 0.0));
         let width = lens.ideal_mean(o.along(), o.bottom_px) - lens.ideal_mean(o.along(), o.top_px);
         let near = (1.0 + v(5) * o.axis_y_mm) * o.chord;
         let by = lens.width_by(o.along(), o.top_px, o.bottom_px);
@@ -330,6 +387,7 @@ impl Adjustment {
             (thermal, -diameter * alpha),
             (thermal + 1, -diameter * lag),
             (self.first_frame() + o.frame, scale * near),
+            (laboratory, -c * (1.0 + alpha * lag)),
         ];
         rows.map(|(k, value)| (k, value * self.unit[k]))
     }
@@ -471,10 +529,32 @@ impl Adjustment {
             let k = self.first_master() + index;
             parts.push(share(&format!("certificate of {}", master.name), &of_priors(k..k + 1)));
         }
+        for (index, name) in self.laboratories.iter().enumerate() {
+            let k = self.first_laboratory() + index;
+            parts.push(share(&shared_source(name), &of_priors(k..k + 1)));
+        }
         parts.push(share("temperature of the masters", &of_priors(self.thermal()..self.thermal() + 1)));
         parts.push(share("expansion of the masters", &of_priors(self.thermal() + 1..frames)));
         parts.push(share("distortion and keystone of the lens", &of_priors(2..5)));
         parts.push(share("telecentricity of the lens", &of_priors(5..6)));
         parts
     }
+}
+
+/// Name of the part that the certificates of a laboratory share.
+pub fn shared_source(certified_by: &str) -> String {
+    format!("certificates of {certified_by}, what they share")
+}
+
+/// Laboratories in the order of the masters, and each master's one.
+fn laboratories(masters: &[MasterPrior]) -> (Vec<String>, Vec<Option<usize>>) {
+    let mut names: Vec<String> = Vec::new();
+    let mut index = |name: &String| {
+        names.iter().position(|n| n == name).unwrap_or_else(|| {
+            names.push(name.clone());
+            names.len() - 1
+        })
+    };
+    let of = masters.iter().map(|m| m.common.as_ref().map(|c| index(&c.certified_by))).collect();
+    (names, of)
 }

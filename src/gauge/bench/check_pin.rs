@@ -11,9 +11,9 @@ pub struct CheckPin {
     pub certificate: MasterCertificate,
     /// Diameter measured, at 20 °C, mm.
     pub measured_mm: f64,
-    /// Standard uncertainty of the measured diameter, mm.
-    pub u_measured_mm: f64,
-    /// Coverage factor of both together: 2, or that of few degrees of freedom.
+    /// Standard uncertainty of the difference of measured and certified diameter, mm.
+    pub u_error_mm: f64,
+    /// Its coverage factor: 2, or that of few degrees of freedom.
     pub coverage_factor: f64,
 }
 
@@ -44,10 +44,10 @@ fn two() -> f64 {
 }
 
 impl CheckPin {
-    /// E_n = |x − X|/√(U_x² + U_X²), both at the same coverage factor.
+    /// E_n = |x − X|/U(x − X): √(U_x² + U_X²) at one coverage factor, less what both certificates and masters share.
     pub fn judge(&self) -> CheckResult {
         let error_mm = self.measured_mm - self.certificate.diameter_mm;
-        let expanded_u_mm = self.coverage_factor * self.u_measured_mm.hypot(self.certificate.u_mm());
+        let expanded_u_mm = self.coverage_factor * self.u_error_mm;
         let e_n = error_mm.abs() / expanded_u_mm;
         CheckResult {
             certified_mm: self.certificate.diameter_mm,

@@ -13,7 +13,10 @@ mod lens;
 mod observation;
 mod response;
 
-pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Solver, Thermometer};
+pub use adjustment::{
+    Adjusted, Adjustment, CertificateShare, CovariancePart, MasterPrior, Residual, Solver, Thermometer,
+    shared_source,
+};
 pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use check_pin::{CheckPin, CheckResult};
 pub use conditions::Conditions;

@@ -45,6 +45,19 @@ pub struct TurnHarmonics {
     pub even_spindle: Vec<Harmonic>,
 }
 
+impl TurnHarmonics {
+    /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a turn: a square wave of that height, 4/(πk) of it at
+    /// order k.
+    #[must_use]
+    pub fn with_axis(mut self, u_axis_mm: f64) -> Self {
+        for harmonic in self.section.iter_mut().filter(|h| h.lobes % 2 == 1) {
+            let of_axis = 4.0 / (std::f64::consts::PI * harmonic.lobes as f64) * u_axis_mm;
+            harmonic.u_amplitude_mm = harmonic.u_amplitude_mm.hypot(of_axis);
+        }
+        self
+    }
+}
+
 /// Complex amplitudes C_k of a real periodic sequence, f_i = Re Σ C_k·exp(jk·2πi/n), k = 0..=n/2.
 pub(super) fn spectrum(values: &[f64]) -> Vec<Complex<f64>> {
     let n = values.len();

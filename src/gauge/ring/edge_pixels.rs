@@ -107,7 +107,8 @@ impl Band {
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
         let find = |level: Level, values: &[Vec<f32>], other: f64| {
             let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
-            let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
+            let unit = if whole { 1.0 } else { 0.0 };
+            let found = grey_ends::judge(&mut pool, unit, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
                 let below = pairs_below(values, end).map_or(0.0, free);
                 // What is left of the flank's residuals is no noise only: of the shadow's it says nothing.

@@ -10,6 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::censored::{Censored, Ends};
 use super::super::median::median_of as median;
+use super::super::rounding::{noise_behind, repeated_variance};
 use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
@@ -279,6 +280,22 @@ impl<const P: usize> State<P> {
         self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
     }
 
+    /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the shadow share, px: `lever` is the shift's
+    /// derivative by the pooled parameters. The edge itself passes through all phases.
+    fn u_rounding(&self, lever: &Vector<P>) -> f64 {
+        if self.least_variance < 1.0 / 12.0 {
+            return 0.0;
+        }
+        let repeated = |variance: f64| {
+            // At the least variance nothing is seen of the noise.
+            let seen = variance > 1.01 * self.least_variance;
+            repeated_variance(if seen { noise_behind(variance) } else { 0.0 })
+        };
+        let Variance([dark, _, light]) = self.variance;
+        let by_dark = lever[0] - lever[3];
+        (repeated(dark) * by_dark * by_dark + repeated(light) * lever[3] * lever[3]).sqrt()
+    }
+
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
         let judged: Vec<(f64, f64)> = band
@@ -432,7 +449,7 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
         true => (all - known_shape(&normal, &lever)?).max(0.0) * (beyond * beyond - 1.0),
         false => 0.0,
     };
-    let u_mean = (own + all + shape).sqrt() / count;
+    let u_mean = ((own + all + shape).sqrt() / count).hypot(state.u_rounding(&(lever / count)));
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
     let noise = state.variance.0[1].sqrt();
     Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise })

@@ -14,10 +14,11 @@ pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 use crate::frame::{Encoding, Frame, FrameView};
 use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
-    MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response,
+    MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response, shared_source,
 };
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
+use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, CalibrationError, EdgeMisfit, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
     MasterFigure, MisfitLesson,
@@ -342,7 +343,7 @@ fn adjustment(
     let masters = plan
         .masters
         .iter()
-        .map(|p| MasterPrior { name: p.name.clone(), certificate: p.certificate() })
+        .map(|p| MasterPrior { name: p.name.clone(), certificate: p.certificate(), common: p.common() })
         .collect();
     let adjustment = Adjustment::new(masters, observations, plan.thermometer, &plan.lens, size)?;
     Ok((adjustment, figures))
@@ -368,7 +369,8 @@ fn judge(
     let n = measured.len() as f64;
     let mean = |f: &dyn Fn(&Budget) -> f64| measured.iter().map(f).sum::<f64>() / n;
     let measured_mm = mean(&|b| b.diameter_mm);
-    let common = mean(&|b| b.u_common_mm().powi(2)).sqrt();
+    let (u_shared_mm, u_certificate_mm) = certificate_beside(pin, &measured);
+    let common = (mean(&|b| b.u_common_mm().powi(2)) - u_shared_mm.powi(2)).max(0.0).sqrt();
     // The mean's budget: every frame's random rows by themselves, the common ones and the certificate together.
     let mut whole = Budget { diameter_mm: measured_mm, contributions: Vec::new() };
     let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.share == Share::Random);
@@ -382,10 +384,23 @@ fn judge(
         u_mm,
     };
     whole.push(known("what all frames share", common));
-    let u_measured_mm = whole.u_mm();
-    whole.push(known("certificate of the check pin", pin.certificate().u_mm()));
+    whole.push(known("certificate of the check pin", u_certificate_mm));
     let coverage_factor = whole.factor_or(None);
-    Some(CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm, coverage_factor }.judge())
+    let u_error_mm = whole.u_mm();
+    Some(CheckPin { certificate: pin.certificate(), measured_mm, u_error_mm, coverage_factor }.judge())
+}
+
+/// What the measured diameter owes to the laboratory that certified the check pin, too, mm, and what the difference of both owes to the pin's
+/// certificate: an error that both share cancels as far as it is the same in both.
+fn certificate_beside(pin: &PinPlan, measured: &[Budget]) -> (f64, f64) {
+    let certificate = pin.certificate().u_mm();
+    let Some(common) = pin.common() else { return (0.0, certificate) };
+    let source = shared_source(&common.certified_by);
+    let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.source == source);
+    let shared = rows.map(|c| c.u_mm * c.u_mm).sum::<f64>() / measured.len() as f64;
+    let shared = shared.sqrt();
+    let own = (certificate.powi(2) - common.u_mm.powi(2)).max(0.0).sqrt();
+    (shared, own.hypot(shared - common.u_mm))
 }
 
 /// The adjusted parameters by name with unit and standard uncertainty, for reports.
@@ -393,38 +408,17 @@ pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
     let Some(bench) = &calibration.bench else { return Vec::new() };
     let u = |i: usize| bench.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
     let lens = &bench.lens;
-    let row = |name: &str, value: String, u: String| [name.to_owned(), value, u];
+    let row = |name: &str, unit: f64, value: f64, index: usize| {
+        let [value, u] = stated(unit * value, unit * u(index));
+        [name.to_owned(), value, u]
+    };
     vec![
-        row(
-            "scale / (µm/px)",
-            format!("{:.6}", 1e3 * calibration.scale_mm_per_px),
-            format!("{:.6}", 1e3 * u(0)),
-        ),
-        row(
-            "offset of both edges / µm",
-            format!("{:.4}", 1e3 * calibration.offset_mm),
-            format!("{:.4}", 1e3 * u(1)),
-        ),
-        row(
-            "radial distortion at the corner / %",
-            format!("{:.5}", 1e2 * lens.radial),
-            format!("{:.5}", 1e2 * u(2)),
-        ),
-        row(
-            "change of scale with height / %",
-            format!("{:.5}", 1e2 * lens.keystone_across),
-            format!("{:.5}", 1e2 * u(3)),
-        ),
-        row(
-            "change of scale along the shaft / %",
-            format!("{:.5}", 1e2 * lens.keystone_along),
-            format!("{:.5}", 1e2 * u(4)),
-        ),
-        row(
-            "telecentricity / (ppm/mm)",
-            format!("{:.3}", 1e6 * lens.telecentricity_per_mm),
-            format!("{:.3}", 1e6 * u(5)),
-        ),
+        row("scale / (µm/px)", 1e3, calibration.scale_mm_per_px, 0),
+        row("offset of both edges / µm", 1e3, calibration.offset_mm, 1),
+        row("radial distortion at the corner / %", 1e2, lens.radial, 2),
+        row("change of scale with height / %", 1e2, lens.keystone_across, 3),
+        row("change of scale along the shaft / %", 1e2, lens.keystone_along, 4),
+        row("telecentricity / (ppm/mm)", 1e6, lens.telecentricity_per_mm, 5),
     ]
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gauge::bench::{Conditions, Date, LensLimits, SettingError, Thermometer};
+use crate::gauge::bench::{CertificateShare, Conditions, Date, LensLimits, SettingError, Thermometer};
 use crate::gauge::{GaugeSettings, MasterCertificate};
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::source::Channel;
@@ -34,6 +34,13 @@ pub struct PinPlan {
     /// Coverage factor k of U.
     #[serde(default = "two")]
     pub coverage_factor: f64,
+    /// Laboratory, reference standard or instrument that other pins' certificates hang on, too: with `common_expanded_u_mm`.
+    #[serde(default)]
+    pub certified_by: Option<String>,
+    /// Part of U that the certificates of one `certified_by` share, mm, at the same k: 0 where they are independent, U where one error is
+    /// in all of them. A correlation coefficient r of certificates with one U is √r·U here.
+    #[serde(default)]
+    pub common_expanded_u_mm: Option<f64>,
     /// Where it was recorded: one place or more.
     pub positions: Vec<Position>,
 }
@@ -50,6 +57,12 @@ impl PinPlan {
             expanded_u_mm: self.expanded_u_mm,
             coverage_factor: self.coverage_factor,
         }
+    }
+
+    /// What its certificate shares with others.
+    pub fn common(&self) -> Option<CertificateShare> {
+        let certified_by = self.certified_by.clone()?;
+        self.common_expanded_u_mm.map(|u| CertificateShare { certified_by, u_mm: u / self.coverage_factor })
     }
 }
 
@@ -241,6 +254,7 @@ impl CalibrationPlan {
                 ));
             }
         }
+        check_common(key, pin)?;
         if let Some(simulate) = &self.simulate {
             let bench = simulate.bench();
             let field_mm = f64::from(bench.camera.rows) * bench.nominal_pixel_mm();
@@ -270,6 +284,26 @@ impl CalibrationPlan {
             }
         }
         Ok(())
+    }
+}
+
+/// What certificates share needs both keys, and is a part of U.
+fn check_common(key: &str, pin: &PinPlan) -> Result<(), PlanError> {
+    match (&pin.certified_by, pin.common_expanded_u_mm) {
+        (None, None) => Ok(()),
+        (Some(_), None) => Err(PlanError::new(
+            format!("{key}.common_expanded_u_mm"),
+            "is missing; say how much of U the certificates of one laboratory share (0 for none, U for all of it)",
+        )),
+        (None, Some(_)) => Err(PlanError::new(
+            format!("{key}.certified_by"),
+            "is missing; name the laboratory or standard that the certificates share",
+        )),
+        (Some(_), Some(u)) if (0.0..=pin.expanded_u_mm).contains(&u) => Ok(()),
+        (Some(_), Some(u)) => Err(PlanError::new(
+            format!("{key}.common_expanded_u_mm"),
+            format!("{u} is not a part of expanded_u_mm = {}; right would be 0 to that", pin.expanded_u_mm),
+        )),
     }
 }
 

@@ -112,6 +112,8 @@ fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64, positions: &[Position])
         diameter_mm,
         expanded_u_mm,
         coverage_factor: 2.0,
+        certified_by: None,
+        common_expanded_u_mm: None,
         positions: positions.to_vec(),
     }
 }
