@@ -12,15 +12,17 @@ use crate::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Rend
 use crate::shaft::ProfileKnot;
 use crate::truth;
 
+use super::calibration_plan::is_plan;
 use super::frame_files::{FileFormat, encode, encode_mask, preview};
 use super::render_bench::bench;
 use super::render_gallery::gallery;
-use super::{CommandResult, Failure, Outcome};
+use super::study_files::ConfigText;
+use super::{CommandResult, Failure, Outcome, render_calibration};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The job whose shaft is drawn.
+    /// The job whose shaft is drawn, or a calibration with [simulate], whose fields and pins are.
     #[arg(required_unless_present = "gallery")]
     pub(super) config: Option<PathBuf>,
     /// Draw a frame of every kind and a contact sheet of all into a new folder; needs no config.
@@ -66,6 +68,9 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let Some(file) = &args.config else {
         return Err(Failure::refuse("a config or --gallery DIR is needed"));
     };
+    if is_plan(&ConfigText::read(file)?.text) {
+        return render_calibration::run(args, file);
+    }
     let job = config::load(file).map_err(Failure::refused)?;
     if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
         return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
@@ -162,6 +167,9 @@ pub(super) fn claim_empty(out: &Path) -> Result<PathBuf, Failure> {
     Ok(staging)
 }
 
+/// Columns of `frames.csv`.
+pub(super) const FRAMES_HEADER: &str = "frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n";
+
 fn write_frames(
     args: &RenderArgs,
     job: &Job,
@@ -171,7 +179,7 @@ fn write_frames(
     count: usize,
 ) -> Result<(), Failure> {
     let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
-    let mut frames_csv = String::from("frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n");
+    let mut frames_csv = String::from(FRAMES_HEADER);
     let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
     let mut spare = None;
     for index in 0..count {
@@ -202,7 +210,7 @@ fn put_mask(folder: &Path, stem: &str, frame: &Frame, mask: &[u8], um_per_px: f6
     put(&folder.join(format!("{stem}.png")), encode_mask(&frame.view(), mask, um_per_px))
 }
 
-fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
+pub(super) fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
     let meta = &frame.meta;
     let _ = writeln!(
         csv,

@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
+use super::edge_table::EdgeTable;
 use super::edges::{FrameEdges, FrameFigures};
 use super::settings::EsfModel;
 
@@ -149,6 +150,11 @@ pub enum CalibrationError {
         /// Name of the model asked for.
         asked: &'static str,
     },
+    /// Another table than the masters'.
+    #[error(
+        "the masters' edges were fitted by another table of the edge-spread function than --esf gives: measure as calibrated (leave --esf out), or calibrate anew"
+    )]
+    OtherEdgeTable,
     /// The calibration belongs to other optics.
     #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
     OtherOptics {
@@ -198,6 +204,12 @@ pub struct Calibration {
     /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Box<EdgeMisfit>>,
+    /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_table: Option<Box<EdgeTable>>,
+    /// Conditions of use that were known when it was made without a bench (a run's own); none where nobody stated them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<Box<Conditions>>,
 }
 
 impl Calibration {
@@ -240,6 +252,8 @@ impl Calibration {
             bench: None,
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
         })
     }
 
@@ -256,6 +270,8 @@ impl Calibration {
             bench: Some(Box::new(bench)),
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
         }
     }
 
@@ -270,10 +286,22 @@ impl Calibration {
         self.misfit.as_deref()
     }
 
-    /// Names the edge-spread function that was fitted to the masters' edges.
+    /// Keeps the edge-spread function that was fitted to the masters' edges.
     #[must_use]
     pub fn with_edge_model(self, esf: &EsfModel) -> Self {
-        Self { edge_model: Some(esf.name().to_owned()), ..self }
+        let table = |samples| Box::new(EdgeTable::from_samples(samples, 1e3 * self.scale_mm_per_px));
+        let edge_table = if let EsfModel::Table(samples) = esf { Some(table(samples)) } else { None };
+        Self { edge_model: Some(esf.name().to_owned()), edge_table, ..self }
+    }
+
+    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does not say it in full.
+    pub fn edge_model(&self) -> Option<EsfModel> {
+        match (self.edge_model.as_deref(), &self.edge_table) {
+            (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
+            (Some("learnt"), _) => Some(EsfModel::Learnt {}),
+            (Some("table"), Some(table)) => Some(EsfModel::Table(table.samples(1e3 * self.scale_mm_per_px))),
+            _ => None,
+        }
     }
 
     /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
@@ -285,13 +313,27 @@ impl Calibration {
             Some(calibrated) if calibrated != esf.name() => {
                 Err(CalibrationError::OtherEdgeModel { calibrated: calibrated.clone(), asked: esf.name() })
             }
-            _ => Ok(()),
+            _ => match (&self.edge_table, esf) {
+                (Some(table), EsfModel::Table(asked))
+                    if !table
+                        .is_of_the_same_edge(&EdgeTable::from_samples(asked, 1e3 * self.scale_mm_per_px)) =>
+                {
+                    Err(CalibrationError::OtherEdgeTable)
+                }
+                _ => Ok(()),
+            },
         }
     }
 
-    /// Standard uncertainty of a width by the unknown place of learnt edges, px; none where the masters' edges were learnt, too.
+    /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
+    /// the other way round.
     pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
-        if self.edge_model.as_deref() == Some("learnt") { 0.0 } else { figures.u_place_px() }
+        if self.is_learnt() { figures.unlearnt_place_px() / 3.0_f64.sqrt() } else { figures.u_place_px() }
+    }
+
+    /// Whether the masters' edges were fitted by what their own frames teach.
+    pub(crate) fn is_learnt(&self) -> bool {
+        self.edge_model.as_deref() == Some("learnt")
     }
 
     /// Names the optics it belongs to.
@@ -312,6 +354,8 @@ impl Calibration {
             bench: None,
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
         }
     }
 
@@ -345,7 +389,9 @@ impl Calibration {
                 right: "a positive semidefinite matrix",
             });
         }
-        if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
+        let misfit = calibration.misfit.as_ref().and_then(|m| m.impossible());
+        let table = calibration.edge_table.as_ref().and_then(|t| t.impossible());
+        if let Some((key, value, right)) = misfit.or(table) {
             return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_masters()?;
@@ -370,11 +416,10 @@ impl Calibration {
     }
 
     fn check_bench(&self) -> Result<(), CalibrationError> {
-        let Some(bench) = &self.bench else { return Ok(()) };
-        if let Some((key, value, right)) = bench.impossible() {
+        if let Some((key, value, right)) = self.bench.as_ref().and_then(|b| b.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
-        bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
+        self.conditions().validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }
 
     /// Refuses frames of other optics.
@@ -425,9 +470,24 @@ impl Calibration {
         column_diameters(self, edges, conditions)
     }
 
-    /// Conditions of use that the calibration itself assumes.
+    /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
     pub fn conditions(&self) -> Conditions {
-        self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
+        match (&self.bench, &self.conditions) {
+            (Some(bench), _) => bench.conditions,
+            (None, Some(known)) => **known,
+            (None, None) => Conditions::default(),
+        }
+    }
+
+    /// Keeps the conditions of use of a calibration without a bench.
+    #[must_use]
+    pub fn with_conditions(self, conditions: Conditions) -> Self {
+        Self { conditions: Some(Box::new(conditions)), ..self }
+    }
+
+    /// Whether it was made on masters and says nothing of the conditions of use.
+    pub fn leaves_conditions_open(&self) -> bool {
+        self.bench.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 

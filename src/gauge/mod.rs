@@ -6,6 +6,7 @@ mod block_scatter;
 mod blur;
 mod blur_share;
 pub mod budget;
+mod budget_conditions;
 mod calibration;
 mod caliper;
 mod clipped;
@@ -16,6 +17,7 @@ mod components;
 mod curvature;
 mod diameter;
 mod edge_misfit;
+mod edge_table;
 mod edges;
 mod esf;
 mod falloff;
@@ -52,9 +54,11 @@ pub use calibration::{
 pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
+pub use edge_table::EdgeTable;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use lanes::Lanes;
+pub use learn::LEAST_TRAVEL;
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings,

@@ -5,7 +5,7 @@ use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::EdgeMisfit;
 use crate::gauge::bench::{BenchCalibration, Residual};
-use crate::studies::calibration::{Calibrated, CalibrationPlan, parameter_table};
+use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 
 /// The page of a calibration.
 ///
@@ -37,6 +37,7 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
         }
     ));
     residuals(&mut page, plan, &bench.residuals)?;
+    page.heading("Edge model").text(&format!("{}.", edge_model_line(calibrated)));
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
         let k = budget.factor_or(None);
@@ -121,7 +122,6 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
 
 /// What the masters' edges leave of the edge model.
 fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportError> {
-    page.heading("Edge model");
     let Some(misfit) = misfit else {
         page.text("The edge model fits the masters' edges as well as their noise lets it be told.");
         return Ok(());

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use shadowgauge::gauge::bench::{
-    Adjustment, Along, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS, Thermometer,
+    Adjustment, Along, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS, Thermometer, Unstated,
 };
 use shadowgauge::gauge::{CalibrationError, MasterCertificate};
 
@@ -76,6 +76,7 @@ const THERMOMETER: Thermometer = Thermometer {
     limit_temperature_k: 0.3,
     expansion_um_per_m_k: 11.5,
     limit_expansion_um_per_m_k: 1.0,
+    unstated: Unstated { temperature: false, expansion: false, edge: false },
 };
 
 fn world() -> World {

@@ -7,20 +7,26 @@ mod check_pin;
 mod conditions;
 mod date;
 mod defects;
+mod finish;
 mod flat_field;
 mod impossible;
 mod lens;
 mod observation;
+mod thermometer;
+mod unstated;
 
-pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Solver, Thermometer};
+pub use adjustment::{Adjusted, Adjustment, CovariancePart, MasterPrior, Residual, Solver};
 pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use check_pin::{CheckPin, CheckResult};
-pub use conditions::Conditions;
+pub use conditions::{Conditions, GivenConditions};
 pub use date::Date;
 pub use defects::ShaftRuns;
+pub use finish::Finish;
 pub use flat_field::{FlatField, FlatFieldError};
 pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};
+pub use thermometer::Thermometer;
+pub use unstated::Unstated;
 
 use thiserror::Error;
 
