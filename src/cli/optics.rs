@@ -28,7 +28,7 @@ pub struct EsfArgs {
     /// A job's config, or a calibration's with [simulate].
     config: PathBuf,
     /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished part without it.
-    #[arg(long, value_name = "R", value_parser = length)]
+    #[arg(long, value_name = "R", value_parser = length, allow_negative_numbers = true)]
     radius_mm: Option<f64>,
     /// Distance of the part's axis from the plane of focus, towards the camera, mm.
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true)]

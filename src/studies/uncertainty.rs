@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::gauge::Calibration;
 use crate::gauge::bench::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
-use crate::gauge::budget::{Budget, OF_CONDITIONS, WidthReading, is_rectangular};
+use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
@@ -212,14 +212,15 @@ pub fn uncertainty(
         y_mm: gum.y,
         u_mm: gum.u,
         interval_mm: gum.interval(PROBABILITY),
-        sources: sources(&inputs, &gum),
+        sources: sources(&inputs, &gum, &part.budget),
         monte_carlo,
         validation,
     })
 }
 
-/// Contributions of inputs of one name together.
-fn sources(inputs: &[Input], gum: &LawOfPropagation) -> Vec<Source> {
+/// Contributions of inputs of one name together. A row of the budget whose input has no term of first order (place of the axis x
+/// telecentricity, where that is about zero) is given as the budget has it.
+fn sources(inputs: &[Input], gum: &LawOfPropagation, budget: &Budget) -> Vec<Source> {
     let mut all: Vec<Source> = Vec::new();
     for (input, u) in inputs.iter().zip(&gum.contributions) {
         match all.iter_mut().find(|s| s.name == input.name) {
@@ -228,6 +229,12 @@ fn sources(inputs: &[Input], gum: &LawOfPropagation) -> Vec<Source> {
                 source.inputs += 1;
             }
             None => all.push(Source { name: input.name.clone(), inputs: 1, u_um: 1e3 * u }),
+        }
+    }
+    for source in &mut all {
+        let row = budget.contributions.iter().find(|r| r.source == source.name);
+        if let Some(row) = row.filter(|r| matches!(r.shape, Shape::Product { .. })) {
+            source.u_um = source.u_um.max(1e3 * row.u_mm);
         }
     }
     all.retain(|source| source.u_um > 0.0);

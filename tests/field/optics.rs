@@ -242,7 +242,7 @@ fn a_calibration_draws_what_it_measures() {
     );
     let file: Value = serde_json::from_slice(&std::fs::read(folder.path("simulated.json")).unwrap()).unwrap();
     let fall_off = number(&file["bench"]["flat_field"]["fall_off"]);
-    assert!((0.02..0.07).contains(&fall_off), "{fall_off}");
+    assert!((0.04..0.12).contains(&fall_off), "{fall_off}");
     // The masters' bench is the job's: a frame of the job is measured right with it.
     let out = folder.path("part");
     assert_eq!(folder.run(&["render", &job_config, "--out", &out, "--backend", "cpu"]).0, 0);
@@ -326,7 +326,8 @@ fn a_calibration_says_and_keeps_its_edge_model() {
         let all: Value = serde_json::from_slice(&out).unwrap();
         number(&all["frames"][0]["max_diameter_mm"])
     };
-    assert_eq!(diameter("table.json", &[]), diameter("table.json", &["--esf", &edge]));
+    // The file keeps six decimals of the table.
+    close(diameter("table.json", &[]), diameter("table.json", &["--esf", &edge]), 1e-8, "its own table");
     close(diameter("table.json", &["--esf", &config]), 0.40, 1e-4, "the config's own optics are the table's");
     for (calibration, esf) in [
         ("table.json", "gaussian"),
@@ -388,7 +389,7 @@ fn what_is_not_stated_is_a_row() {
     let ground = u_um(&known, "edges unlike the masters'");
     assert!((0.3..0.6).contains(&ground), "{ground}");
     let exact = rows("simulated.json", &[]);
-    assert_eq!(u_um(&exact, "edges unlike") + u_um(&exact, "temperature"), 0.0, "{exact:?}");
+    assert!(u_um(&exact, "edges unlike") + u_um(&exact, "temperature") < 1e-12, "{exact:?}");
     // A file of conditions states what it names, and no more.
     let conditions = folder.write("conditions.toml", "limit_edge_um = 0.1\n");
     let named = rows("unstated.json", &["--conditions", &conditions]);

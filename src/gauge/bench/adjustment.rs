@@ -12,9 +12,9 @@
 //! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
 //!
 //! An edge model that is not the light's own places edges wrongly by an amount that changes with focus. In the masters' plane the
-//! offset o has swallowed it; elsewhere it is w_y, whose standard uncertainty the residuals tell: the root mean square of the w_y fitted
-//! freely, where these take away more of χ² than chance would ([`FALSE_ALARM`]), else 0. So the lens' parameters and their rows stay the
-//! lens': t is then told by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
+//! offset o has swallowed it; elsewhere it is w_y, known to what the edges' residuals may hide (their misfit) or, where that is more, to
+//! the root mean square of the w_y fitted freely, if these take away more of χ² than chance would ([`FALSE_ALARM`]). So the lens'
+//! parameters and their rows stay the lens': t is then told by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
 //! uncertainties say, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
@@ -106,6 +106,12 @@ pub struct Adjustment {
     /// Step of each unknown that makes the normal equations dimensionless.
     unit: Vec<f64>,
     start: DVector<f64>,
+}
+
+/// Root of the mean of squares; 0 of none.
+fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = squares.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0_f64));
+    (sum / n.max(1.0)).sqrt()
 }
 
 /// Distances from the masters' plane at which something was seen, but for the least: what the offset swallows there.
@@ -216,16 +222,20 @@ impl Adjustment {
         unit.extend(self.masters.iter().map(|m| m.certificate.u_mm()));
         unit.extend([some(u_t), some(u_alpha)]);
         unit.extend((0..self.frames).map(|f| some(self.u_frame(f))));
-        unit.extend(self.focus_mm.iter().map(|_| some(0.0)));
+        unit.extend(self.focus_mm.iter().map(|y| some(self.u_focus(*y))));
         unit
     }
 
-    /// What the columns of a frame share, px: root mean square over its blocks. Levels are pooled over fewer columns than a frame
-    /// has, and one clean block does not vouch for the others.
+    /// What the columns of a frame share for themselves (levels), px: root mean square over its blocks. Levels are pooled over fewer
+    /// columns than a frame has, and one clean block does not vouch for the others.
     fn u_frame(&self, frame: usize) -> f64 {
         let of_frame = self.observations.iter().filter(|o| o.frame == frame);
-        let (sum, n) = of_frame.fold((0.0, 0.0), |(sum, n), o| (sum + o.u_shared_px.powi(2), n + 1.0_f64));
-        (sum / n.max(1.0)).sqrt()
+        root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))
+    }
+
+    /// What the misfit of the edge model states of the frames at a distance from the plane, px: root mean square over their blocks.
+    fn u_focus(&self, y_mm: f64) -> f64 {
+        root_mean(self.observations.iter().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
     }
 
     fn first_master(&self) -> usize {
@@ -416,7 +426,7 @@ impl Adjustment {
     fn look_for_misfit(&mut self) -> Option<()> {
         let groups = self.focus_mm.len();
         let (first, end) = (self.first_focus(), self.unit.len());
-        self.unit[first..end].fill(1e-15);
+        let stated = self.unit[first..end].to_vec();
         let freedom = self.observations.len() as f64 - 2.0 - groups as f64;
         if groups == 0 || freedom < 1.0 {
             return Some(());
@@ -430,7 +440,9 @@ impl Adjustment {
         let limit = FisherSnedecor::new(groups as f64, freedom).ok()?.inverse_cdf(1.0 - FALSE_ALARM);
         let square: f64 = (first..end).map(|k| (FREE_PX * z[k]).powi(2)).sum();
         let u_px = if f > limit { (square / groups as f64).sqrt() } else { 0.0 };
-        self.unit[first..end].fill(u_px.max(1e-15));
+        for (unit, stated) in self.unit[first..end].iter_mut().zip(stated) {
+            *unit = stated.max(u_px);
+        }
         Some(())
     }
 
