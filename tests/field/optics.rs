@@ -254,6 +254,51 @@ fn a_calibration_draws_what_it_measures() {
     assert!(error.abs() < 3.0 * u + 5e-6 && u < 1e-4, "{error} {u}");
 }
 
+/// A master before the bench of a job and the same shaft in the job itself: one picture, light, lens, edge spread and sensor alike.
+#[test]
+fn a_master_is_drawn_alike_by_both() {
+    let folder = Folder::new();
+    let optics = "distortion = { k1 = 0.01, p1 = 0.002 }\ntelecentricity_mrad = 3.0";
+    let sensor = "[light]\nbright_photons = 9000.0\n[light.field]\ngradient_along = 0.1\n[sensor]\nprnu_rel = 0.004\ndsnu_e = 2.0\n[camera]";
+    for (name, esf) in [("gaussian", GAUSSIAN), ("coherent", COHERENT)] {
+        let text = job(esf, optics).replace("[0.40]", "[0.36]").replace("[camera]", sensor);
+        let config = folder.write("job.toml", &text);
+        let exact = "config = \"job.toml\"\nframes_each = 1\nlimit_tilt_mrad = 0.0\nlimit_height_mm = 0.0";
+        let own =
+            plan(exact).replace("{ height_mm = 0.01 }", "{ height_mm = 0.0 }").replace("0.00004", "1e-12");
+        let config_of_plan = folder.write("plan.toml", &own);
+        let (part, pins) = (folder.path(&format!("{name}_part")), folder.path(&format!("{name}_pins")));
+        for (config, out) in [(&config, &part), (&config_of_plan, &pins)] {
+            let (code, said, _) =
+                folder.run(&["render", config, "--out", out, "--backend", "cpu", "--no-noise"]);
+            assert_eq!(code, 0, "{said}");
+        }
+        let pixels =
+            |path: String| image::open(&path).unwrap_or_else(|e| panic!("{path}: {e}")).into_luma16();
+        let of_job = pixels(format!("{part}/frames/000000.png"));
+        let of_plan = pixels(format!("{pins}/pin_2_0/000000.png"));
+        assert_eq!(of_job.dimensions(), of_plan.dimensions());
+        let differ = of_job.iter().zip(of_plan.iter()).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+        let unequal = of_job.iter().zip(of_plan.iter()).filter(|(a, b)| a != b).count();
+        println!("{name}: {unequal} pixels differ by a count");
+        assert!(differ == 0 && unequal < 20, "{name}: {differ} {unequal}");
+        let edges = |path: String, frame: &str| -> Vec<(f64, f64)> {
+            let text = std::fs::read_to_string(path).unwrap();
+            let of_frame = text.lines().filter(|l| l.starts_with(frame));
+            let number = |f: Option<&str>| f.unwrap().parse::<f64>().unwrap();
+            of_frame.map(|l| (number(l.split(',').nth(2)), number(l.split(',').nth(3)))).collect()
+        };
+        let [a, b] = [
+            edges(format!("{part}/truth.csv"), "000000,"),
+            edges(format!("{pins}/truth.csv"), "pin_2_0/000000,"),
+        ];
+        assert!(
+            a.len() == 400
+                && a.iter().zip(&b).all(|(a, b)| (a.0 - b.0).abs() < 1e-5 && (a.1 - b.1).abs() < 1e-5)
+        );
+    }
+}
+
 /// `calibrate` of a job's own config: its bench on its own master pins, by the same optics that `render` draws.
 #[test]
 fn a_job_is_calibrated_by_its_own_config() {
