@@ -1,15 +1,18 @@
 # Two commands do all the set-up on a fresh Debian machine with Rust:
 #   make demo    the main job: cut, render, measure, correct, cut again -> out/demo/report.html
 #   make test    formatting, lints, all tests, doc tests
-# Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make bench   make bless CASE=all
+# Others:  make studies (long measurements -> out/studies; ONLY="coverage edges" for some)   make studies-short (ten minutes)
+#          make gpu-check (a hardware adapter against the CPU path; needs the built program alone)   make bench   make bless CASE=all
 
 CARGO ?= cargo
 BIN := target/release/shadowgauge
 
-.PHONY: demo test studies bench build vulkan bless
+.PHONY: demo test studies studies-short gpu-check bench build vulkan bless
 
+# With wgpu at work where a Vulkan driver is (software drivers are taken by name only), else on the CPU path.
 demo: vulkan build
-	$(BIN) demo
+	@if $(BIN) doctor --json | grep -q '"backend": "vulkan",'; then set -x; $(BIN) demo --backend vulkan; \
+	else echo "no Vulkan driver: the demo is rendered on the CPU path" >&2; set -x; $(BIN) demo --backend cpu; fi
 
 build:
 	$(CARGO) build --release --locked
@@ -31,6 +34,14 @@ test: vulkan
 
 studies: vulkan build
 	ONLY="$(ONLY)" sh scripts/studies.sh
+
+studies-short: build
+	sh scripts/studies_short.sh
+
+# Goldens and benches on a hardware adapter, beside the CPU path: needs the built program alone (BIN=PATH), no Rust and no network.
+gpu-check:
+	@test -x $(BIN) || { echo "no program at $(BIN): build it (make build) or name it (make gpu-check BIN=PATH)" >&2; exit 2; }
+	$(BIN) doctor --gpu-check
 
 bench:
 	$(CARGO) bench --locked

@@ -26,15 +26,18 @@ pub fn peak<T>(run: impl FnOnce() -> T) -> (T, usize) {
     (done, HEAP.peak_usage().saturating_sub(before))
 }
 
-/// Image bytes: a frame of sane size within twice its memory, or an error that says something. Whether it is a frame.
+/// Image bytes: a frame of sane size within its own memory and that of the file's samples (twice its memory where these are one
+/// channel of its own depth), or an error that says something. Whether it is a frame.
 pub fn decode(bytes: &[u8]) -> bool {
-    let (decoded, most) = peak(|| shadowgauge::source::decode(bytes, None, FrameMeta::default()));
+    let wanted = shadowgauge::source::Wanted::default();
+    let (decoded, most) = peak(|| shadowgauge::source::decode_wanted(bytes, &wanted, FrameMeta::default()));
     match decoded {
-        Ok(frame) => {
-            let view = frame.view();
+        Ok(decoded) => {
+            let view = decoded.frame.view();
             assert!(view.rows() <= 65_535 && view.columns() <= 65_535);
             let each = usize::from(view.format().bit_depth().div_ceil(8));
-            let limit = 2 * view.rows() * view.columns() * each + DECODER;
+            let frame = view.rows() * view.columns() * each;
+            let limit = frame + decoded.sample_bytes.max(frame) + DECODER;
             assert!(most <= limit, "{most} bytes of {limit} for {} x {}", view.rows(), view.columns());
             true
         }

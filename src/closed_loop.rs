@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::cell::{CellError, TurningCell};
+use crate::conformity::DecisionRule;
 pub use evidence::Evidence;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
@@ -165,11 +166,11 @@ struct Scanned {
     ends: Option<(Stamp, Stamp)>,
 }
 
-/// Verdict on a finished part by its re-measurement (ISO 14253-1, expanded by the guards' coverage factor); `None` without a tolerance.
+/// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
 pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<control::conformity::Verdict> {
     let (lower_mm, upper_mm) = job.part.tolerance?.limits_mm();
-    let coverage = job.control.guards.coverage;
-    let limits = control::conformity::Limits { lower_mm, upper_mm, coverage };
+    let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
+    let limits = control::conformity::Limits { lower_mm, upper_mm, rule };
     Some(control::conformity::judge(measured, &limits))
 }
 
@@ -444,7 +445,7 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie within the tolerance
-    /// (ISO 14253-1, expanded by the guards' coverage factor).
+    /// (ISO 14253-1).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
         let finished = plan.pass as usize == self.job.part.passes();
         let verdict = finished.then(|| part_verdict(self.job, measured)).flatten()?;

@@ -339,6 +339,20 @@ impl Frame {
         Ok(Self { buffer, format, rows, columns, stated_full_scale: None, meta })
     }
 
+    /// A frame of light in floating point, row-major; pixels that are missing are 0, those beyond the frame left out.
+    pub fn linear(
+        mut light: Vec<f32>,
+        rows: usize,
+        columns: usize,
+        full_scale: Option<f32>,
+        meta: FrameMeta,
+    ) -> Self {
+        let (rows, columns) = (rows.max(1), columns.max(1));
+        light.resize(rows * columns, 0.0);
+        let buffer = Buffer::F32(light);
+        Self { buffer, format: PixelFormat::F32, rows, columns, stated_full_scale: full_scale, meta }
+    }
+
     /// States the largest count that the frame can carry, where it is not its format's own (10-bit values
     /// up to 1000, floats with a known full scale). What is not above 0 states nothing.
     #[must_use]

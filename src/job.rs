@@ -10,8 +10,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-pub use scan::{MasterPin, Masters, Scan, StockScan};
-
+pub use crate::conformity::Tolerance;
+use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion};
 use crate::control::{ControlError, ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::nc::{Dialect, NcError, NcSettings};
@@ -22,6 +22,7 @@ use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
+pub use scan::{MasterPin, Masters, Scan, StockScan};
 
 /// A setting that cannot be right, with the dotted key it stands under.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -37,25 +38,6 @@ impl JobError {
     /// An error at `key`.
     pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
         Self { key: key.into(), problem: problem.into() }
-    }
-}
-
-/// Diameter tolerance of the finished part: lower and upper limit deviation from the nominal size (ISO 286-1).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Tolerance {
-    /// Nominal size, mm.
-    pub nominal_mm: f64,
-    /// Upper limit deviation (es), mm.
-    pub upper_mm: f64,
-    /// Lower limit deviation (ei), mm.
-    pub lower_mm: f64,
-}
-
-impl Tolerance {
-    /// Lower and upper limit of size, mm.
-    pub fn limits_mm(&self) -> (f64, f64) {
-        (self.nominal_mm + self.lower_mm, self.nominal_mm + self.upper_mm)
     }
 }
 
@@ -76,6 +58,8 @@ pub struct Part {
     /// Tolerance of the finished part; without one no verdict is given.
     #[serde(default)]
     pub tolerance: Option<Tolerance>,
+    /// Probability with which conformity to the tolerance must be proven at every station (ISO 14253-1), 0.5 to 1.
+    pub conformance_probability: f64,
 }
 
 impl Default for Part {
@@ -86,7 +70,8 @@ impl Default for Part {
             nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
             aim_mm: 0.0,
             station_mm: 5.0,
-            tolerance: Some(Tolerance { nominal_mm: 25.0, upper_mm: 0.0, lower_mm: -0.013 }),
+            tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
+            conformance_probability: PROBABILITY,
         }
     }
 }
@@ -174,13 +159,28 @@ impl Part {
             }
             before = nominal;
         }
-        match self.tolerance {
-            Some(t) if t.lower_mm >= t.upper_mm => Err(JobError::at(
+        self.check_tolerance()
+    }
+
+    fn check_tolerance(&self) -> Result<(), JobError> {
+        DecisionRule::new(self.conformance_probability)
+            .map_err(|e| JobError::at("part.conformance_probability", e.to_string()))?;
+        let Some(t) = self.tolerance else { return Ok(()) };
+        if t.criterion != SizeCriterion::TwoPoint {
+            let why = format!(
+                "{} is judged by measure --turn: a run judges the stations' mean two-point sizes",
+                t.criterion.as_str()
+            );
+            return Err(JobError::at("part.tolerance", why));
+        }
+        // What is no number does not lie below.
+        if !(t.lower_mm < t.upper_mm) {
+            return Err(JobError::at(
                 "part.tolerance.lower_mm",
                 format!("{} mm must lie below upper_mm = {} mm", t.lower_mm, t.upper_mm),
-            )),
-            _ => Ok(()),
+            ));
         }
+        Ok(())
     }
 }
 

@@ -10,7 +10,8 @@
 //! three. The instrument (`gauge`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
 //! `tests/architecture.rs` holds the direction of imports.
 
-// -- 0 vocabulary: types only
+// -- 0 vocabulary: types, and the rule of conformity
+pub mod conformity;
 pub mod frame;
 pub mod plan;
 pub mod profile;
@@ -31,5 +32,6 @@ pub mod truth;
 // -- 3 surface
 pub mod cli;
 pub mod config;
+pub mod files;
 pub mod report;
 pub mod run_folder;

@@ -8,13 +8,13 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 
 /// Rooms by layer; a file imports lower layers and its own room (layer 3: its whole layer).
-const VOCABULARY: [&str; 4] = ["frame", "shaft", "profile", "plan"];
+const VOCABULARY: [&str; 5] = ["frame", "shaft", "profile", "plan", "conformity"];
 const STAGES: [&str; 8] = ["process", "render", "gauge", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "cell", "job", "closed_loop", "studies"];
-const SURFACE: [&str; 5] = ["config", "run_folder", "report", "cli", "main"];
+const SURFACE: [&str; 6] = ["config", "files", "run_folder", "report", "cli", "main"];
 /// The instrument must not see what only the simulation knows.
 const INSTRUMENT: [&str; 4] = ["gauge", "control", "nc", "source"];
-const FILE_SYSTEM_ROOMS: [&str; 4] = ["source", "run_folder", "config", "cli"];
+const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config", "cli"];
 
 fn layer(room: &str) -> Option<usize> {
     [&VOCABULARY[..], &STAGES[..], &COMPOSITION[..], &SURFACE[..]]

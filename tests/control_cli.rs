@@ -127,11 +127,21 @@ fn run_folder(folder: &Path, offset_mm: impl Fn(f64) -> f64) -> String {
     run.to_string_lossy().into_owned()
 }
 
+/// What a Fanuc or a GSK leaves open.
+fn stated_machine(folder: &std::path::Path) -> String {
+    let file = folder.join("stated.toml");
+    let text = "wear_x = \"diameter\"\ngeometry_offset = \"by_tool\"\nspindle = \"M03\"\n";
+    std::fs::write(&file, text).expect("written");
+    file.to_string_lossy().into_owned()
+}
+
 #[test]
 fn nc_writes_a_runs_offsets() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run_folder(folder.path(), |z| 0.05 * (1.0 - (z / 250.0 - 1.0).powi(2)));
-    let text = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17"]));
+    let stated = stated_machine(folder.path());
+    let text =
+        stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17", "--machine", &stated]));
     assert!(text.contains("PART 17 PASS 2") && text.contains("G10 P16 X-0.033"), "{text}");
     let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "gsk", "--dry-run"]));
     assert!(list.contains("reason: released") && list.contains("old/mm"), "{list}");
@@ -156,7 +166,9 @@ fn nc_writes_a_runs_offsets() {
 fn nc_writes_a_line_as_macro_program() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run_folder(folder.path(), |z| 0.03 + 0.02 * (500.0 - z) / 500.0);
-    let text = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro"]));
+    let stated = stated_machine(folder.path());
+    let text =
+        stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--machine", &stated]));
     assert!(text.contains("#802=0.02\n") && text.contains("#803=0.03\n"), "{text}");
     let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]));
     assert!(list.contains("#805 = 0.050000"), "{list}");

@@ -8,6 +8,7 @@ mod faulty_cell;
 mod plant;
 
 use plant::{CUTTING, profile};
+use shadowgauge::conformity::DecisionRule;
 use shadowgauge::control::conformity::{self, Conformity, Limits};
 use shadowgauge::control::{
     ControlSettings, Controller, ControllerName, NextPass, Origin, PartAndTool, PassContext, build,
@@ -234,7 +235,7 @@ fn after_a_refusal_it_is_as_if_the_pass_had_not_been_measured() {
 
 #[test]
 fn remeasurement_judges_with_the_uncertainty() {
-    let limits = Limits { lower_mm: 24.987, upper_mm: 25.0, coverage: 2.0 };
+    let limits = Limits { lower_mm: 24.987, upper_mm: 25.0, rule: DecisionRule::default() };
     let mut p = profile(4, &[1.0, 2.0, 3.0, 4.0, 5.0], &[24.9935, 24.9868, 24.98, 25.01, 25.0]);
     p.stations[4].reading = Reading::Gap(Reason::OneEdge);
     let verdict = conformity::judge(&p, &limits);

@@ -370,7 +370,7 @@ fn rounded_offsets_go_back_to_the_controller() {
     }
     // a path that cannot be: refused before anything is cut
     let close = job(|j| {
-        let machine = shadowgauge::nc::NcSettings { lead_out_mm: 3.0, ..Default::default() };
+        let machine = shadowgauge::nc::NcSettings { least_z_mm: 3.0, ..Default::default() };
         j.nc = Some(shadowgauge::job::NcJob { dialect: Dialect::Fanuc, machine });
     });
     assert!(close.check().unwrap_err().to_string().contains("nc.machine"));

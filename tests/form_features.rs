@@ -372,7 +372,7 @@ fn cylinder_from_points_and_from_silhouettes_finds_a_tilted_axis() {
 
 fn station(z_mm: f64, d_mm: f64) -> Station {
     let reading = Reading::Value(Diameter { d_mm, u_random_mm: 2e-4, u_common_mm: 1e-3 });
-    Station { z_mm, reading }
+    Station { z_mm, reading, freedom: None }
 }
 
 #[test]

@@ -8,15 +8,17 @@ fn four_passes_of_the_slender_shaft() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("run");
     let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/slender_shaft.toml");
+    let required = std::env::var_os("REQUIRE_VULKAN").is_some_and(|v| v == "1");
+    let backend = if required { "vulkan" } else { "auto" };
     let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args(["run", config, "--json", "--out"])
+        .args(["run", config, "--backend", backend, "--json", "--out"])
         .arg(&out)
         .output()
         .unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{message}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    if std::env::var_os("REQUIRE_VULKAN").is_some_and(|v| v == "1") {
+    if required {
         assert_eq!(json["backend"], "vulkan", "{json}");
     }
     let um = |row: &serde_json::Value, key: &str| row[key].as_f64().unwrap() * 1e3;

@@ -3,8 +3,11 @@
 
 use std::process::Command;
 
+use shadowgauge::nc::replay::{self, Deed, Point};
 use shadowgauge::nc::{
-    Dialect, MacroProgram, NcError, NcSettings, Path, Remeasure, TurningProgram, fit_line,
+    Centre, ChangePosition, Chuck, Dialect, Direction, GeometryOffset, Holder, MacroProgram, NcError,
+    NcSettings, Obstacle, Path, Remeasure, Spindle, Tailstock, Travel, TurningProgram, WearX, Workpiece,
+    fit_line,
 };
 use shadowgauge::plan::{CuttingData, DiameterOffset, PassPlan};
 
@@ -17,26 +20,42 @@ fn plan() -> PassPlan {
     PassPlan { pass: 4, nominal_mm: 24.9935, cutting: CUTTING, station_z_mm, offset }
 }
 
+/// A machine that states how its control reads offsets, and nothing else.
+fn stated() -> NcSettings {
+    NcSettings {
+        wear_x: Some(WearX::Diameter),
+        geometry_offset: Some(GeometryOffset::ByTool),
+        spindle: Some(Spindle::M03),
+        ..NcSettings::default()
+    }
+}
+
 fn settings() -> NcSettings {
     let remeasure = Some(Remeasure { m_code: 150, smallest_variable: 840, largest_variable: 841 });
-    NcSettings { part_number: 17, remeasure, ..NcSettings::default() }
+    NcSettings { part_number: 17, remeasure, ..stated() }
+}
+
+fn piece() -> Workpiece {
+    Workpiece::new(500.0, 27.0, 25.5)
 }
 
 fn write(plan: &PassPlan, settings: &NcSettings, dialect: Dialect) -> Result<(String, Path), NcError> {
-    let limits_mm = Some((24.987, 25.0));
-    TurningProgram { plan, settings, before_mm: 25.5, limits_mm, reason: "released" }.write(dialect)
+    turning(plan, settings, &piece()).write(dialect).map(|w| (w.text, w.cut))
+}
+
+fn turning<'a>(plan: &'a PassPlan, settings: &'a NcSettings, piece: &'a Workpiece) -> TurningProgram<'a> {
+    TurningProgram { plan, settings, piece, limits_mm: Some((24.987, 25.0)), reason: "released" }
 }
 
 /// The paper's reconstructed errors in .01 mm.
 fn paper_line() -> MacroProgram<'static> {
-    static SETTINGS: std::sync::LazyLock<NcSettings> = std::sync::LazyLock::new(NcSettings::default);
+    static SETTINGS: std::sync::LazyLock<NcSettings> = std::sync::LazyLock::new(stated);
     let x: Vec<f64> = (1..=6).map(|i| f64::from(i) / 6.0).collect();
     MacroProgram {
         line: fit_line(&x, &[4.4, 4.6, 4.8, 5.0, 5.1, 5.4]).expect("a line"),
         unit_mm: 0.01,
         diameter_mm: (23.2, 23.2),
-        length_mm: 300.0,
-        before_mm: 24.0,
+        piece: Workpiece::new(300.0, 25.0, 24.0),
         pass: 2,
         cutting: CUTTING,
         limits_mm: None,
@@ -53,7 +72,7 @@ fn bare(line: &str) -> String {
 fn every_length_carries_a_decimal_point_and_is_plain_ascii() {
     for dialect in Dialect::ALL {
         let (turning, _) = write(&plan(), &settings(), dialect).expect("a program");
-        let texts = [turning, paper_line().write(dialect).expect("a program")];
+        let texts = [turning, paper_line().write(dialect).expect("a program").text];
         for line in texts.iter().flat_map(|t| t.lines()) {
             assert!(line.is_ascii() && line.len() < 80, "{line}");
             for word in bare(line).split_whitespace() {
@@ -96,7 +115,7 @@ fn rounded_offsets_are_given_back_and_knots_added_until_they_fit() {
     for dialect in Dialect::ALL {
         let (_, path) = write(&plan(), &settings(), dialect).expect("a program");
         let rounding = 10f64.powi(-(dialect.x_decimals() as i32));
-        assert!(path.knots.len() >= 23, "21 knots, lead-in and lead-out");
+        assert!(path.knots.len() >= 21, "21 knots");
         let departure = path.largest_departure(&plan());
         println!("{dialect:?}: {} knots, departure {departure:.6} mm", path.knots.len());
         assert!(departure <= 0.0002 + 1.5 * rounding);
@@ -104,7 +123,7 @@ fn rounded_offsets_are_given_back_and_knots_added_until_they_fit() {
             assert!((24.9935 - o - (x_at(&path, *z) + path.wear_mm)).abs() < 1e-9);
         }
         let (z_first, z_last) = (path.knots[0].0, path.knots[path.knots.len() - 1].0);
-        assert!(z_first == 499.5 && z_last == 1.5, "beyond the stations at both ends");
+        assert!(z_first == 497.5 && z_last == 2.5, "from the last station to the first");
     }
 }
 
@@ -118,7 +137,7 @@ fn paths_out_of_range_are_refused() {
     let text = refused(&|p, _| p.offset.o_mm[3] = 0.31);
     assert!(text.contains("0.31") && text.contains("nc.correction_limit_mm"), "{text}");
     assert!(refused(&|p, _| p.offset.o_mm[3] = f64::NAN).contains("NaN"));
-    assert!(refused(&|_, s| s.lead_out_mm = 2.4).contains("nc.least_z_mm"));
+    assert!(refused(&|_, s| s.least_z_mm = 2.6).contains("nc.least_z_mm"));
     assert!(refused(&|_, s| s.tool = 0).contains("nc.tool"));
     assert!(refused(&|p, _| p.offset.o_mm.truncate(99)).contains("99 offsets for 100 stations"));
     assert!(refused(&|p, _| p.nominal_mm = 26.0).contains("must not be below"));
@@ -133,7 +152,7 @@ fn macro_values_are_the_papers() {
     assert!((program.line.b - 201.0 / 175.0).abs() < 1e-12 && (program.line.a - 316.0 / 75.0).abs() < 1e-12);
     let v = program.values();
     assert!((v.v804 - 4.404762).abs() < 1e-6 && (v.v805 - 5.361905).abs() < 1e-6);
-    let text = program.write(Dialect::Fanuc).expect("a program");
+    let text = program.write(Dialect::Fanuc).expect("a program").text;
     let order: Vec<usize> =
         ["#804=[#802*1./6.+#803]", "#805=[#802+#803]", "#810=[#800-#804", "#811=[#801-#805"]
             .iter()
@@ -147,7 +166,7 @@ fn macro_values_are_the_papers() {
 #[test]
 fn linuxcnc_has_no_u_words_and_no_variable_3000() {
     let (turning, _) = write(&plan(), &settings(), Dialect::Linuxcnc).expect("a program");
-    let line = paper_line().write(Dialect::Linuxcnc).expect("a program");
+    let line = paper_line().write(Dialect::Linuxcnc).expect("a program").text;
     for text in [turning, line] {
         assert!(!text.contains("#3000") && text.contains("(ABORT,"));
         assert!(text.lines().all(|l| !bare(l).contains('U')), "{text}");
@@ -155,12 +174,17 @@ fn linuxcnc_has_no_u_words_and_no_variable_3000() {
     }
 }
 
-/// (x radius, z) of every feed move that LinuxCNC's interpreter prints, and all it printed; `None` without it.
-fn interpret(program: &str) -> Option<(Vec<(f64, f64)>, String)> {
+/// What LinuxCNC's interpreter prints of a program: its moves as ((x radius, z), in rapid), and all of it; `None`
+/// without it.
+fn interpret(program: &str) -> Option<(Vec<((f64, f64), bool)>, String)> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("program.ngc");
     std::fs::write(&file, program).expect("written");
-    let output = match Command::new("rs274").arg("-g").arg(&file).current_dir(folder.path()).output() {
+    let table = folder.path().join("tool.tbl");
+    std::fs::write(&table, "T1 P1 X0 Z0\n").expect("written");
+    let run =
+        Command::new("rs274").arg("-t").arg(&table).arg("-g").arg(&file).current_dir(folder.path()).output();
+    let output = match run {
         Ok(output) => output,
         Err(e) => {
             eprintln!(
@@ -171,12 +195,22 @@ fn interpret(program: &str) -> Option<(Vec<(f64, f64)>, String)> {
     };
     let printed =
         String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    let feed = |line: &str| {
-        let inside = line.split_once("STRAIGHT_FEED(")?.1.split(')').next()?;
-        let numbers: Vec<f64> = inside.split(',').filter_map(|n| n.trim().parse().ok()).collect();
-        Some((*numbers.first()?, *numbers.get(2)?))
+    let moved = |line: &str| {
+        let (inside, rapid) = match (line.split_once("STRAIGHT_FEED("), line.split_once("STRAIGHT_TRAVERSE("))
+        {
+            (Some((_, rest)), _) => (rest, false),
+            (_, Some((_, rest))) => (rest, true),
+            _ => return None,
+        };
+        let numbers: Vec<f64> =
+            inside.split(')').next()?.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+        Some(((*numbers.first()?, *numbers.get(2)?), rapid))
     };
-    Some((printed.lines().filter_map(feed).collect(), printed))
+    Some((printed.lines().filter_map(moved).collect(), printed))
+}
+
+fn feeds(moves: &[((f64, f64), bool)]) -> Vec<(f64, f64)> {
+    moves.iter().filter(|m| !m.1).map(|m| m.0).collect()
 }
 
 #[test]
@@ -187,10 +221,11 @@ fn rs274_prints_the_radius_that_was_intended() {
     let Some((moves, printed)) = interpret(&text) else { return };
     assert!(printed.contains("PROGRAM_END"), "{printed}");
     assert!(printed.contains("SET_SPINDLE_MODE(0 2000.0000)") && printed.contains("SET_FEED_MODE(0, 1)"));
-    assert_eq!(moves.len(), path.knots.len() - 1);
+    let feeds = feeds(&moves);
+    // in radially, the ends of the cut around the knots, out radially
+    assert_eq!(feeds.len(), path.knots.len() + 3);
     let mut worst = 0.0_f64;
-    for ((radius, z), knot) in moves.iter().zip(path.knots.iter().skip(1)) {
-        assert!((z - knot.0).abs() < 1e-3);
+    for (radius, z) in &feeds[..feeds.len() - 1] {
         let p = plan();
         let inside = z.clamp(p.station_z_mm[0], p.station_z_mm[99]);
         let i = ((inside - 2.5) / 5.0).floor().min(98.0) as usize;
@@ -198,14 +233,56 @@ fn rs274_prints_the_radius_that_was_intended() {
         let o = p.offset.o_mm[i] * (1.0 - share) + p.offset.o_mm[i + 1] * share;
         worst = worst.max((radius - 0.5 * (p.nominal_mm - o)).abs());
     }
-    println!("{} moves, radius within {:.6} mm of the intended one", moves.len(), worst);
+    println!("{} moves, radius within {:.6} mm of the intended one", feeds.len(), worst);
     assert!(worst <= 1e-4, "0.1 µm");
+    assert_eq!((feeds[0].1, feeds[feeds.len() - 1]), (500.5, (14.5, 0.5)), "from the air to least_z_mm");
+}
+
+/// The moves of the replay as rs274 prints them, from its start in the origin.
+fn replayed(text: &str, settings: &NcSettings) -> Vec<((f64, f64), bool)> {
+    let origin = Point { x: 0.0, z: 0.0 };
+    let variables = vec![(820, 0.0)];
+    let control =
+        replay::Control { dialect: Dialect::Linuxcnc, settings, start: origin, reference: origin, variables };
+    let events = replay::run(text, &control).expect("understood");
+    let moved = |deed: &Deed| match deed {
+        Deed::Move { to, rapid, .. } => Some(((0.5 * to.x, to.z), *rapid)),
+        _ => None,
+    };
+    events.iter().filter_map(|e| moved(&e.deed)).collect()
+}
+
+#[test]
+fn the_replay_moves_as_linuxcnc_does() {
+    let plain = NcSettings { remeasure: None, ..settings() };
+    for direction in [Direction::TowardsChuck, Direction::TowardsTailstock] {
+        let piece = Workpiece { direction, ..piece() };
+        let knots = turning(&plan(), &plain, &piece).write(Dialect::Linuxcnc).expect("a program").text;
+        let mut program = paper_line();
+        program.piece.direction = direction;
+        let line = program.write(Dialect::Linuxcnc).expect("a program").text;
+        // WHILE, operators, functions and radius words, which the programs themselves do not use
+        let loops = "G7 G18 G21 G40 G90 G95\n#1=3.\nG00 X50.\no1 while [#1 GT 0.]\nZ[ABS[#1-10.]*2.+7. MOD 4.]\n\
+                     #1=[#1-1.]\no1 endwhile\no2 if [#1 NE 0.]\nX1.\no2 else\nG8 X[SQRT[16.]]\no2 endif\nM2\n";
+        for text in [knots, line, loops.to_owned()] {
+            let Some((mut moves, printed)) = interpret(&text) else { return };
+            // a move to where the tool is already is none
+            let mut at = (0.0, 0.0);
+            moves.retain(|m| std::mem::replace(&mut at, m.0) != m.0);
+            let ours = replayed(&text, &plain);
+            assert_eq!(moves.len(), ours.len(), "{text}\n{printed}");
+            for (theirs, ours) in moves.iter().zip(&ours) {
+                let apart = (theirs.0.0 - ours.0.0).abs().max((theirs.0.1 - ours.0.1).abs());
+                assert!(apart <= 6e-5 && theirs.1 == ours.1, "{theirs:?} {ours:?}");
+            }
+        }
+    }
 }
 
 #[test]
 fn rs274_evaluates_the_macro_program_and_refuses_a_second_use() {
     let program = paper_line();
-    let text = program.write(Dialect::Linuxcnc).expect("a program");
+    let text = program.write(Dialect::Linuxcnc).expect("a program").text;
     let Some((moves, printed)) = interpret(&text) else { return };
     assert!(printed.contains("PROGRAM_END"), "{printed}");
     let v = program.values();
@@ -213,10 +290,11 @@ fn rs274_evaluates_the_macro_program_and_refuses_a_second_use() {
         let x = (300.0 - z) / 300.0;
         23.2 - 0.01 * (program.line.b * x + program.line.a)
     };
-    for (radius, z) in &moves {
+    let feeds = feeds(&moves);
+    for (radius, z) in feeds.iter().filter(|f| f.1 <= 300.0 && f.0 < 12.5) {
         assert!((2.0 * radius - cone(*z)).abs() <= 2e-4, "X {} at Z {z}, cone {}", 2.0 * radius, cone(*z));
     }
-    assert!(moves.len() == 3 && (2.0 * moves[1].0 - v.v810).abs() <= 2e-4);
+    assert!(feeds.len() == 5 && (2.0 * feeds[2].0 - v.v810).abs() <= 2e-4, "{feeds:?}");
     // the same program with its number already in #820
     let again = text.replacen("#800=", "#820=102.\n#800=", 1);
     let (moves, printed) = interpret(&again).expect("it ran before");

@@ -122,6 +122,15 @@ fn comparator_catches_a_bad_pixel_a_wrong_size_and_the_same_input() {
     assert_eq!(compare(&GpuFrame(shot.clone()), &CpuFrame(shot), case), Err(Mismatch::SameInput));
 }
 
+/// The program carries every case, so that an adapter can be checked where it alone is at hand.
+#[test]
+fn program_carries_every_case() {
+    let carried: Vec<&str> =
+        shadowgauge::studies::golden_cases::CASES.iter().map(|(name, _)| *name).collect();
+    let files: Vec<String> = cases().into_iter().map(|case| case.name).collect();
+    assert_eq!(carried, files);
+}
+
 #[test]
 fn golden_files_are_small() {
     for case in cases() {

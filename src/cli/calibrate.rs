@@ -1,6 +1,7 @@
 //! `shadowgauge calibrate`: a bench from dark and flat fields, master pins and a check pin.
 
-use std::path::PathBuf;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use serde_json::json;
@@ -9,13 +10,13 @@ use super::calibration_plan::{self, LoadedPlan};
 use super::esf_argument::{esf_model, needs_scale};
 use super::study_files::json_text;
 use super::{CommandResult, Failure, Outcome};
+use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::gauge::bench::Date;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
-use crate::run_folder::write_atomically;
-use crate::source::{FileFrames, list_images};
+use crate::source::{Channel, FileFrames, listing};
 use crate::studies::calibration::{
     CalibrateError, Calibrated, CalibrationPlan, PinPlan, Position, Recordings, SimulatedRecordings,
     calibrate, edge_model_line, parameter_table, rough_um_per_px,
@@ -57,13 +58,15 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
     }
     let today = args.date.unwrap_or_else(|| Date::of(SystemTime::now()));
     let mut loaded = calibration_plan::load(&args.config, today)?;
+    let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
+    let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
     let calibrated = make(&mut loaded, args.esf.as_deref(), args.backend)?;
     let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
-    write_atomically(&args.out.with_extension("html"), page.as_bytes()).map_err(Failure::fail)?;
+    page_file.write(page.as_bytes())?;
     let accepted = check(&calibrated.calibration);
     if accepted {
         let json = json_text(&calibrated.calibration)? + "\n";
-        write_atomically(&args.out, json.as_bytes()).map_err(Failure::fail)?;
+        file.write(json.as_bytes())?;
     } else {
         tracing::error!(
             "the check pin refuses this calibration; {} is not written, the report says why",
@@ -91,7 +94,8 @@ pub fn make(
         other => Failure::fail(format!("{}: {other}", text.name)),
     };
     if plan.simulate.is_none() {
-        let mut recordings = RecordedFrames { folder: folder.clone() };
+        let mut recordings =
+            RecordedFrames { folder: folder.clone(), channel: plan.channel, said: HashSet::new() };
         choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut recordings).map_err(failed))?;
         return calibrate(plan, &mut recordings).map_err(failed);
     }
@@ -146,6 +150,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
                     "black_counts": s.black_counts,
                 })),
                 "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
+                "response": bench.flat_field.as_ref().and_then(|f| f.response),
             })
         );
         return;
@@ -179,6 +184,15 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * field.fall_off
         );
     }
+    if let Some(response) = bench.flat_field.as_ref().and_then(|f| f.response) {
+        say_line!(
+            "response: departs from a line by {:.1} % of full scale, undone (exponent {:.3}, curvature {:.3}, {:.2} % left)",
+            1e2 * response.departure,
+            response.exponent,
+            response.curvature,
+            1e2 * response.residual
+        );
+    }
     if bench.check.is_none() {
         say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
     }
@@ -205,17 +219,26 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// Frames in the folders that a plan names.
 struct RecordedFrames {
     folder: PathBuf,
+    channel: Option<Channel>,
+    /// What was said of the files already.
+    said: HashSet<String>,
 }
 
 impl RecordedFrames {
-    fn read(&self, path: Option<&PathBuf>) -> Result<Vec<Frame>, CalibrateError> {
+    fn read(&mut self, path: Option<&PathBuf>) -> Result<Vec<Frame>, CalibrateError> {
         let Some(path) = path else { return Ok(Vec::new()) };
         let frames = |e: &dyn std::fmt::Display| CalibrateError::Frames(e.to_string());
-        let images = list_images(&self.folder.join(path)).map_err(|e| frames(&e))?;
-        let mut source = FileFrames::new(images);
+        let images = listing(&self.folder.join(path)).map_err(|e| frames(&e))?.images;
+        let mut source = FileFrames::new(images).of_channel(self.channel);
         let mut all = Vec::new();
         while let Some(read) = source.next_stored() {
-            all.push(read.map_err(|e| frames(&e))?.frame);
+            let stored = read.map_err(|e| frames(&e))?;
+            for said in source.take_notices().into_iter().chain(stored.changed) {
+                if self.said.insert(said.clone()) {
+                    tracing::warn!("{}: {said}; this is said once", path.display());
+                }
+            }
+            all.push(stored.frame);
         }
         Ok(all)
     }

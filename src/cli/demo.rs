@@ -15,7 +15,7 @@ pub struct DemoArgs {
     /// Run folder; an earlier demo in it is replaced.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
 }
@@ -34,15 +34,9 @@ pub fn run(args: &DemoArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Removes a finished run of this very preset (or of an earlier version's preset of the same name).
+/// Removes a run of this very preset (or of an earlier version's preset of the same name).
 fn clear_earlier(out: &Path, resolved: &str) -> Result<(), Failure> {
-    if !RunFolder::is_run(out) {
-        return Ok(());
-    }
     let name = |text: &str| text.lines().find(|l| l.starts_with("name = ")).map(str::to_owned);
-    let earlier = RunFolder::open(out).and_then(|f| f.config_text()).map_err(super::run::folder_failure)?;
-    if name(&earlier) == name(resolved) {
-        std::fs::remove_dir_all(out).map_err(|e| Failure::fail(format!("{}: {e}", out.display())))?;
-    }
-    Ok(())
+    let own = name(resolved);
+    RunFolder::clear(out, |earlier| name(earlier) == own).map_err(super::run::folder_failure)
 }

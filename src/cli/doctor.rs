@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::render::gpu::{AdapterReport, adapter_reports};
-use crate::render::{BackendChoice, Renderer};
+use crate::render::BackendChoice;
+use crate::render::gpu::{AdapterReport, adapter_reports, automatic};
 
 use super::{CommandResult, Outcome};
 
@@ -13,6 +13,19 @@ pub struct DoctorArgs {
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
+    /// List OpenGL's adapters, which are else looked at only where Vulkan offers none.
+    #[arg(long, conflicts_with = "gpu_check")]
+    gl: bool,
+    /// Hold an adapter against the CPU path over the golden frames and print what a frame costs on both.
+    #[arg(long)]
+    gpu_check: bool,
+    /// With --gpu-check: which adapter; auto takes a hardware adapter and fails where there is none.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto, requires = "gpu_check")]
+    backend: BackendChoice,
+    /// With --gpu-check: frames to time of each kind.
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "gpu_check",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: u32,
 }
 
 #[derive(Debug, serde::Serialize)]
@@ -21,7 +34,9 @@ struct Findings {
     threads: usize,
     simd: &'static str,
     adapters: Vec<AdapterReport>,
-    auto: Choice,
+    /// Not there where OpenGL's adapters alone were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    auto: Option<Choice>,
     missing: Vec<Missing>,
 }
 
@@ -38,12 +53,15 @@ struct Missing {
     install: String,
 }
 
-/// Looks at the machine and says what it found; never fails for what is missing.
+/// Prints what the machine has; never fails for what is missing.
 ///
 /// # Errors
-/// None.
+/// None but those of `--gpu-check`.
 pub fn run(args: &DoctorArgs) -> CommandResult {
-    let findings = look();
+    if args.gpu_check {
+        return super::gpu_check::run(args.backend, args.frames as usize, args.json);
+    }
+    let findings = look(args.gl);
     if args.json {
         say_line!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
     } else {
@@ -52,20 +70,25 @@ pub fn run(args: &DoctorArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn look() -> Findings {
-    let adapters = adapter_reports();
-    let auto = match Renderer::new(BackendChoice::Auto) {
-        Ok(r) => Choice { backend: r.backend_name().into(), adapter: r.adapter_name().into() },
-        Err(e) => Choice { backend: "none".into(), adapter: e.to_string() },
-    };
+fn look(gl: bool) -> Findings {
+    let vulkan = if gl { Vec::new() } else { adapter_reports(false) };
+    let adapters = if vulkan.is_empty() { adapter_reports(true) } else { vulkan };
     Findings {
         version: env!("CARGO_PKG_VERSION"),
         threads: rayon::current_num_threads(),
         simd: simd(),
-        missing: missing(&adapters),
-        auto,
+        missing: if gl { Vec::new() } else { missing(&adapters) },
+        auto: (!gl).then(|| auto(&adapters)),
         adapters,
     }
+}
+
+/// What `--backend auto` takes of these adapters.
+fn auto(adapters: &[AdapterReport]) -> Choice {
+    automatic(adapters).and_then(|index| adapters.get(index)).map_or_else(
+        || Choice { backend: "cpu".into(), adapter: "CPU twin".into() },
+        |a| Choice { backend: a.backend.clone(), adapter: a.name.clone() },
+    )
 }
 
 fn missing(adapters: &[AdapterReport]) -> Vec<Missing> {
@@ -76,13 +99,10 @@ fn missing(adapters: &[AdapterReport]) -> Vec<Missing> {
         .iter()
         .any(|folder| Path::new(folder).join("libvulkan.so.1").exists());
     let what = if loader { "a Vulkan driver" } else { "the Vulkan loader and a driver" };
+    let way = if automatic(adapters).is_some() { "through OpenGL" } else { "on the CPU" };
     vec![Missing {
         what: what.into(),
-        consequence: if adapters.is_empty() {
-            "frames are rendered on the CPU; everything works".into()
-        } else {
-            "frames are rendered through OpenGL; everything works".into()
-        },
+        consequence: format!("frames are rendered {way}; everything works"),
         install:
             "apt-get install libvulkan1 mesa-vulkan-drivers (Debian, Ubuntu: software and most hardware)"
                 .into(),
@@ -111,7 +131,9 @@ fn print(findings: &Findings) {
     for a in &findings.adapters {
         say_line!("adapter: {} ({}, {}), driver {}", a.name, a.backend, a.kind, a.driver);
     }
-    say_line!("auto takes: {} ({})", findings.auto.backend, findings.auto.adapter);
+    if let Some(auto) = &findings.auto {
+        say_line!("auto takes: {} ({})", auto.backend, auto.adapter);
+    }
     for m in &findings.missing {
         say_line!("missing: {}: {}\n  install: {}", m.what, m.consequence, m.install);
     }

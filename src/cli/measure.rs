@@ -8,10 +8,12 @@ use serde_json::{Value, json};
 
 use super::esf_argument::esf_model;
 use super::measure_bench;
+use super::measure_frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use super::measure_judge::{Follower, JudgeArgs, stated_budget, statistics_line};
 use super::measure_turn::turn_table;
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
+use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};
 use crate::gauge::bench::{Conditions, Date, GivenConditions, ShaftRuns};
 use crate::gauge::budget::WidthReading;
@@ -21,17 +23,16 @@ use crate::gauge::{
     largest_caliper,
 };
 use crate::profile::Reason;
-use crate::source::{FileFrames, list_images};
 
 /// Arguments of `shadowgauge measure`.
 #[derive(Debug, clap::Args)]
 pub struct MeasureArgs {
-    /// Images or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order.
+    /// Images, stacks or folders of images (grey PNG, TIFF, JPEG, BMP, PGM), in this order; a folder's by the numbers in their names.
     #[arg(required = true)]
     input: Vec<PathBuf>,
-    /// Scale, µm per pixel, when there is no calibration.
-    #[arg(long, value_name = "S", conflicts_with = "calibration", value_parser = positive)]
-    um_per_px: Option<f64>,
+    /// Scale, µm per pixel, when there is no calibration; `file` takes that of frames.csv or of the files' own tags.
+    #[arg(long, value_name = "S|file", conflicts_with = "calibration", value_parser = scale_argument)]
+    um_per_px: Option<ScaleArgument>,
     /// Calibration file (JSON) with scale, edge offset and their uncertainty.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
@@ -51,8 +52,10 @@ pub struct MeasureArgs {
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     part_temperature: Option<f64>,
     #[command(flatten)]
+    frames: FrameArgs,
+    #[command(flatten)]
     judge: JudgeArgs,
-    /// Writes both edges of every column to this CSV file.
+    /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
     /// Prints JSON.
@@ -92,13 +95,6 @@ enum Shape {
     Ring,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a scale above 0 in µm per pixel is needed, for instance 17.4".to_owned()),
-    }
-}
-
 /// One frame's result.
 struct Measured {
     stem: String,
@@ -112,7 +108,8 @@ struct Measured {
 /// # Errors
 /// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be measured (3).
 pub fn run(args: &MeasureArgs) -> CommandResult {
-    let calibration = calibration(args)?;
+    let paths = paths(&args.input)?;
+    let calibration = calibration(args, &paths)?;
     let conditions = conditions(args, calibration.as_ref())?;
     if let (None, Some(name)) = (&calibration, args.judge.needs_scale()) {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
@@ -123,10 +120,6 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     let gauge =
         Gauge::new(GaugeSettings { polarity, esf, ..GaugeSettings::default() }).map_err(Failure::refuse)?;
     let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
-    let mut paths = Vec::new();
-    for input in &args.input {
-        paths.extend(list_images(input).map_err(Failure::fail)?);
-    }
     if args.shape == Shape::Ring {
         return rings(args, calibration.as_ref(), &conditions, paths);
     }
@@ -155,13 +148,12 @@ fn rings(
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
-    let mut source = FileFrames::new(paths);
+    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let (mut frames, mut first_error) = (Vec::new(), None);
-    while let Some(read) = source.next_stored() {
-        let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
-            let frame = prepared(args, stored.frame, calibration)
-                .map_err(|e| format!("frame {}: {e}", stored.stem))?;
-            Ok((stored.stem, frame))
+    while let Some((stem, read)) = source.next_frame() {
+        let frame = read.and_then(|frame| {
+            let frame = prepared(args, frame, calibration).map_err(|e| format!("frame {stem}: {e}"))?;
+            Ok((stem, frame))
         });
         match frame {
             Ok(frame) => frames.push(frame),
@@ -185,8 +177,14 @@ fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<E
     }
 }
 
-fn calibration(args: &MeasureArgs) -> Result<Option<Calibration>, Failure> {
-    let Some(path) = &args.calibration else { return Ok(args.um_per_px.map(Calibration::from_scale)) };
+fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibration>, Failure> {
+    let Some(path) = &args.calibration else {
+        return Ok(match args.um_per_px {
+            None => None,
+            Some(ScaleArgument::Given(um_per_px)) => Some(Calibration::from_scale(um_per_px)),
+            Some(ScaleArgument::File) => Some(Calibration::from_scale(scale_of_files(&args.frames, paths)?)),
+        });
+    };
     let named = |e: &dyn std::fmt::Display| Failure::fail(format!("{}: {e}", path.display()));
     let file = fs::File::open(path).map_err(|e| named(&e))?;
     let calibration = Calibration::read(std::io::BufReader::new(file)).map_err(|e| named(&e))?;
@@ -256,15 +254,14 @@ fn measure_all(
     conditions: Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
-    let mut source = FileFrames::new(paths);
+    let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
+    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
+    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
     let mut stream = gauge.stream();
     let (mut results, mut frames) = (Vec::new(), Vec::new());
-    while let Some(stem) = source.next_stem() {
-        let Some(read) = source.next_stored() else { break };
-        let read = read.map_err(|e| e.to_string());
-        let frame = read.and_then(|stored| {
-            prepared(args, stored.frame, calibration).map_err(|e| format!("frame {stem}: {e}"))
-        });
+    while let Some((stem, read)) = source.next_frame() {
+        let frame = read
+            .and_then(|frame| prepared(args, frame, calibration).map_err(|e| format!("frame {stem}: {e}")));
         match frame {
             Ok(frame) => {
                 let meta = frame.meta.clone();
@@ -283,8 +280,8 @@ fn measure_all(
     }
     report_refusals(&results)?;
     report_unlearnt(gauge, &results);
-    if let Some(path) = &args.edges {
-        write_edges(path, &results)?;
+    if let Some(file) = edges {
+        file.write_with(|out| Ok(write_rows(out, &results)?))?;
     }
     let bench = args.bench.map(|count| {
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
@@ -300,7 +297,7 @@ fn measure_all(
         }
         figures.push(row);
     }
-    if let Some(follower) = &follower {
+    if let Some(follower) = &mut follower {
         follower.finish(&mut out)?;
         out.insert("conditions".to_owned(), json!(conditions));
     }
@@ -308,7 +305,7 @@ fn measure_all(
     if args.json {
         out.insert("frames".to_owned(), figures.into());
         say_line!("{}", Value::Object(out));
-    } else {
+    } else if !edges_on_stdout {
         print_table(&figures, out.get("bench"));
         if args.judge.budget() {
             print_budgets(args, &results, calibration, &conditions);
@@ -490,23 +487,22 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
     }
 }
 
-/// Writes the edges under a temporary name, then renames.
-fn write_edges(path: &Path, results: &[Measured]) -> Result<(), Failure> {
-    let named =
-        |e: &dyn std::fmt::Display| Failure::fail(format!("{}: cannot be written: {e}", path.display()));
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = write_rows(&part, results).and_then(|()| Ok(fs::rename(&part, path)?));
-    written.map_err(|e| {
-        // The half-written file goes; that it may be gone already does not matter.
-        let _ = fs::remove_file(&part);
-        named(&e)
-    })
+/// Claims the file of --edges, which must be nothing that is read. On stdout it stands alone.
+fn claim_edges(args: &MeasureArgs, path: &Path, images: &[PathBuf]) -> Result<OutputFile, Failure> {
+    // Tables of frames stand beside the images or above their folder.
+    let tables =
+        images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
+    let named = [&args.calibration, &args.conditions].into_iter().flatten().cloned();
+    let esf = [PathBuf::from(&args.esf)];
+    let file = OutputFile::claim(path, images.iter().cloned().chain(tables).chain(named).chain(esf))?;
+    if file.is_stdout() && args.json {
+        return Err(Failure::refuse("--json and --edges both go to stdout; give --edges a file"));
+    }
+    Ok(file)
 }
 
-fn write_rows(path: &Path, results: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
-    let mut csv = csv::Writer::from_path(path)?;
+fn write_rows(out: &mut dyn std::io::Write, results: &[Measured]) -> Result<(), csv::Error> {
+    let mut csv = csv::Writer::from_writer(out);
     csv.write_record(["frame", "column", "top_px", "bottom_px", "u_top_px", "u_bottom_px", "flag"])?;
     let number = |usable: bool, value: f64, digits: usize| {
         if usable { format!("{value:.digits$}") } else { String::new() }

@@ -3,16 +3,15 @@
 use serde_json::{Map, Value, json};
 
 use super::Failure;
+use super::measure_size::{common_mm, envelope, judge_turn, part_form};
 use super::measure_turn::turn_json;
+use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
-use crate::gauge::judgement::{Judge, Judgement, Limits};
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
-use crate::gauge::statistics::{Average, Averaging, RunningStatistics};
-use crate::gauge::tolerance::parse_tolerance;
-use crate::gauge::turn_form::{PartForm, TurnAverager};
+use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
 use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
 use crate::profile::{Diameter, Reading, Reason};
 
@@ -21,14 +20,18 @@ const LOCAL_COLUMNS: f64 = 65.0;
 /// Stretches along z that are compared from turn to turn where no stations are given, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
 
+/// Probability that the scatter of parts that are all alike passes for one of the process.
+const SCATTER_RISK: f64 = 0.05;
+
 /// What to say of diameters.
 #[derive(Debug, clap::Args)]
 pub struct JudgeArgs {
-    /// Tolerance of the part: "25 h6", "25 0/-0.013" or "24.987..25"; exit code 1 unless every value is proven good: each frame's
-    /// largest diameter, its local sizes (means over about 65 columns, or over the stations of --station-mm) and its mean.
-    #[arg(long, value_name = "T", value_parser = parse_tolerance)]
-    tolerance: Option<Limits>,
-    /// Probability of conformance behind GO (ISO 14253-1); 0.5 leaves the guard bands out.
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25", with (E) or (GN) where --turn is given; exit
+    /// code 1 unless every value is proven good: each frame's largest diameter, its local sizes (means over about 65 columns, or over
+    /// the stations of --station-mm) and its mean.
+    #[arg(long, value_name = "T")]
+    tolerance: Option<Tolerance>,
+    /// Probability of conformity to both limits behind GO (ISO 14253-1).
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     conformance_probability: f64,
     /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
@@ -54,6 +57,9 @@ pub struct JudgeArgs {
     /// with the flag `implausible`.
     #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
     turn_limit_um: f64,
+    /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
+    #[arg(long, conflicts_with_all = ["turn", "average"])]
+    parts: bool,
     /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of focus, moving), with a warning.
     #[arg(long)]
     accept_blur: bool,
@@ -148,6 +154,17 @@ struct Largest {
     end_on: bool,
     z_mm: f64,
     diameter: Diameter,
+    freedom: f64,
+}
+
+/// A value that must lie within the limits.
+#[derive(Clone, Copy)]
+struct Judged {
+    what: &'static str,
+    z_mm: f64,
+    reading: Reading,
+    /// Effective degrees of freedom of its u.
+    freedom: f64,
 }
 
 /// Follows the frames of one command.
@@ -158,6 +175,8 @@ pub struct Follower<'a> {
     judge: Option<(Judge, (f64, f64))>,
     average: Average,
     statistics: RunningStatistics,
+    /// Random variances of the values in the statistics, mm².
+    noise: RunningStatistics,
     worst: Judgement,
     turn: Vec<(FrameMeta, ColumnDiameters)>,
     history: TurnHistory,
@@ -178,15 +197,15 @@ impl<'a> Follower<'a> {
     ) -> Result<Self, Failure> {
         let judge = args
             .tolerance
-            .map(|limits| {
-                let ends = match limits {
-                    Limits::Tolerance { lower_mm, upper_mm } => (lower_mm, upper_mm),
-                    Limits::Four { ll_mm, hh_mm, .. } => (ll_mm, hh_mm),
-                };
-                Judge::new(limits, args.conformance_probability).map(|j| (j, ends))
-            })
+            .map(|t| Judge::new(t.limits(), args.conformance_probability).map(|judge| (judge, t.limits_mm())))
             .transpose()
             .map_err(Failure::refuse)?;
+        if let Some(t) = args.tolerance.filter(|t| t.criterion.needs_turn() && !args.turn) {
+            return Err(Failure::refuse(format!(
+                "{} is judged over the length and all around: give the frames of a turn and --turn",
+                t.criterion.as_str()
+            )));
+        }
         if judge.is_some() && is_uncalibrated(calibration) {
             tracing::warn!(
                 "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
@@ -211,6 +230,7 @@ impl<'a> Follower<'a> {
             judge,
             average: Average::new(args.average.unwrap_or_default()).map_err(Failure::refuse)?,
             statistics: RunningStatistics::default(),
+            noise: RunningStatistics::default(),
             worst: Judgement::GO,
             turn: Vec::new(),
             history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
@@ -251,6 +271,7 @@ impl<'a> Follower<'a> {
             put(out, "mean_diameter_mm", d.d_mm);
             put(out, "u_mean_mm", d.u_mm());
             self.statistics.push(d.d_mm);
+            self.noise.push(d.u_random_mm.powi(2));
         }
         if let Some(budget) = &budget {
             self.add_budget(budget, out);
@@ -268,6 +289,7 @@ impl<'a> Follower<'a> {
                 u_random_mm: budget.u_random_mm(),
                 u_common_mm: budget.u_common_mm(),
             },
+            freedom: budget.effective_freedom(),
         });
         self.add_stations(&meta, &diameters, out);
         let values = self.to_be_judged(&meta, &diameters, averaged, largest);
@@ -294,6 +316,13 @@ impl<'a> Follower<'a> {
         out.insert("valid".to_owned(), json!(0));
         out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
         self.not_proven(out);
+    }
+
+    /// Whether frames have sizes that the tolerance is for; else it is for those of the turn.
+    fn judges_frames(&self) -> bool {
+        let two_point =
+            |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
+        self.args.tolerance.is_some_and(two_point)
     }
 
     /// What was not measured is not proven good.
@@ -345,9 +374,9 @@ impl<'a> Follower<'a> {
         let Some(length) = self.args.station_mm else { return };
         let row = |(z_mm, reading): &(f64, Reading)| {
             let mut row = station_row(*z_mm, reading);
-            if let Some((judge, _)) = &self.judge {
-                row["judgement"] = json!(judge.judge_reading(reading).ok());
-                row["guard_mm"] = json!(reading.value().map(|d| judge.guard_mm(&d)));
+            if let (Some((judge, _)), true) = (&self.judge, self.judges_frames()) {
+                row["judgement"] = json!(judge.judge_reading(reading, MANY).ok());
+                row["guard_mm"] = json!(reading.value().and_then(|d| judge.guard_mm(&d, MANY)));
             }
             row
         };
@@ -362,46 +391,57 @@ impl<'a> Follower<'a> {
         diameters: &ColumnDiameters,
         mean: Reading,
         largest: Option<Largest>,
-    ) -> Vec<(&'static str, f64, Reading)> {
-        let largest_value = largest.map(|l| ("largest", l.z_mm, Reading::Value(l.diameter)));
+    ) -> Vec<Judged> {
+        let largest_value = largest.map(|l| Judged {
+            what: "largest",
+            z_mm: l.z_mm,
+            reading: Reading::Value(l.diameter),
+            freedom: l.freedom,
+        });
         if largest.is_some_and(|l| l.end_on) {
             return Vec::from_iter(largest_value);
         }
-        let (word, length) = match self.args.station_mm {
+        let (what, length) = match self.args.station_mm {
             Some(length) => ("station", length),
             None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
         };
-        let places = diameters.record(meta, length).into_iter().map(|(z_mm, reading)| (word, z_mm, reading));
+        // Their u is by the noise of very many pixels, and by the calibration.
+        let of = |what, z_mm, reading| Judged { what, z_mm, reading, freedom: MANY };
+        let places =
+            diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
         let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
-        largest_value.into_iter().chain(places).chain([(mean_word, meta.z_mm, mean)]).collect()
+        largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
     }
 
     /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
-    fn judge_frame(&mut self, values: &[(&'static str, f64, Reading)], out: &mut Map<String, Value>) {
+    fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
+        if !self.judges_frames() {
+            return;
+        }
         let Some((judge, (lower, upper))) = self.judge else { return };
         let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
-        let mut decisive: Option<(Judgement, &str, f64, Diameter)> = None;
-        for (word, z_mm, reading) in values {
-            let Some(d) = reading.value() else { continue };
-            let judgement = judge.judge(&d);
+        let mut decisive: Option<(Judgement, Judged, Diameter)> = None;
+        for value in values {
+            let Some(d) = value.reading.value() else { continue };
+            let judgement = judge.judge(&d, value.freedom);
             let worst = decisive
-                .is_none_or(|(known, _, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
+                .is_none_or(|(known, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
             if worst {
-                decisive = Some((judgement, word, z_mm.to_owned(), d));
+                decisive = Some((judgement, *value, d));
             }
         }
-        let gap = values.iter().find_map(|(word, z_mm, reading)| match reading {
-            Reading::Gap(reason) => Some((word, z_mm, reason)),
+        let gap = values.iter().find_map(|value| match value.reading {
+            Reading::Gap(reason) => Some((value, reason)),
             Reading::Value(_) => None,
         });
         let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
-        if let (true, Some((word, z_mm, reason))) = (good, gap) {
-            out.insert("judged".to_owned(), json!({ "what": word, "z_mm": z_mm, "flag": reason.as_str() }));
+        if let (true, Some((Judged { what, z_mm, .. }, reason))) = (good, gap) {
+            out.insert("judged".to_owned(), json!({ "what": what, "z_mm": z_mm, "flag": reason.as_str() }));
             return self.not_proven(out);
         }
-        let Some((judgement, word, z_mm, d)) = decisive else { return self.not_proven(out) };
+        let Some((judgement, value, d)) = decisive else { return self.not_proven(out) };
         self.worst = worse(self.worst, judgement);
-        if let Err(error) = judge.check_uncertainty(d.u_mm()) {
+        if let Err(error) = judge.check_uncertainty(d.u_mm(), value.freedom) {
             if !self.no_zone_told {
                 tracing::warn!("{error}");
             }
@@ -410,7 +450,8 @@ impl<'a> Follower<'a> {
         }
         out.insert("judgement".to_owned(), json!(judgement));
         let judged = json!({
-            "what": word, "z_mm": z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(), "guard_mm": judge.guard_mm(&d),
+            "what": value.what, "z_mm": value.z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(),
+            "effective_freedom": finite(value.freedom), "guard_mm": judge.guard_mm(&d, value.freedom),
         });
         out.insert("judged".to_owned(), judged);
     }
@@ -424,15 +465,23 @@ impl<'a> Follower<'a> {
     ///
     /// # Errors
     /// Exit 3 for frames that make no turn.
-    pub fn finish(&self, out: &mut Map<String, Value>) -> Result<(), Failure> {
+    pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
         if self.statistics.count() > 0 {
             out.insert("statistics".to_owned(), self.statistics_json());
         }
         if self.args.turn {
-            let form = self.part_form()?;
+            let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
-            let mut turn = turn_json(&form, |z_mm| self.common_mm(z_mm, length));
+            let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
             turn["implausible"] = json!(self.jumps);
+            if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
+                let envelope = envelope(&self.turn, self.args.cutoff_upr);
+                let common = |z_mm: f64| common_mm(&self.turn, z_mm, length);
+                if let Some(judged) = judge_turn(tolerance, judge.rule(), &form, &envelope, &common) {
+                    self.worst = worse(self.worst, judged.judgement);
+                    turn["judged"] = judged.json;
+                }
+            }
             out.insert("turn".to_owned(), turn);
         }
         Ok(())
@@ -448,51 +497,27 @@ impl<'a> Follower<'a> {
             "min_mm": min, "max_mm": max, "range_mm": max - min,
         });
         if let Some((_, (lower, upper))) = self.judge {
-            all["cp"] = json!(s.cp(lower, upper, 0.95).ok());
-            all["cpk"] = json!(s.cpk(lower, upper, 0.95).ok());
+            let (cp, cpk, none) = match self.capability(lower, upper) {
+                Ok((cp, cpk)) => (json!(cp), json!(cpk), Value::Null),
+                Err(why) => (Value::Null, Value::Null, json!(why)),
+            };
+            (all["cp"], all["cpk"], all["capability_none"]) = (cp, cpk, none);
         }
         all
     }
 
-    /// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
-    fn common_mm(&self, z_mm: f64, length_mm: f64) -> Option<f64> {
-        let (mut sum, mut n) = (0.0, 0.0);
-        for (meta, diameters) in &self.turn {
-            for (column, reading) in diameters.readings.iter().enumerate() {
-                if let (Some(d), true) =
-                    (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
-                {
-                    (sum, n) = (sum + d.u_common_mm, n + 1.0);
-                }
-            }
+    /// Cp and Cpk of the batch with intervals of 95 %.
+    ///
+    /// # Errors
+    /// Why there are none: they are a process's, which one part does not show, nor scatter that is the gauge's own.
+    fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
+        if !self.args.parts {
+            return Err("one part has none; --parts takes every frame as another part".to_owned());
         }
-        (n > 0.0).then(|| sum / n)
-    }
-
-    fn part_form(&self) -> Result<PartForm, Failure> {
-        let cutoff = Cutoff::upr(self.args.cutoff_upr).map_err(Failure::refuse)?;
-        let ends = self
-            .turn
-            .iter()
-            .filter(|(_, d)| !d.readings.is_empty())
-            .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
-        let (low, high) =
-            ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
-        if !(high > low) {
-            return Err(Failure::fail("no frame of the turn could be measured"));
-        }
-        let length = self.args.station_mm.unwrap_or(high - low + 1e-9).min(high - low + 1e-9);
-        let count = ((high - low) / length + 1e-6).floor().clamp(1.0, 1e5) as usize;
-        let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length).collect();
-        let mut averager = TurnAverager::new(z_mm, length);
-        self.turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
-        let form = averager.finish(cutoff);
-        match form.refused.first() {
-            Some((z, why)) if form.sections.is_empty() => {
-                Err(Failure::fail(format!("the frames make no turn at z = {z:.3} mm: {why}")))
-            }
-            _ => Ok(form),
-        }
+        let s = &self.statistics;
+        s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
+        let both = s.cp(lower, upper, 0.95).and_then(|cp| Ok((cp, s.cpk(lower, upper, 0.95)?)));
+        both.map_err(|e| e.to_string())
     }
 }
 
@@ -513,6 +538,9 @@ pub fn statistics_line(s: &Value) -> String {
             let [value, lower, upper] = ["index", "lower", "upper"].map(|k| number(&index[k], 2));
             text += &format!(", {name} {value} (95 %: {lower} to {upper})");
         }
+    }
+    if let Some(why) = s.get("capability_none").and_then(Value::as_str) {
+        text += &format!(", Cp and Cpk - ({why})");
     }
     text
 }

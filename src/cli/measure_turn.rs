@@ -83,5 +83,12 @@ pub fn turn_table(turn: &Value) -> String {
         um(&turn["generatrix_straightness_mm"]),
         um(&turn["taper"])
     );
+    if let Some(judged) = turn.get("judged") {
+        let word = judged["judgement"].as_str().map_or_else(
+            || format!("not proven: {}", judged["why"].as_str().unwrap_or("")),
+            |word| format!("{} mm: {word}", mm(&judged["d_mm"])),
+        );
+        text += &format!("{} {word}\n", judged["what"].as_str().unwrap_or(""));
+    }
     text
 }

@@ -13,11 +13,14 @@ mod doctor;
 mod esf_argument;
 mod frame_files;
 mod gallery_cases;
+mod gpu_check;
 mod label_font;
 mod measure;
 mod measure_bench;
+mod measure_frames;
 mod measure_judge;
 pub mod measure_ring;
+mod measure_size;
 mod measure_turn;
 mod nc;
 mod optics;
@@ -31,6 +34,7 @@ mod reproduce;
 mod reproduce_000;
 mod reproduce_003;
 mod run;
+mod runtime_folder;
 mod schema;
 mod study;
 mod study_contamination;
@@ -48,6 +52,8 @@ use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::files::OutputError;
 
 /// How a command that did its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +92,12 @@ impl Failure {
     /// As [`Self::failed`], from an error of the library or a text.
     pub fn fail(error: impl std::fmt::Display) -> Self {
         Self::failed(miette::miette!("{error}"))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        if error.is_refusal() { Self::refuse(error) } else { Self::fail(error) }
     }
 }
 
@@ -152,6 +164,7 @@ fn dispatch(command: &Command) -> CommandResult {
 
 /// Parses the process's arguments, runs the command, prints the error; gives the exit code of the contract.
 pub fn main() -> ExitCode {
+    runtime_folder::provide();
     let arguments = Arguments::parse();
     log_to_stderr(arguments.verbose);
     let result = dispatch(&arguments.command).and_then(|outcome| output::finish().map(|()| outcome));

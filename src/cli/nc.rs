@@ -4,10 +4,14 @@ use std::path::PathBuf;
 
 use super::{CommandResult, Failure, Outcome};
 use crate::config;
-use crate::job::Job;
-use crate::nc::{self, Dialect, MacroProgram, NcSettings, TurningProgram};
+use crate::files::OutputFile;
+use crate::job::{Job, JobError};
+use crate::nc::{
+    self, Dialect, Direction, MacroProgram, NcError, NcSettings, TurningProgram, Workpiece, Written,
+};
 use crate::plan::{DiameterOffset, PassPlan};
-use crate::run_folder::{OffsetRow, RunFolder, write_atomically};
+use crate::process::FeedDirection;
+use crate::run_folder::{OffsetRow, RunFolder};
 
 /// How the correction stands in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -32,8 +36,8 @@ pub struct NcArgs {
     /// Knots along z, or macro variables of a line.
     #[arg(long, value_enum, default_value = "knots")]
     form: Form,
-    /// A TOML file with the machine's data (tool, wear offset, clearances, limits, re-measurement); by default the run's
-    /// own [nc.machine], where it was made for this control.
+    /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around the part, clearances,
+    /// re-measurement; docs/nc.md); by default the run's own [nc.machine], where it was made for this control.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Number of the part: with the pass it makes the program run once only.
@@ -71,7 +75,10 @@ pub fn run(args: &NcArgs) -> CommandResult {
         Form::Macro => line(args, &job, &settings, &pass)?,
     };
     match &args.out {
-        Some(path) => write_atomically(path, text.as_bytes()).map_err(Failure::fail)?,
+        Some(path) => {
+            let inputs = folder.files().into_iter().chain(args.machine.clone());
+            OutputFile::claim(path, inputs)?.write(text.as_bytes())?;
+        }
         None => say!("{text}"),
     }
     Ok(Outcome::Done)
@@ -80,23 +87,44 @@ pub fn run(args: &NcArgs) -> CommandResult {
 /// The machine file's, else the run's own where it was made for this control.
 fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
     let own = job.nc.as_ref().filter(|nc| nc.dialect == args.dialect);
-    let mut settings = match &args.machine {
-        None => own.map_or_else(NcSettings::default, |nc| nc.machine.clone()),
-        Some(path) => super::study_files::ConfigText::read(path)?.parse()?,
+    let part_number = |settings: NcSettings| NcSettings {
+        part_number: args.part.unwrap_or(settings.part_number),
+        ..settings
     };
-    settings.part_number = args.part.unwrap_or(settings.part_number);
-    settings.validate().map_err(Failure::refuse)?;
+    let Some(path) = &args.machine else {
+        let settings = part_number(own.map_or_else(NcSettings::default, |nc| nc.machine.clone()));
+        settings.validate().map_err(Failure::refuse)?;
+        return Ok(settings);
+    };
+    let file = super::study_files::ConfigText::read(path)?;
+    let settings = part_number(file.parse()?);
+    settings.validate().map_err(|error| in_file(&file, error))?;
     Ok(settings)
+}
+
+/// A refusal that points at the key in the machine's file.
+fn in_file(file: &super::study_files::ConfigText, error: NcError) -> Failure {
+    match error {
+        NcError::Setting { key, value, right } => {
+            let key = key.strip_prefix("nc.").unwrap_or(key);
+            let at = JobError::at(key, format!("{value} must be {right}"));
+            Failure::refused(config::value_error(&file.text, &file.name, at))
+        }
+        other => file.refuse(other),
+    }
 }
 
 /// A pass of the run with what was in force before it.
 struct Pass {
     plan: PassPlan,
     old: DiameterOffset,
-    before_mm: f64,
+    piece: Workpiece,
     reason: String,
     limits_mm: Option<(f64, f64)>,
 }
+
+/// Stations and diameters of a table are the plan's within this, mm: a table holds the digits of its numbers, no fewer.
+const SAME_MM: f64 = 1e-6;
 
 impl Pass {
     fn of(job: &Job, rows: &[OffsetRow], asked: Option<u32>) -> Result<Self, Failure> {
@@ -108,22 +136,17 @@ impl Pass {
         let Some(first) = of(number).next() else {
             return Err(Failure::refuse(format!("offsets.csv has no pass {number}; there are 1 to {last}")));
         };
+        covers(job, number, &of(number).collect::<Vec<_>>()).map_err(Failure::refuse)?;
         let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
         // what was asked for: rounding what is rounded already would give another program than the one that was cut with
         let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm.unwrap_or(r.offset_mm)).collect() };
-        let plan = PassPlan {
-            pass: number,
-            nominal_mm: first.commanded_mm + first.offset_mm,
-            cutting: job.cutting,
-            station_z_mm: of(number).map(|r| r.z_mm).collect(),
-            offset: asked,
-        };
+        let plan = job.pass_plan(number, asked);
         let finishing = number as usize == job.passes();
         let tolerance = job.part.tolerance.filter(|_| finishing);
         let held = if first.reason.is_empty() { String::new() } else { format!(": {}", first.reason) };
         Ok(Self {
             old: offsets(number.saturating_sub(1)),
-            before_mm: if number > 1 { job.part.target_mm(number - 1) } else { job.part.stock_diameter_mm },
+            piece: workpiece(job, number),
             reason: format!("{}{held}", first.status),
             limits_mm: tolerance.map(|t| (t.nominal_mm + t.lower_mm, t.nominal_mm + t.upper_mm)),
             plan,
@@ -131,16 +154,84 @@ impl Pass {
     }
 }
 
+/// The part before pass `pass`, as the run's config has it.
+fn workpiece(job: &Job, pass: u32) -> Workpiece {
+    let before_mm = if pass > 1 { job.part.target_mm(pass - 1) } else { job.part.stock_diameter_mm };
+    Workpiece {
+        direction: match job.process.pass.feed_direction {
+            FeedDirection::TowardsChuck => Direction::TowardsChuck,
+            FeedDirection::TowardsTailstock => Direction::TowardsTailstock,
+        },
+        steady_z_mm: job.process.support.steady_rests.iter().map(|rest| rest.z_mm).collect(),
+        ..Workpiece::new(job.part.length_mm, job.part.stock_diameter_mm, before_mm)
+    }
+}
+
+/// Whether the rows of a pass are the plan's stations, all of them and once, with diameters that belong to them.
+fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
+    if pass == 0 || pass as usize > job.part.passes() {
+        return Err(format!("offsets.csv: pass {pass} is none of the part's {} passes", job.part.passes()));
+    }
+    let stations = job.part.station_z_mm();
+    if rows.len() != stations.len() {
+        return Err(format!(
+            "offsets.csv: pass {pass} has {} rows, the part has {} stations (part.station_mm = {}); a row for each is needed",
+            rows.len(),
+            stations.len(),
+            job.part.station_mm
+        ));
+    }
+    let target = job.part.target_mm(pass);
+    for (row, z) in rows.iter().zip(&stations) {
+        if !((row.z_mm - z).abs() <= SAME_MM) {
+            return Err(format!(
+                "offsets.csv: pass {pass} has a row at z_mm = {} where the station at {z} mm is due (ascending, each once)",
+                row.z_mm
+            ));
+        }
+        let aimed = row.commanded_mm + row.offset_mm;
+        if !((aimed - target).abs() <= SAME_MM) {
+            return Err(format!(
+                "offsets.csv: pass {pass}, z_mm = {z}: commanded_mm + offset_mm is {aimed} mm, the pass aims at {target} mm"
+            ));
+        }
+        if row.asked_mm.is_some_and(|o| !o.is_finite()) {
+            return Err(format!("offsets.csv: pass {pass}, z_mm = {z}: asked_mm is no number"));
+        }
+    }
+    Ok(())
+}
+
+/// The text of a program, with a word on what it leaves uncut. A dry run lists offsets whatever the machine's data leave
+/// open; the word says that the program itself would be refused.
+fn written<P>(args: &NcArgs, program: Result<Written<P>, NcError>) -> Result<String, Failure> {
+    match program {
+        Ok(written) => {
+            tracing::warn!("{}", written.uncut);
+            Ok(written.text)
+        }
+        Err(open @ NcError::Unstated { .. }) if args.dry_run => {
+            tracing::warn!("the program itself would be refused: {open}");
+            Ok(String::new())
+        }
+        Err(other) => Err(Failure::refuse(other)),
+    }
+}
+
 fn knots(args: &NcArgs, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
     let program = TurningProgram {
         plan: &pass.plan,
         settings,
-        before_mm: pass.before_mm,
+        piece: &pass.piece,
         limits_mm: pass.limits_mm,
         reason: &pass.reason,
     };
-    let (text, path) = program.write(args.dialect).map_err(Failure::refuse)?;
-    Ok(if args.dry_run { nc::dry_run(&pass.old, &pass.plan, &path, &pass.reason) } else { text })
+    let written = written(args, program.write(args.dialect))?;
+    if args.dry_run {
+        let path = nc::Path::new(&pass.plan, settings, args.dialect).map_err(Failure::refuse)?;
+        return Ok(nc::dry_run(&pass.old, &pass.plan, &path, &pass.reason));
+    }
+    Ok(written)
 }
 
 fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
@@ -160,14 +251,13 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
         line: fitted,
         unit_mm: 1.0,
         diameter_mm: (pass.plan.nominal_mm, pass.plan.nominal_mm),
-        length_mm,
-        before_mm: pass.before_mm,
+        piece: pass.piece.clone(),
         pass: pass.plan.pass,
         cutting: job.cutting,
         limits_mm: pass.limits_mm,
         settings,
     };
-    let text = program.write(args.dialect).map_err(Failure::refuse)?;
+    let written = written(args, program.write(args.dialect))?;
     if args.dry_run {
         let v = program.values();
         return Ok(format!(
@@ -176,5 +266,5 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
             pass.plan.pass, fitted.b, fitted.a, v.v804, v.v805, v.v810, v.v811, pass.reason
         ));
     }
-    Ok(text)
+    Ok(written)
 }

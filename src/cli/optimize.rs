@@ -35,8 +35,9 @@ pub fn run(args: &OptimizeArgs) -> CommandResult {
     let problem = Problem::new(&config).map_err(|e| text.refuse(e))?;
     let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
     let study = optimize::study(&problem, &config);
-    if let Some(folder) = &folder {
-        write(folder, &config, &problem, &study)?;
+    if let Some(folder) = folder {
+        write(&folder, &config, &problem, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

@@ -5,6 +5,7 @@ use std::io::Error as IoError;
 use std::path::{Path, PathBuf};
 
 use crate::config;
+use crate::files::OutputFolder;
 use crate::frame::Frame;
 use crate::job::Job;
 use crate::render::form::form_shaft;
@@ -40,7 +41,7 @@ pub struct RenderArgs {
     /// Leave the sensor's temporal noise out.
     #[arg(long)]
     pub(super) no_noise: bool,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     pub(super) backend: BackendChoice,
     /// Draw N frames without writing them and print how long one takes.
@@ -123,14 +124,10 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     for index in 0..count.min(job.scan_plan().frames()) {
         scene.geometric_edges(&request(args, job, index)).map_err(Failure::refuse)?;
     }
-    let staging = claim(out)?;
+    let folder = OutputFolder::claim(out)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let written = write_frames(args, job, &scene, &renderer, &staging, count)
-        .and_then(|()| std::fs::rename(&staging, out).map_err(|e| disk(out, &e)));
-    if let Err(failure) = written {
-        let _ = std::fs::remove_dir_all(&staging);
-        return Err(failure);
-    }
+    write_frames(args, job, &scene, &renderer, &folder, count)?;
+    folder.finish()?;
     say_line!(
         "{count} frames by {} ({}) in {}",
         renderer.backend_name(),
@@ -138,33 +135,6 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
         out.display()
     );
     Ok(Outcome::Done)
-}
-
-/// [`claim_empty`] with room for frames and previews.
-fn claim(out: &Path) -> Result<PathBuf, Failure> {
-    let staging = claim_empty(out)?;
-    for folder in ["frames", "previews"] {
-        std::fs::create_dir_all(staging.join(folder)).map_err(|e| disk(out, &e))?;
-    }
-    Ok(staging)
-}
-
-/// Refuses a folder that is taken, and makes one of a temporary name beside it.
-pub(super) fn claim_empty(out: &Path) -> Result<PathBuf, Failure> {
-    if let Ok(mut entries) = std::fs::read_dir(out) {
-        if entries.next().is_some() {
-            return Err(Failure::refuse(format!("{}: is not empty; give a new folder", out.display())));
-        }
-    } else if out.exists() {
-        return Err(Failure::refuse(format!("{}: is a file; give a new folder", out.display())));
-    }
-    let name = out.file_name().map(|n| n.to_string_lossy().into_owned());
-    let Some(name) = name else {
-        return Err(Failure::refuse(format!("{}: names no folder", out.display())));
-    };
-    let staging = out.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    std::fs::create_dir_all(&staging).map_err(|e| disk(out, &e))?;
-    Ok(staging)
 }
 
 /// Columns of `frames.csv`.
@@ -175,7 +145,7 @@ fn write_frames(
     job: &Job,
     scene: &Scene,
     renderer: &Renderer,
-    folder: &Path,
+    folder: &OutputFolder,
     count: usize,
 ) -> Result<(), Failure> {
     let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
@@ -186,11 +156,12 @@ fn write_frames(
         let request = request(args, job, index);
         let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
         let stem = format!("{index:06}");
-        let path = folder.join("frames").join(format!("{stem}.{}", args.format.extension()));
-        put(&path, encode(&frame, args.format, um_per_px))?;
-        put(&folder.join("previews").join(format!("{stem}.png")), preview(&frame, um_per_px))?;
+        let name = format!("frames/{stem}.{}", args.format.extension());
+        put(folder, &name, encode(&frame, args.format, um_per_px))?;
+        put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
         if let Some(mask) = mask {
-            put_mask(&folder.join("masks"), &stem, &frame, &mask, um_per_px)?;
+            // What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
+            put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
         }
         describe(&mut frames_csv, &stem, &frame, um_per_px);
         let edges = truth::true_edges(scene, &request).map_err(of_render)?;
@@ -199,15 +170,9 @@ fn write_frames(
         }
         spare = Some(frame);
     }
-    put(&folder.join("frames.csv"), Ok(frames_csv.into_bytes()))?;
-    put(&folder.join("truth.csv"), Ok(truth_csv.into_bytes()))?;
-    put(&folder.join("truth.json"), Ok(true_bench(scene).into_bytes()))
-}
-
-/// What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
-fn put_mask(folder: &Path, stem: &str, frame: &Frame, mask: &[u8], um_per_px: f64) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| disk(folder, &e))?;
-    put(&folder.join(format!("{stem}.png")), encode_mask(&frame.view(), mask, um_per_px))
+    put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
+    put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
+    put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
 }
 
 pub(super) fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
@@ -234,12 +199,10 @@ fn true_bench(scene: &Scene) -> String {
     format!("{json:#}\n")
 }
 
-pub(super) fn put(path: &Path, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
-    bytes.and_then(|b| std::fs::write(path, b)).map_err(|e| disk(path, &e))
-}
-
-fn disk(path: &Path, error: &IoError) -> Failure {
-    Failure::fail(format!("{}: cannot be written: {error}", path.display()))
+/// Writes a file of a folder, its name with the folders in it.
+pub(super) fn put(folder: &OutputFolder, name: &str, bytes: Result<Vec<u8>, IoError>) -> Result<(), Failure> {
+    let bytes = bytes.map_err(|e| Failure::fail(format!("{name}: cannot be written: {e}")))?;
+    Ok(folder.write(name, &bytes)?)
 }
 
 pub(super) fn of_render(error: RenderError) -> Failure {

@@ -16,11 +16,25 @@ const WARM_UP: usize = 3;
 /// Frames after which memory is looked at a second time.
 const RSS_AFTER: usize = 1000;
 
-/// Times in ms, sorted, and memory before the first frame, after [`RSS_AFTER`] of them and after the last.
-struct Run {
+/// Times in ms, sorted, memory before the first frame, after [`RSS_AFTER`] of them and after the last, and the size
+/// of a frame, pixels.
+pub(super) struct Timing {
     frames: Vec<f64>,
     floors: Vec<f64>,
     rss_mib: [Option<f64>; 3],
+    columns_rows: (usize, usize),
+}
+
+impl Timing {
+    /// Median time of a frame, ms.
+    pub(super) fn median(&self) -> f64 {
+        self.frames[self.frames.len() / 2]
+    }
+
+    /// Median time of the write floor, ms.
+    pub(super) fn floor(&self) -> f64 {
+        self.floors[self.floors.len() / 2]
+    }
 }
 
 /// Draws `frames` frames without writing them and prints how long one takes.
@@ -34,19 +48,36 @@ pub(super) fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResul
         Some(rows) => Some(edge_windows(&scene, &request(args, job, 0), rows)?),
         None => None,
     };
-    // Written beforehand: the record of the times shall not look like a leak.
-    let unknown = || vec![f64::NAN; frames];
-    let mut run = Run { frames: unknown(), floors: unknown(), rss_mib: [None; 3] };
-    let mut spare: Option<Frame> = None;
-    for index in 0..frames + WARM_UP {
+    let request = |index: usize| {
         let mut request = request(args, job, index);
         if let Some([upper, lower]) = windows {
             (request.roi, request.second_roi) = (Some(upper), Some(lower));
         }
+        request
+    };
+    print(args, &timing(&renderer, &scene, request, frames)?, &renderer);
+    Ok(Outcome::Done)
+}
+
+/// Times at least one frame, each beside the floor of its buffers.
+///
+/// # Errors
+/// As `render`.
+pub(super) fn timing(
+    renderer: &Renderer,
+    scene: &Scene,
+    request: impl Fn(usize) -> FrameRequest,
+    frames: usize,
+) -> Result<Timing, Failure> {
+    // Written beforehand: the record of the times shall not look like a leak.
+    let unknown = || vec![f64::NAN; frames];
+    let mut run = Timing { frames: unknown(), floors: unknown(), rss_mib: [None; 3], columns_rows: (0, 0) };
+    let mut spare: Option<Frame> = None;
+    for index in 0..frames + WARM_UP {
         if index == WARM_UP {
             run.rss_mib[0] = resident_mib();
         }
-        let (frame_ms, floor_ms, frame) = one(&renderer, &scene, &request, spare.take())?;
+        let (frame_ms, floor_ms, frame) = one(renderer, scene, &request(index), spare.take())?;
         if let Some(timed) = index.checked_sub(WARM_UP) {
             (run.frames[timed], run.floors[timed]) = (frame_ms, floor_ms);
         }
@@ -58,9 +89,8 @@ pub(super) fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResul
     run.rss_mib[2] = resident_mib();
     run.frames.sort_by(f64::total_cmp);
     run.floors.sort_by(f64::total_cmp);
-    let size = spare.map_or((0, 0), |f| (f.view().columns(), f.view().rows()));
-    print(args, &run, &renderer, size);
-    Ok(Outcome::Done)
+    run.columns_rows = spare.map_or((0, 0), |f| (f.view().columns(), f.view().rows()));
+    Ok(run)
 }
 
 /// A frame, what it took and what the floor takes in the same buffers, ms.
@@ -84,9 +114,9 @@ fn one(
     Ok((frame_ms, floor_ms, frame))
 }
 
-fn print(args: &RenderArgs, run: &Run, renderer: &Renderer, (width, height): (usize, usize)) {
+fn print(args: &RenderArgs, run: &Timing, renderer: &Renderer) {
     let count = run.frames.len();
-    let (median, floor) = (run.frames[count / 2], run.floors[count / 2]);
+    let ((width, height), median, floor) = (run.columns_rows, run.median(), run.floor());
     if args.json {
         let report = serde_json::json!({
             "ms_per_frame_min": run.frames[0],
@@ -120,7 +150,7 @@ fn print(args: &RenderArgs, run: &Run, renderer: &Renderer, (width, height): (us
 }
 
 /// Windows of `rows` rows about the middle of either edge.
-fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> Result<[Roi; 2], Failure> {
+pub(super) fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> Result<[Roi; 2], Failure> {
     let edges = scene.geometric_edges(request).map_err(of_render)?;
     let all = scene.window(request).map_err(of_render)?;
     let about = |row: fn(&crate::render::columns::ColumnEdges) -> f64| {

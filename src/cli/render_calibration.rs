@@ -7,8 +7,9 @@ use std::time::SystemTime;
 
 use super::calibration_plan::{self, LoadedPlan};
 use super::frame_files::encode;
-use super::render::{FRAMES_HEADER, RenderArgs, claim_empty, describe, of_render, put};
+use super::render::{FRAMES_HEADER, RenderArgs, describe, of_render, put};
 use super::{CommandResult, Failure, Outcome};
+use crate::files::OutputFolder;
 use crate::frame::Frame;
 use crate::gauge::bench::Date;
 use crate::render::Renderer;
@@ -37,29 +38,20 @@ pub fn run(args: &RenderArgs, file: &Path) -> CommandResult {
             "--frames and --windows are for a job's config: a calibration says what it needs",
         ));
     }
-    let staging = claim_empty(out)?;
+    let folder = OutputFolder::claim(out)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let written = Writer { args, plan: &plan, folder: &staging, um_per_px: 0.0, count: 0 }
-        .write(&renderer)
-        .and_then(|count| std::fs::rename(&staging, out).map(|()| count).map_err(|e| disk(out, &e)));
-    match written {
-        Ok(count) => {
-            say_line!(
-                "{count} frames of {} pins and {} flat fields by {} ({}) in {}; calibrate them by {}",
-                plan.masters.len() + usize::from(plan.check.is_some()),
-                plan.fields.flats.len(),
-                renderer.backend_name(),
-                renderer.adapter_name(),
-                out.display(),
-                out.join(RECORDED).display()
-            );
-            Ok(Outcome::Done)
-        }
-        Err(failure) => {
-            let _ = std::fs::remove_dir_all(&staging);
-            Err(failure)
-        }
-    }
+    let count = Writer { args, plan: &plan, folder: &folder, um_per_px: 0.0, count: 0 }.write(&renderer)?;
+    folder.finish()?;
+    say_line!(
+        "{count} frames of {} pins and {} flat fields by {} ({}) in {}; calibrate them by {}",
+        plan.masters.len() + usize::from(plan.check.is_some()),
+        plan.fields.flats.len(),
+        renderer.backend_name(),
+        renderer.adapter_name(),
+        out.display(),
+        out.join(RECORDED).display()
+    );
+    Ok(Outcome::Done)
 }
 
 /// The calibration of the folders.
@@ -68,7 +60,7 @@ const RECORDED: &str = "calibrate.toml";
 struct Writer<'a> {
     args: &'a RenderArgs,
     plan: &'a CalibrationPlan,
-    folder: &'a Path,
+    folder: &'a OutputFolder,
     um_per_px: f64,
     count: usize,
 }
@@ -113,27 +105,21 @@ impl Writer<'_> {
                 position.frames = Some(PathBuf::from(name));
             }
         }
-        put(&self.folder.join("truth.csv"), Ok(truth_csv.into_bytes()))?;
+        put(self.folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
         let text = toml::to_string(&recorded).map_err(Failure::fail)?;
-        put(&self.folder.join(RECORDED), Ok(text.into_bytes()))?;
+        put(self.folder, RECORDED, Ok(text.into_bytes()))?;
         Ok(self.count)
     }
 
     fn put_all(&mut self, name: &str, frames: &[Frame]) -> Result<(), Failure> {
-        let folder = self.folder.join(name);
-        std::fs::create_dir_all(&folder).map_err(|e| disk(&folder, &e))?;
         let mut table = String::from(FRAMES_HEADER);
         for (k, frame) in frames.iter().enumerate() {
-            let path = folder.join(format!("{k:06}.{}", self.args.format.extension()));
-            put(&path, encode(frame, self.args.format, self.um_per_px))?;
+            let file = format!("{name}/{k:06}.{}", self.args.format.extension());
+            put(self.folder, &file, encode(frame, self.args.format, self.um_per_px))?;
             describe(&mut table, &format!("{k:06}"), frame, self.um_per_px);
         }
-        put(&folder.join("frames.csv"), Ok(table.into_bytes()))?;
+        put(self.folder, &format!("{name}/frames.csv"), Ok(table.into_bytes()))?;
         self.count += frames.len();
         Ok(())
     }
-}
-
-fn disk(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::fail(format!("{}: cannot be written: {error}", path.display()))
 }

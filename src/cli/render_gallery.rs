@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::config;
+use crate::files::OutputFolder;
 use crate::frame::{Frame, PixelFormat};
 use crate::job::Job;
 use crate::render::{FrameRequest, Renderer};
@@ -10,7 +11,7 @@ use crate::render::{FrameRequest, Renderer};
 use super::frame_files::{FileFormat, encode, encode_mask, write_grey};
 use super::gallery_cases::{CASES, Case};
 use super::label_font;
-use super::render::{RenderArgs, claim_empty, of_render, put, scene};
+use super::render::{RenderArgs, of_render, put, scene};
 use super::{CommandResult, Failure, Outcome};
 
 /// Pictures side by side on the sheet.
@@ -31,14 +32,9 @@ const BRIGHTEST: f32 = 225.0;
 /// Exit 2 for a folder that is taken, 3 for a device or a disk that fails.
 pub(super) fn gallery(args: &RenderArgs, out: &Path) -> CommandResult {
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    let staging = claim_empty(out)?;
-    let drawn = draw_all(&renderer, &staging).and_then(|()| {
-        std::fs::rename(&staging, out).map_err(|e| Failure::fail(format!("{}: {e}", out.display())))
-    });
-    if let Err(failure) = drawn {
-        let _ = std::fs::remove_dir_all(&staging);
-        return Err(failure);
-    }
+    let folder = OutputFolder::claim(out)?;
+    draw_all(&renderer, &folder)?;
+    folder.finish()?;
     say_line!(
         "{} frames and contact_sheet.png by {} ({}) in {}",
         CASES.len(),
@@ -49,22 +45,22 @@ pub(super) fn gallery(args: &RenderArgs, out: &Path) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn draw_all(renderer: &Renderer, folder: &Path) -> Result<(), Failure> {
+fn draw_all(renderer: &Renderer, folder: &OutputFolder) -> Result<(), Failure> {
     let mut tiles = Vec::new();
     for case in CASES {
         let text = case.toml();
         let job = config::parse(&text, case.name).map_err(Failure::refused)?;
-        put(&folder.join(format!("{}.toml", case.name)), Ok(text.into_bytes()))?;
+        put(folder, &format!("{}.toml", case.name), Ok(text.into_bytes()))?;
         let (frame, mask) = draw(renderer, &job, case)?;
-        put(&folder.join(format!("{}.png", case.name)), encode(&frame, FileFormat::Png16, case.um_per_px))?;
+        put(folder, &format!("{}.png", case.name), encode(&frame, FileFormat::Png16, case.um_per_px))?;
         if let Some(mask) = mask {
             let bytes = encode_mask(&frame.view(), &mask, case.um_per_px);
-            put(&folder.join(format!("{}_mask.png", case.name)), bytes)?;
+            put(folder, &format!("{}_mask.png", case.name), bytes)?;
         }
         tiles.push(tile(&frame, case, &job));
     }
     let (picture, columns) = sheet(&tiles);
-    put(&folder.join("contact_sheet.png"), write_grey(columns, &picture))
+    put(folder, "contact_sheet.png", write_grey(columns, &picture))
 }
 
 fn draw(renderer: &Renderer, job: &Job, case: &Case) -> Result<(Frame, Option<Vec<u8>>), Failure> {

@@ -50,6 +50,7 @@ pub fn run(args: &Reproduce000Args) -> CommandResult {
         reproduce::tables(&mut page, &rows, &parts);
         folder.write("rows.csv", &csv_text(&rows)?)?;
         folder.write("report.html", page.finish().as_bytes())?;
+        folder.finish()?;
     }
     reproduce::print(&rows, args.json)
 }

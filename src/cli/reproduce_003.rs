@@ -65,8 +65,9 @@ pub fn run(args: &Reproduce003Args) -> CommandResult {
     let renderer =
         (!args.no_frames).then(|| Renderer::new(args.backend)).transpose().map_err(Failure::fail)?;
     let rows = reproduce_003::run(&inputs, &problem, renderer.as_ref()).map_err(|e| inputs_text.refuse(e))?;
-    if let Some(folder) = &folder {
-        write(folder, &rows)?;
+    if let Some(folder) = folder {
+        write(&folder, &rows)?;
+        folder.finish()?;
     }
     reproduce::print(&rows, args.json)
 }

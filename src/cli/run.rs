@@ -35,7 +35,7 @@ pub struct RunArgs {
     /// In place of the config's.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Where frames are rendered; auto takes any adapter, hardware first, else the CPU path.
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
     /// Leave out the second run without control that the report shows beside.
@@ -176,6 +176,7 @@ fn claim(job: &Job, out: &Path) -> Result<RunFolder, Failure> {
 pub fn folder_failure(error: RunFolderError) -> Failure {
     match error {
         RunFolderError::Taken { .. } => Failure::refuse(error),
+        RunFolderError::Output(error) => error.into(),
         other => Failure::fail(other),
     }
 }

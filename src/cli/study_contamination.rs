@@ -46,6 +46,7 @@ pub fn run(args: &StudyContaminationArgs) -> CommandResult {
         })?;
     if let Some(folder) = folder {
         folder.write("report.html", page(&study)?.as_bytes())?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

@@ -62,8 +62,9 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
     })
     .map_err(Failure::fail)?;
     bar.finish_and_clear();
-    if let Some(folder) = &folder {
-        write(folder, &study)?;
+    if let Some(folder) = folder {
+        write(&folder, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

@@ -34,7 +34,9 @@ pub fn run(args: &StudyDeflectionArgs) -> CommandResult {
     let beam = beam(&text)?;
     let study = beam.run(&args.at).map_err(|e| text.refuse(e))?;
     if let Some(out) = &args.out {
-        write(&StudyFolder::claim(out)?, &beam, &study)?;
+        let folder = StudyFolder::claim(out)?;
+        write(&folder, &beam, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

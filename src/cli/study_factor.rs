@@ -49,7 +49,9 @@ pub fn run(args: &StudyFactorArgs) -> CommandResult {
     }
     let study = config.run().map_err(|e| text.refuse(e))?;
     if let Some(out) = &args.out {
-        write(&StudyFolder::claim(out)?, &study)?;
+        let folder = StudyFolder::claim(out)?;
+        write(&folder, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&Output { fitted: fitted.as_ref(), study: &study })?);

@@ -1,10 +1,10 @@
 //! Files of the studies: configs in, a folder with tables, plots and a page out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::Failure;
 use crate::config::{self, ConfigError};
-use crate::run_folder::write_atomically;
+use crate::files::OutputFolder;
 
 /// A config's text and the name errors give it.
 pub struct ConfigText {
@@ -47,44 +47,32 @@ impl ConfigText {
     }
 }
 
-/// A folder for a study's output.
-pub struct StudyFolder {
-    path: PathBuf,
-}
+/// A folder for a study's output, which stands in its place once it is finished.
+pub struct StudyFolder(OutputFolder);
 
 impl StudyFolder {
     /// Takes a folder that is absent or empty.
     ///
     /// # Errors
-    /// Exit 2 for one that holds anything, 3 for one that cannot be read.
+    /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be written.
     pub fn claim(path: &Path) -> Result<Self, Failure> {
-        match std::fs::read_dir(path).map(|mut entries| entries.next().is_some()) {
-            Ok(true) => {
-                return Err(Failure::refuse(format!(
-                    "{}: is not empty; --out must be absent or empty",
-                    path.display()
-                )));
-            }
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotADirectory => {
-                return Err(Failure::refuse(format!(
-                    "{}: is a file; --out must be a folder",
-                    path.display()
-                )));
-            }
-            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Failure::fail(format!("{}: cannot be read: {cause}", path.display())));
-            }
-            _ => {}
-        }
-        Ok(Self { path: path.to_owned() })
+        Ok(Self(OutputFolder::claim(path)?))
     }
 
-    /// Writes a file under a temporary name and renames it.
+    /// Writes a file.
     ///
     /// # Errors
     /// Exit 3 where the disk or the permissions refuse.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        write_atomically(&self.path.join(name), bytes).map_err(Failure::fail)
+        Ok(self.0.write(name, bytes)?)
+    }
+
+    /// Puts the folder in its place.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn finish(self) -> Result<(), Failure> {
+        Ok(self.0.finish()?)
     }
 }
 

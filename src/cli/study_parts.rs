@@ -61,8 +61,9 @@ pub fn run(args: &StudyPartsArgs) -> CommandResult {
     })
     .map_err(Failure::fail)?;
     bar.finish_and_clear();
-    if let Some(folder) = &folder {
-        write(folder, &job, &study)?;
+    if let Some(folder) = folder {
+        write(&folder, &job, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

@@ -52,7 +52,9 @@ pub fn run(args: &StudyStabilityArgs) -> CommandResult {
     settings.validate().map_err(|e| text.refuse(e))?;
     let study = stability::run(&settings, &job.part.station_z_mm());
     if let Some(out) = &args.out {
-        write(&StudyFolder::claim(out)?, &study)?;
+        let folder = StudyFolder::claim(out)?;
+        write(&folder, &study)?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", json_text(&study)?);

@@ -83,10 +83,11 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
             Some(class_figures(Class::Mixed, n, args.seed, &renderer).map_err(Failure::fail)?)
         }
     };
-    if let Some(folder) = &folder {
+    if let Some(folder) = folder {
         folder.write("uncertainty.json", json_text(&result)?.as_bytes())?;
         let page = page(&result, scenes.as_ref()).map_err(Failure::fail)?;
         folder.write("report.html", page.as_bytes())?;
+        folder.finish()?;
     }
     if args.json {
         say_line!("{}", serde_json::json!({ "uncertainty": result, "rendered": scenes }));

@@ -23,7 +23,7 @@ pub struct StudyWashersArgs {
     out: Option<PathBuf>,
 }
 
-/// Runs the study; exit 1 where the gauge is worse than the plain method.
+/// Runs the study; exit 1 where a bootstrap finds the gauge worse than the plain method.
 ///
 /// # Errors
 /// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be read and parts that cannot be
@@ -41,6 +41,7 @@ pub fn run(args: &StudyWashersArgs) -> CommandResult {
         for (name, svg) in pictures {
             folder.write(&name, svg.as_bytes())?;
         }
+        folder.finish()?;
     }
     let misses = study.misses();
     if args.json {
@@ -125,6 +126,7 @@ fn print(study: &WashersStudy) {
         );
     };
     [&study.ours, &study.level_crossing, &study.optical].into_iter().chain(&study.balls).for_each(row);
+    print_comparisons(study);
     say_line!(
         "\n{:<12} {:>12} {:>9} {:>12} {:>9}   machine - method, um",
         "picture",
@@ -145,5 +147,17 @@ fn print(study: &WashersStudy) {
             o.residual_um[0],
             o.residual_um[1]
         );
+    }
+}
+
+fn print_comparisons(study: &WashersStudy) {
+    say_line!(
+        "\nsplit by number (every second part), scale and offset from one half, residuals of the other; um"
+    );
+    say_line!("{:<20} {:>8} {:>10} {:>20}", "figure", "ours", "level", "difference");
+    for c in &study.comparisons {
+        let what = format!("{} {}", SIDES[c.side], c.figure);
+        let interval = format!("{:+.2} to {:+.2}", c.difference_um[0], c.difference_um[1]);
+        say_line!("{what:<20} {:>8.2} {:>10.2} {interval:>20}  {}", c.ours_um, c.plain_um, c.verdict.word());
     }
 }

@@ -1,19 +1,20 @@
 //! Re-measurement after the finishing pass and the alarm (paper 000): is the part within its limits?
 //!
-//! Decision rule of ISO 14253-1: with the expanded uncertainty U = k·u a station conforms where D ± U lies within the
-//! limits, does not conform where D ± U lies outside, and is undecided in between.
+//! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a limit, with the stated probability; else it
+//! is undecided.
 
-use crate::profile::{DiameterProfile, Reading};
+use crate::conformity::{Decision, DecisionRule, Estimate, MANY};
+use crate::profile::{DiameterProfile, Station};
 
-/// Limits of size and the coverage factor of the decision.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// Limits of size and the decision rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Lower limit of the diameter, mm.
     pub lower_mm: f64,
     /// Upper limit of the diameter, mm.
     pub upper_mm: f64,
-    /// k of U = k·u; 2 for about 95 %.
-    pub coverage: f64,
+    /// The rule, with its probability.
+    pub rule: DecisionRule,
 }
 
 /// What is known of a station.
@@ -26,7 +27,7 @@ pub enum Conformity {
     Undersize,
     /// Proven above the upper limit: another pass can mend it.
     Oversize,
-    /// Within U of a limit.
+    /// Too close to a limit for its uncertainty.
     Undecided,
     /// No reading.
     Unmeasured,
@@ -49,7 +50,7 @@ pub struct Verdict {
 pub enum PartConformity {
     /// Proven within the limits at every station.
     Conforms,
-    /// Nowhere proven outside, but not proven inside everywhere: within U of a limit, or not measured.
+    /// Nowhere proven outside, but not proven inside everywhere: too close to a limit, or not measured.
     NotProven,
     /// Proven outside at a station.
     Violates,
@@ -73,7 +74,7 @@ impl Verdict {
         let why = self.alarm.as_deref().unwrap_or("there is no station");
         match self.part() {
             PartConformity::Conforms => {
-                "in tolerance at every station, proven with the expanded uncertainty".to_owned()
+                "in tolerance at every station, proven with its uncertainty".to_owned()
             }
             PartConformity::NotProven => format!("NOT PROVEN IN TOLERANCE: {why}"),
             PartConformity::Violates => format!("OUT OF TOLERANCE: {why}"),
@@ -83,15 +84,14 @@ impl Verdict {
 
 /// Judges a re-measured part.
 pub fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
-    let stations: Vec<Conformity> =
-        measured.stations.iter().map(|s| judge_station(&s.reading, limits)).collect();
+    let stations: Vec<Conformity> = measured.stations.iter().map(|s| judge_station(s, limits)).collect();
     let count = |what: Conformity| stations.iter().filter(|s| **s == what).count();
     let conforming = count(Conformity::Conforms);
     let worst = [
         (Conformity::Undersize, "undersize"),
         (Conformity::Oversize, "oversize"),
         (Conformity::Unmeasured, "not measured"),
-        (Conformity::Undecided, "within the expanded uncertainty of a limit"),
+        (Conformity::Undecided, "too close to a limit for its uncertainty"),
     ];
     let parts: Vec<String> = worst
         .iter()
@@ -105,19 +105,15 @@ pub fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
     Verdict { conforming, alarm: (!parts.is_empty()).then(|| parts.join("; ")), stations }
 }
 
-fn judge_station(reading: &Reading, limits: &Limits) -> Conformity {
-    let Some(d) = reading.value() else {
+fn judge_station(station: &Station, limits: &Limits) -> Conformity {
+    let Some(d) = station.reading.value() else {
         return Conformity::Unmeasured;
     };
-    let expanded = limits.coverage * d.u_mm();
-    let (low, high) = (d.d_mm - expanded, d.d_mm + expanded);
-    if low >= limits.lower_mm && high <= limits.upper_mm {
-        Conformity::Conforms
-    } else if high < limits.lower_mm {
-        Conformity::Undersize
-    } else if low > limits.upper_mm {
-        Conformity::Oversize
-    } else {
-        Conformity::Undecided
+    let estimate = Estimate::of(&d, station.freedom.unwrap_or(MANY));
+    match limits.rule.decide(&estimate, limits.lower_mm, limits.upper_mm) {
+        Decision::Conforms => Conformity::Conforms,
+        Decision::TooSmall => Conformity::Undersize,
+        Decision::TooLarge => Conformity::Oversize,
+        Decision::NotProven => Conformity::Undecided,
     }
 }

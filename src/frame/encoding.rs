@@ -64,7 +64,7 @@ impl fmt::Display for Encoding {
         }
         let power = self.light_at_quarters[1].ln() / 0.5_f64.ln();
         if self.is_same(&Self::of(|v| v.powf(power))) {
-            return write!(f, "a power of {:.4}", power.recip());
+            return write!(f, "a power of {:.3}", power.recip());
         }
         let [a, b, c] = self.light_at_quarters;
         write!(f, "a curve (light {a:.3}, {b:.3}, {c:.3} at 1/4, 1/2, 3/4 of full scale)")
@@ -81,7 +81,7 @@ mod tests {
         let srgb = Encoding::of(|v| ((v + 0.055) / 1.055).powf(2.4));
         assert!(srgb.is_same(&Encoding::SRGB) && !power.is_same(&srgb));
         assert!(!power.is_linear() && Encoding::of(|v| v.powf(1.0)).is_linear());
-        assert_eq!(power.to_string(), "a power of 0.4545");
+        assert_eq!(power.to_string(), "a power of 0.455");
         assert_eq!((srgb.to_string(), Encoding::default().to_string()), ("sRGB".into(), "linear".into()));
         assert_eq!(power.impossible(), None);
         assert_eq!(Encoding { light_at_quarters: [0.5, 0.2, 0.9] }.impossible(), Some(0.2));

@@ -237,6 +237,8 @@ pub struct WidthReading {
     pub u_levels_px: f64,
     /// Standard uncertainty of the width by what the residual may hide, beyond what the calibration's masters left, px.
     pub u_misfit_px: f64,
+    /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
+    pub u_clipped_px: f64,
     /// Standard uncertainty of the width by the blur's, px.
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
@@ -252,6 +254,7 @@ impl WidthReading {
     pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
         let chord = Pose::of(edges).chord_factor();
         let over = ColumnMeans::over(edges, columns)?;
+        let clipped = edges.clipped_variance().min(over.u_shared_px.powi(2));
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
         Some(Self {
             column_px: over.column_px,
@@ -260,8 +263,9 @@ impl WidthReading {
             chord,
             u_noise_px: over.own_variance_px2.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2)).max(0.0).sqrt(),
+            u_levels_px: (over.u_shared_px.powi(2) - over.u_misfit_px.powi(2) - clipped).max(0.0).sqrt(),
             u_misfit_px: over.u_misfit_px,
+            u_clipped_px: clipped.sqrt(),
             u_blur_px,
             u_sigma_px,
             figures: edges.figures,
@@ -299,6 +303,7 @@ impl WidthReading {
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
         let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
+        let clipped = edges.clipped_variance().min(shared - misfit);
         Some(Self {
             column_px: largest.column_px,
             column_variance_px2: 0.0,
@@ -306,8 +311,9 @@ impl WidthReading {
             chord: 1.0,
             u_noise_px: noise.sqrt(),
             quantisation_share: quantisation_share(edges),
-            u_levels_px: (shared - misfit).sqrt(),
+            u_levels_px: (shared - misfit - clipped).sqrt(),
             u_misfit_px: misfit.sqrt(),
+            u_clipped_px: clipped.sqrt(),
             u_blur_px,
             u_sigma_px,
             figures: edges.figures,
@@ -386,6 +392,7 @@ impl WidthReading {
         for (source, input, u_px) in [
             ("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px),
             ("misfit of the edge model", misfit, self.u_misfit_px),
+            ("light beyond the end of the grey scale", width(self.u_clipped_px), self.u_clipped_px),
         ] {
             budget.push(Contribution {
                 source: source.to_owned(),
@@ -555,6 +562,7 @@ mod tests {
             quantisation_share: 0.25,
             u_levels_px: 0.0,
             u_misfit_px: 0.0,
+            u_clipped_px: 0.0,
             u_blur_px: 0.0,
             u_sigma_px: 0.0,
             form: Scatter::Known { u_px: 0.0, freedom: 1.0 },

@@ -19,6 +19,7 @@ use super::edge_misfit::EdgeMisfit;
 use super::edge_table::EdgeTable;
 use super::edges::{FrameEdges, FrameFigures};
 use super::settings::EsfModel;
+use crate::frame::Encoding;
 
 /// Version of the file format.
 pub const CALIBRATION_VERSION: u32 = 1;
@@ -140,6 +141,16 @@ pub enum CalibrationError {
         /// Version in the file.
         found: u32,
     },
+    /// Frames whose grey values were encoded otherwise than the masters'.
+    #[error(
+        "the file encodes its grey values otherwise than the calibration's frames: {found} here, which there {calibrated}; record as then, or calibrate anew"
+    )]
+    OtherEncoding {
+        /// The frame's encoding.
+        found: Encoding,
+        /// What is known of the masters'.
+        calibrated: String,
+    },
     /// Edges of another model than the masters'.
     #[error(
         "the masters' edges were fitted by the edge-spread function {calibrated}, asked for is {asked}: measure as calibrated (--esf), or calibrate anew"
@@ -196,6 +207,10 @@ pub struct Calibration {
     /// master was seen, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_model: Option<String>,
+    /// How the files of its frames encoded light: the offset holds for it alone, since an encoding that is not quite what the file states
+    /// moves the edges of masters and parts alike. `None` where no frame was seen, and in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub encoding: Option<Encoding>,
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
@@ -254,6 +269,7 @@ impl Calibration {
             edge_model: None,
             edge_table: None,
             conditions: None,
+            encoding: None,
         })
     }
 
@@ -272,6 +288,7 @@ impl Calibration {
             edge_model: None,
             edge_table: None,
             conditions: None,
+            encoding: None,
         }
     }
 
@@ -325,6 +342,27 @@ impl Calibration {
         }
     }
 
+    /// Keeps how the files of its frames encoded light.
+    #[must_use]
+    pub fn with_encoding(self, encoding: Encoding) -> Self {
+        Self { encoding: Some(encoding), ..self }
+    }
+
+    /// Refuses a frame whose file encoded light otherwise than those of the calibration's frames. A calibration of an earlier
+    /// version took encoded values as they stood: for linear frames alone it still holds. A bare scale holds for all.
+    ///
+    /// # Errors
+    /// Where both are known and differ.
+    pub fn check_encoding(&self, found: Encoding) -> Result<(), CalibrationError> {
+        let calibrated = match &self.encoding {
+            Some(own) if own.is_same(&found) => return Ok(()),
+            None if found.is_linear() || (self.masters.is_empty() && self.bench.is_none()) => return Ok(()),
+            Some(own) => format!("was {own}"),
+            None => "is not known (a calibration of an earlier version)".to_owned(),
+        };
+        Err(CalibrationError::OtherEncoding { found, calibrated })
+    }
+
     /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
     /// the other way round.
     pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
@@ -356,6 +394,7 @@ impl Calibration {
             edge_model: None,
             edge_table: None,
             conditions: None,
+            encoding: None,
         }
     }
 
@@ -388,6 +427,10 @@ impl Calibration {
                 value: c,
                 right: "a positive semidefinite matrix",
             });
+        }
+        if let Some(value) = calibration.encoding.and_then(|e| e.impossible()) {
+            let right = "shares of light from 0 to 1 that grow";
+            return Err(CalibrationError::Value { key: "encoding.light_at_quarters", value, right });
         }
         let misfit = calibration.misfit.as_ref().and_then(|m| m.impossible());
         let table = calibration.edge_table.as_ref().and_then(|t| t.impossible());

@@ -122,6 +122,9 @@ pub struct FrameEdges {
     pub shared_length: [f32; 2],
     /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`MISFIT_BLOCK`] columns of the upper and lower edge.
     pub misfit_px: [Vec<f32>; 2],
+    /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower edge states, px, √2 for their common lens
+    /// included; 0 where nothing is clipped.
+    pub clipped_px: [f64; 2],
     /// The frame's own figures.
     pub figures: FrameFigures,
 }
@@ -152,6 +155,11 @@ impl FrameEdges {
     pub(crate) fn misfit_variance(&self, column: usize) -> f64 {
         let side = |side: &Vec<f32>| side.get(column / MISFIT_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
         self.misfit_px.iter().map(side).sum()
+    }
+
+    /// Variance of a width by what is clipped of both edges' shapes, px².
+    pub(crate) fn clipped_variance(&self) -> f64 {
+        self.clipped_px.iter().map(|u| u * u).sum()
     }
 
     /// Shadow width (bottom − top) of a column, px, where both edges are usable.

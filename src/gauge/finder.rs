@@ -7,6 +7,7 @@
 
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
+use super::censored::Ends;
 use super::coarse::Coarse;
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
@@ -73,7 +74,7 @@ struct Scene {
     /// Mean levels of both sides, counts.
     dark: f64,
     light: f64,
-    clip: [Option<f32>; 2],
+    ends: [Option<Ends>; 2],
     quantised: bool,
 }
 
@@ -82,7 +83,7 @@ impl Scene {
     /// were centred.
     fn is_noisy(&self, width: usize) -> bool {
         let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
-        self.clip == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
+        self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
     }
 }
 
@@ -160,10 +161,7 @@ impl EdgeStream {
             return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
         }
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
-        let scale = Scale {
-            clip: view.full_scale().map(|full| sign * full),
-            floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 },
-        };
+        let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
         with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
     }
 
@@ -306,7 +304,7 @@ impl EdgeStream {
     fn learn(&mut self, scene: &Scene, out: &mut FrameEdges) {
         for _ in 0..LESSONS {
             let [top, bottom] = &mut self.sides;
-            let clipped = scene.clip.map(|c| c.is_some());
+            let clipped = scene.ends.map(|ends| ends.is_some());
             let learnt = (!clipped[0] && top.learn(&out.top), !clipped[1] && bottom.learn(&out.bottom));
             if learnt == (false, false) {
                 return;
@@ -390,7 +388,7 @@ impl EdgeStream {
                 ),
             ));
         }
-        Ok(Scene { noise, dark, light, clip: [top.clip, bottom.clip], quantised: scale.floor > 0.0 })
+        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], quantised: scale.floor > 0.0 })
     }
 
     /// Whether most columns of a side have no window because it would reach beyond the field.
@@ -417,7 +415,8 @@ impl EdgeStream {
             return Some(given);
         }
         let [top, bottom] = [&self.sides[0].survey.spread, &self.sides[1].survey.spread];
-        let in_dark = top[0].with(bottom[0]).variance()?;
+        // Crushed shadow states no noise of its own.
+        let in_dark = top[0].with(bottom[0]).variance().or_else(|| top[1].with(bottom[1]).variance())?;
         let in_light = top[1].with(bottom[1]).variance().unwrap_or(in_dark);
         Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
     }
@@ -434,13 +433,13 @@ impl EdgeStream {
     }
 
     fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
-        let refine = |side: &mut SideState, clip: Option<f32>| match clip {
+        let refine = |side: &mut SideState, ends: Option<Ends>| match ends {
             Some(_) => side.blur = BlurEstimate::uniform(sigma),
             None => side.refine_blur(&scene.noise, sigma),
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        both(splits, || refine(top, scene.clip[0]), || refine(bottom, scene.clip[1]));
+        both(splits, || refine(top, scene.ends[0]), || refine(bottom, scene.ends[1]));
     }
 
     /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
@@ -450,13 +449,13 @@ impl EdgeStream {
         }
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        let settle = |side: &mut SideState, clip: Option<f32>, line: &[Edge]| {
-            clip.is_none() && side.settle_blur(&scene.noise, line)
+        let settle = |side: &mut SideState, ends: Option<Ends>, line: &[Edge]| {
+            ends.is_none() && side.settle_blur(&scene.noise, line)
         };
         let (a, b) = both(
             splits,
-            || settle(top, scene.clip[0], &out.top),
-            || settle(bottom, scene.clip[1], &out.bottom),
+            || settle(top, scene.ends[0], &out.top),
+            || settle(bottom, scene.ends[1], &out.bottom),
         );
         a || b
     }
@@ -464,17 +463,17 @@ impl EdgeStream {
     /// Fits both sides, their levels pooled before where `pool`; false without levels.
     fn fit(&mut self, scene: &Scene, out: &mut FrameEdges, pool: bool) -> bool {
         let settings = &self.settings;
-        let fit = |side: &mut SideState, clip, line: &mut Vec<Edge>| {
+        let fit = |side: &mut SideState, ends, line: &mut Vec<Edge>| {
             let there = !pool || side.pool_levels(&scene.noise, scene.dark, scene.light, settings.levels);
             if there {
-                side.fit(settings, &scene.noise, clip, line);
+                side.fit(settings, &scene.noise, ends, line);
             }
             there
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&mut out.top, &mut out.bottom);
-        let (a, b) = both(splits, || fit(top, scene.clip[0], upper), || fit(bottom, scene.clip[1], lower));
+        let (a, b) = both(splits, || fit(top, scene.ends[0], upper), || fit(bottom, scene.ends[1], lower));
         if !(a && b) {
             return false;
         }
@@ -484,6 +483,7 @@ impl EdgeStream {
         for (stated, side) in out.misfit_px.iter_mut().zip(&self.sides) {
             stated.clone_from(&side.stated);
         }
+        out.clipped_px = [self.sides[0].clipped_px, self.sides[1].clipped_px];
         if self.settings.rejection == Rejection::Full {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
@@ -497,7 +497,7 @@ impl EdgeStream {
         if valid < LEAST_VALID {
             let reason = most_common(out).unwrap_or(Reason::NoEdge);
             if reason == Reason::Saturated {
-                let detail = "the light beside the edges lies more than 1.5 times beyond full scale, or nothing but it is seen: expose less";
+                let detail = "light or shadow is clipped at the end of the grey scale and the flanks of the edges do not state how far beyond it lies; expose less";
                 return Err(refused(reason, detail.to_owned()));
             }
             return Err(refused(

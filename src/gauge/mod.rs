@@ -9,6 +9,7 @@ pub mod budget;
 mod budget_conditions;
 mod calibration;
 mod caliper;
+mod censored;
 mod clipped;
 mod coarse;
 mod column_means;
@@ -24,7 +25,7 @@ mod falloff;
 mod finder;
 pub mod form;
 mod gate;
-pub mod judgement;
+mod grey_ends;
 mod lanes;
 mod learn;
 mod levels;
@@ -41,10 +42,10 @@ pub mod size;
 pub mod statistics;
 
 mod settings;
+mod shape_terms;
 mod side;
 mod station;
 mod table;
-pub mod tolerance;
 pub mod turn_form;
 mod window;
 

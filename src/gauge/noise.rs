@@ -35,6 +35,11 @@ impl NoiseModel {
         (self.offset + self.gain * level).max(self.floor)
     }
 
+    /// Smallest variance taken seriously, counts².
+    pub(crate) fn floor(&self) -> f64 {
+        self.floor
+    }
+
     /// κ of the scoring tables: (v_light − v_dark)/v_mid, kept where weights stay finite.
     pub(crate) fn kappa(&self, dark: f64, light: f64) -> f64 {
         let (low, high) = (self.variance(dark), self.variance(light));

@@ -238,7 +238,9 @@ mod tests {
 
     fn profile(pass: u32, d: impl Fn(usize) -> f64) -> DiameterProfile {
         let reading = |d_mm| Reading::Value(Diameter { d_mm, u_random_mm: 2e-4, u_common_mm: 1e-3 });
-        let stations = (0..20).map(|k| Station { z_mm: 5.0 * k as f64, reading: reading(d(k)) }).collect();
+        let stations = (0..20)
+            .map(|k| Station { z_mm: 5.0 * k as f64, reading: reading(d(k)), freedom: None })
+            .collect();
         DiameterProfile { pass, stations }
     }
 

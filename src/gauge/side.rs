@@ -1,6 +1,7 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
 use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
+use super::censored::Ends;
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
 use super::columns::{ColumnJob, score_columns};
@@ -9,17 +10,16 @@ use super::edges::{Edge, MISFIT_BLOCK};
 use super::esf::EdgeShape;
 use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
+use super::grey_ends::{self, Elsewhere};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
 use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
-use super::settings::{GaugeSettings, Levels, Rejection};
+use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{Side, Windows};
 use crate::profile::Reason;
 
-/// Fraction of flat light pixels at full scale above which the light counts as clipped.
-const CLIPPED_FRACTION: f64 = 1e-3;
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
 /// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
@@ -44,6 +44,8 @@ pub(crate) struct SideState {
     pub(crate) rows: Vec<CoarseEdge>,
     /// What a misfit of the edge model states, px, one for every block of columns.
     pub(crate) stated: Vec<f32>,
+    /// Standard uncertainty of an edge by what is clipped of its shape, px.
+    pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
     /// The edge-spread function fitted.
@@ -64,8 +66,6 @@ pub(crate) struct SideState {
 /// What is known of the sensor before a frame is looked at.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
-    /// Full scale; negative for a lit part, whose grey values are turned round: then it is the shadow's end that clips.
-    pub(crate) clip: Option<f32>,
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
     pub(crate) floor: f64,
 }
@@ -87,8 +87,8 @@ impl Scale {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) levels: LevelSums,
-    /// Full scale, where the side's light (or the lit part, negative) stands at it.
-    pub(crate) clip: Option<f32>,
+    /// Where the side's grey values are clipped, in the dark and in the light; none where they are not.
+    pub(crate) ends: Option<Ends>,
     /// Noise in the shadow and in the light.
     pub(crate) spread: [Spread; 2],
 }
@@ -115,6 +115,7 @@ impl SideState {
             jump: f64::INFINITY,
             rows: Vec::new(),
             stated: Vec::new(),
+            clipped_px: 0.0,
             expected: None,
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
@@ -148,7 +149,7 @@ impl SideState {
 
     /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
     pub(crate) fn teach(&self, lesson: &mut MisfitLesson, side: usize, line: &[Edge]) {
-        if self.survey.clip.is_none() {
+        if self.survey.ends.is_none() {
             let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
             let view = SideView { windows, shape, dark: &self.dark, light: &self.light, slope };
             lesson.add(side, &view, line, |column| self.sigma_at(column));
@@ -244,18 +245,47 @@ impl SideState {
     /// What the windows say of levels and noise before the other side is known.
     pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
         let levels = self.level_sums();
-        let clip = scale.clip.filter(|clip| self.clipped_fraction(*clip) > CLIPPED_FRACTION);
         let mut spread = [Spread::default(); 2];
+        let least = scale.least((levels.light - levels.dark) / levels.count.max(1.0));
         if estimate_noise && levels.count > 0.0 {
-            let least = scale.least((levels.light - levels.dark) / levels.count);
-            for (in_light, spread) in [false, true].into_iter().zip(&mut spread) {
-                if !(in_light && clip.is_some_and(|clip| clip > 0.0)) {
-                    self.collect_differences(in_light);
-                    *spread = Spread::of(&self.differences, least);
-                }
-            }
+            spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
-        self.survey = Survey { levels, clip, spread };
+        let ends = if levels.count > 0.0 { self.ends(scale, levels, spread, least) } else { None };
+        match ends {
+            // What is clipped does not scatter as it would.
+            Some(Ends { high, .. }) if high.is_finite() => spread[1] = Spread::default(),
+            Some(_) => spread[0] = Spread::default(),
+            None => {}
+        }
+        self.survey = Survey { levels, ends, spread };
+    }
+
+    fn spread(&mut self, in_light: bool, least: f32) -> Spread {
+        self.collect_differences(in_light);
+        Spread::of(&self.differences, least)
+    }
+
+    /// Where the grey values of the side are clipped.
+    fn ends(&mut self, scale: Scale, levels: LevelSums, spread: [Spread; 2], least: f32) -> Option<Ends> {
+        use grey_ends::Level::{Dark, Light};
+        let clear = |level, pool: &mut Vec<f32>| !grey_ends::may_end(&self.windows, level, pool);
+        let mut floats = std::mem::take(&mut self.floats);
+        if clear(Light, &mut floats) & clear(Dark, &mut floats) {
+            self.floats = floats;
+            return None;
+        }
+        let noise = [false, true].map(|in_light| {
+            let known = spread[usize::from(in_light)].variance();
+            known.or_else(|| self.spread(in_light, least).variance()).map_or(f64::NAN, f64::sqrt)
+        });
+        let mean = [levels.dark, levels.light].map(|sum| sum / levels.count);
+        let elsewhere = Elsewhere { noise, levels: mean, whole: scale.floor > 0.0 };
+        let mut squares = std::mem::take(&mut self.differences);
+        let mut find =
+            |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));
+        let (low, high) = (find(Dark), find(Light));
+        (self.floats, self.differences) = (floats, squares);
+        Ends::of(low, high)
     }
 
     fn level_sums(&self) -> LevelSums {
@@ -299,21 +329,6 @@ impl SideState {
             taken += flat;
         }
         out.truncate(taken);
-    }
-
-    /// Fraction of the flat pixels that stand at full scale: those in the light, or those of a lit part.
-    fn clipped_fraction(&self, clip: f32) -> f64 {
-        let windows = &self.windows;
-        let (mut at_clip, mut all) = (0_u32, 0_u32);
-        let used = windows.width - 1;
-        let ends = if clip > 0.0 { used - windows.flat..used } else { 0..windows.flat };
-        for column in (0..windows.centre.len()).step_by(8).filter(|c| windows.centre[*c].is_ok()) {
-            for value in &windows.of(column)[ends.clone()] {
-                at_clip += u32::from(if clip > 0.0 { *value >= clip } else { *value <= clip });
-                all += 1;
-            }
-        }
-        f64::from(at_clip) / f64::from(all.max(1))
     }
 
     /// Pools the levels along the shaft; false without a column.
@@ -407,26 +422,13 @@ impl SideState {
         &mut self,
         settings: &GaugeSettings,
         noise: &NoiseModel,
-        clip: Option<f32>,
+        ends: Option<Ends>,
         line: &mut Vec<Edge>,
     ) {
         line.clear();
-        let freedom = match clip {
-            Some(clip) => {
-                self.expected.iter_mut().for_each(Expected::start);
-                // Of a lit part the ground is what is dark.
-                let lit = clip < 0.0;
-                let level = if lit { self.light.mean } else { self.dark.mean };
-                let start = ClippedStart {
-                    dark: level.abs(),
-                    variance: noise.variance(level),
-                    clip: f64::from(clip.abs()),
-                    fraction: self.clipped_fraction(clip),
-                };
-                let mirrored = lit.then(|| self.windows.mirrored());
-                let windows = mirrored.as_ref().unwrap_or(&self.windows);
-                clipped::fit_side(windows, &self.slope, start, line)
-            }
+        self.clipped_px = 0.0;
+        let freedom = match ends {
+            Some(ends) => self.fit_clipped(settings, noise, ends, line),
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
@@ -435,6 +437,37 @@ impl SideState {
             self.rows.clear();
             self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
         }
+    }
+
+    /// Fits a side whose light or shadow is clipped; gives the degrees of freedom to test residuals with.
+    fn fit_clipped(
+        &mut self,
+        settings: &GaugeSettings,
+        noise: &NoiseModel,
+        ends: Ends,
+        line: &mut Vec<Edge>,
+    ) -> f64 {
+        self.expected.iter_mut().for_each(Expected::start);
+        let start = ClippedStart {
+            shape: &self.shape,
+            levels: [&self.dark, &self.light],
+            sigma: self.blur.mean(),
+            sigma_is_given: matches!(settings.blur, Blur::Given { .. }),
+            variance: noise.variance(self.dark.mean),
+            floor: noise.floor(),
+            ends,
+        };
+        let Some(side) = clipped::fit_side(&self.windows, &self.slope, &start, line) else { return 4.0 };
+        self.blur = BlurEstimate::uniform(side.sigma);
+        // Blur and shape are shared by all columns.
+        let length = line.len() as f32;
+        for (curve, level) in [&mut self.dark, &mut self.light].into_iter().zip(side.levels) {
+            curve.mean = level.iter().map(|l| f64::from(*l)).sum::<f64>() / level.len().max(1) as f64;
+            curve.level = level;
+            curve.length = length;
+        }
+        self.clipped_px = side.u_px;
+        side.freedom
     }
 
     fn fit_columns(&mut self, settings: &GaugeSettings, noise: &NoiseModel, line: &mut Vec<Edge>) -> f64 {

@@ -180,7 +180,7 @@ impl StationAverager {
         let mut fits: Vec<Result<AngleFit, Reason>> =
             self.sums.iter().map(|sums| self.fit(sums, None)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
-        if let Some(pooled) = pooled {
+        if let Some((pooled, _)) = pooled {
             for (fit, sums) in fits.iter_mut().zip(&self.sums) {
                 let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > FAR * pooled);
                 if let Some(better) = far.then(|| self.without_matter(sums, pooled)).flatten() {
@@ -188,12 +188,7 @@ impl StationAverager {
                 }
             }
         }
-        let stations = self
-            .z_mm
-            .iter()
-            .zip(&fits)
-            .map(|(z_mm, fit)| Station { z_mm: *z_mm, reading: reading(fit, pooled) })
-            .collect();
+        let stations = self.z_mm.iter().zip(&fits).map(|(z_mm, fit)| station(*z_mm, fit, pooled)).collect();
         DiameterProfile { pass, stations }
     }
 
@@ -268,9 +263,9 @@ fn fit_lobes(angles: &[(f64, f64)]) -> LobeFit {
     LobeFit { mean_mm, gain: 1.0 / n as f64, residual: 0.0, freedom: 0.0, solution: vec![mean_mm] }
 }
 
-/// Variance of one angle pooled over the stations: those beyond seven times the median's estimate are left out (below 0.1 % of
+/// Variance of one angle, mm², pooled over the stations, and its degrees of freedom: those beyond seven times the median's estimate are left out (below 0.1 % of
 /// good ones with three degrees of freedom). `None` without freedom.
-fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<f64> {
+fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<(f64, f64)> {
     let mut all: Vec<(f64, f64)> =
         fits.map(|f| &f.lobes).filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -278,26 +273,36 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<f64> 
     let limit = FAR * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
     let kept = || all.iter().filter(|v| v.0 <= limit);
     let total: f64 = kept().map(|v| v.1).sum();
-    (total > 0.0).then(|| kept().map(|v| v.0 * v.1).sum::<f64>() / total)
+    (total > 0.0).then(|| (kept().map(|v| v.0 * v.1).sum::<f64>() / total, total))
 }
 
-fn reading(fit: &Result<AngleFit, Reason>, pooled: Option<f64>) -> Reading {
+fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>) -> Station {
+    let gap = |reason| Station { z_mm, reading: Reading::Gap(reason), freedom: None };
     let fit = match fit {
         Ok(fit) => fit,
-        Err(reason) => return Reading::Gap(*reason),
+        Err(reason) => return gap(*reason),
     };
-    let one_angle = match pooled {
-        Some(pooled) if fit.lobes.residual > FAR * pooled => fit.lobes.residual,
+    let (one_angle, freedom) = match pooled {
+        Some((pooled, _)) if fit.lobes.residual > FAR * pooled => (fit.lobes.residual, fit.lobes.freedom),
         Some(pooled) => pooled,
         // One angle a station: what form and texture do to it is unknown, and so is its uncertainty.
-        None => return Reading::Gap(Reason::TooFewColumns),
+        None => return gap(Reason::TooFewColumns),
     };
-    Reading::Value(Diameter {
+    let scatter = fit.lobes.gain * one_angle;
+    let diameter = Diameter {
         d_mm: fit.lobes.mean_mm,
-        u_random_mm: (fit.lobes.gain * one_angle).max(fit.noise).sqrt(),
+        u_random_mm: scatter.max(fit.noise).sqrt(),
         u_common_mm: fit.common_mm,
-    })
+    };
+    // Welch-Satterthwaite (GUM G.4.1): of scatter alone the degrees of freedom are counted, noise is known.
+    let freedom = (scatter >= fit.noise && scatter > 0.0)
+        .then(|| freedom.max(1.0) * (diameter.u_mm().powi(2) / scatter).powi(2))
+        .filter(|freedom| *freedom < MANY_FREEDOM);
+    Station { z_mm, reading: Reading::Value(diameter), freedom }
 }
+
+/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95 %.
+const MANY_FREEDOM: f64 = 1000.0;
 
 #[cfg(test)]
 mod tests {

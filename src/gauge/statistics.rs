@@ -32,6 +32,16 @@ pub enum StatisticsError {
         /// Their standard deviation.
         sd: f64,
     },
+    /// The readings scatter no more than their own noise.
+    #[error(
+        "the standard deviation {sd:.3e} is not above what the readings' own random uncertainty, {noise:.3e}, explains"
+    )]
+    OnlyNoise {
+        /// Standard deviation of the readings.
+        sd: f64,
+        /// Root mean square of their random standard uncertainties.
+        noise: f64,
+    },
 }
 
 /// How successive readings are averaged.
@@ -238,6 +248,20 @@ impl RunningStatistics {
         Ok(Capability { index, lower: index - half, upper: index + half })
     }
 
+    /// Whether the scatter is more than that of noise of a variance, at a risk of an error of the first kind (one-sided χ² test).
+    ///
+    /// # Errors
+    /// Fewer than two values; scatter that noise explains.
+    pub fn exceeds_noise(&self, variance: f64, risk: f64) -> Result<(), StatisticsError> {
+        let too_few = || StatisticsError::TooFew { found: self.count, sd: self.sd() };
+        let freedom = self.count.checked_sub(1).filter(|n| *n > 0).ok_or_else(too_few)? as f64;
+        let quantile = ChiSquared::new(freedom).map_err(|_| too_few())?.inverse_cdf(1.0 - risk) / freedom;
+        if self.sd().powi(2) > quantile * variance {
+            return Ok(());
+        }
+        Err(StatisticsError::OnlyNoise { sd: self.sd(), noise: variance.sqrt() })
+    }
+
     fn check(&self, lower: f64, upper: f64, confidence: f64) -> Result<(), StatisticsError> {
         if self.sd().is_nan() || self.sd() <= 0.0 {
             return Err(StatisticsError::TooFew { found: self.count, sd: self.sd() });
@@ -328,6 +352,8 @@ mod tests {
         }
         assert_eq!((s.count(), s.mean() - 1e9, s.extremes()), (4, 10.0, Some((1e9 + 4.0, 1e9 + 16.0))));
         assert!((s.sd() - 30f64.sqrt()).abs() < 1e-9 && (s.u_mean() - 7.5f64.sqrt()).abs() < 1e-9);
+        // Four values of 30 against their noise: χ²(0.95; 3)/3 = 2.605.
+        assert!(s.exceeds_noise(30.0 / 2.606, 0.05).is_ok() && s.exceeds_noise(30.0 / 2.604, 0.05).is_err());
         assert!(s.cp(0.0, -1.0, 0.95).is_err() && RunningStatistics::default().cpk(0.0, 1.0, 0.95).is_err());
     }
 

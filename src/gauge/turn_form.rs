@@ -14,8 +14,9 @@ use std::f64::consts::TAU;
 
 use super::diameter::ColumnDiameters;
 use super::form::{
-    Cutoff, FormError, Reference, StraightnessReference, Turn, TurnHarmonics, circular_run_out, harmonics,
-    least_squares_circle, polar_profile, roundness, silhouette_cylinder, straightness, total_run_out,
+    Cutoff, FormError, Reference, StraightnessReference, Turn, TurnHarmonics, circular_run_out,
+    circumscribed_cylinder, harmonics, least_squares_circle, polar_profile, roundness, silhouette_cylinder,
+    straightness, total_run_out,
 };
 use super::size::turn_sizes;
 use super::station::variance_of_mean;
@@ -105,6 +106,17 @@ pub struct PartForm {
     pub refused: Vec<(f64, String)>,
 }
 
+/// The least circumscribed cylinder over all sections: the envelope of a shaft (ISO 14405-1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Envelope {
+    /// Its diameter, mm.
+    pub diameter_mm: f64,
+    /// Random standard uncertainty, mm: the tangents it rests on balance, so that none has more than half the weight, u(2R) ≤ √2·u(edge).
+    pub u_random_mm: f64,
+    /// Sections it was taken over.
+    pub sections: usize,
+}
+
 struct Section {
     z_mm: f64,
     turn: Turn,
@@ -140,6 +152,31 @@ impl TurnAverager {
         }
     }
 
+    /// The envelope over all sections, after the filter around each.
+    ///
+    /// # Errors
+    /// The first section that makes no turn, with its place; fewer than three sections.
+    pub fn envelope(&self, cutoff: Cutoff) -> Result<Envelope, String> {
+        let mut samples = Vec::new();
+        let mut u_edge_mm: f64 = 0.0;
+        for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
+            let (turn, _, u_mm) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
+            let support = super::form::gaussian_closed(&turn.support_mm(), cutoff);
+            let n = support.len() as f64;
+            samples.extend(support.iter().enumerate().map(|(i, h)| [*z_mm, TAU * i as f64 / n, *h]));
+            u_edge_mm = u_edge_mm.max(u_mm);
+        }
+        if self.z_mm.len() < 3 {
+            return Err(format!("{} sections are seen, and three at least show an axis", self.z_mm.len()));
+        }
+        let cylinder = circumscribed_cylinder(&samples).map_err(|e| e.to_string())?;
+        Ok(Envelope {
+            diameter_mm: 2.0 * cylinder.radius,
+            u_random_mm: std::f64::consts::SQRT_2 * u_edge_mm,
+            sections: self.z_mm.len(),
+        })
+    }
+
     /// Ends the scan.
     pub fn finish(&self, cutoff: Cutoff) -> PartForm {
         let mut part = PartForm::default();
@@ -157,6 +194,13 @@ impl TurnAverager {
 }
 
 fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Section, FormError> {
+    let (turn, angles, u_edge_mm) = section_turn(sums)?;
+    let form = section_form(z_mm, &turn, angles, cutoff, u_edge_mm)?;
+    Ok(Section { z_mm, turn, form })
+}
+
+/// A section's turn, how many angles of it were seen and whether of half a turn only, and the standard uncertainty of one edge, mm.
+fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, (usize, bool), f64), FormError> {
     let good: Vec<(f64, &Sums)> = sums
         .iter()
         .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
@@ -172,9 +216,7 @@ fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Sect
     let (turn, half_turn) = turn_of(&readings)?;
     let variance = good.iter().map(|(_, s)| variance_of_mean(s.n, s.own, s.shared, s.length)).sum::<f64>()
         / good.len() as f64;
-    let u_edge_mm = (0.5 * variance).sqrt();
-    let form = section_form(z_mm, &turn, (readings.len(), half_turn), cutoff, u_edge_mm)?;
-    Ok(Section { z_mm, turn, form })
+    Ok((turn, (readings.len(), half_turn), (0.5 * variance).sqrt()))
 }
 
 /// The turn, and whether only half of it was seen.

@@ -97,32 +97,6 @@ impl Windows {
         &self.pixels[column * self.width..(column + 1) * self.width]
     }
 
-    /// The same windows read from the other end, with grey values turned round: a lit part's, whose light lies within.
-    pub(crate) fn mirrored(&self) -> Self {
-        let side = if self.side == Side::Top { Side::Bottom } else { Side::Top };
-        let mut pixels = Vec::with_capacity(self.pixels.len());
-        for column in 0..self.centre.len() {
-            // The last pixel of a window is a spare.
-            let used = self.width - 1;
-            pixels.extend(self.of(column)[..used].iter().rev().map(|m| -m));
-            pixels.push(0.0);
-        }
-        let turned = |values: &[f32]| values.iter().map(|v| -v).collect();
-        Self {
-            side,
-            width: self.width,
-            flat: self.flat,
-            pixels,
-            centre: self.centre.clone(),
-            start: turned(&self.start),
-            dark: turned(&self.light),
-            light: turned(&self.dark),
-            centred: self.centred,
-            centroid: -self.centroid,
-            tile: Vec::new(),
-        }
-    }
-
     /// Row of a place in a column's window; NaN without a window.
     pub(crate) fn row(&self, column: usize, x: f32) -> f64 {
         match self.centre[column] {

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{ChangePosition, Spindle};
+
 /// The control a program is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -39,7 +41,7 @@ impl Dialect {
         }
     }
 
-    /// Whether the mean of a correction goes into the wear register.
+    /// Whether a program can write the wear register.
     pub fn has_wear_register(self) -> bool {
         self == Self::Fanuc
     }
@@ -65,27 +67,90 @@ impl Dialect {
                 vec!["%".into(), format!("O{program:04} {title}"), "G18 G21 G40 G99".into()]
             }
             Self::Linuxcnc => {
-                vec!["%".into(), title, "G7 G18 G21 G40 G49 G80 G90 G95".into()]
+                // no G49: the tool that is in use keeps its offset until the change position is reached
+                vec!["%".into(), title, "G7 G18 G21 G40 G80 G90 G95".into()]
             }
         }
     }
 
     /// Constant cutting speed under a speed limit, spindle on.
-    pub(super) fn spindle(self, speed_m_per_min: f64, limit: u32) -> Vec<String> {
+    pub(super) fn spindle(self, speed_m_per_min: f64, limit: u32, sense: Spindle) -> Vec<String> {
         let speed = speed_m_per_min.round();
+        let code = match sense {
+            Spindle::M03 => 3,
+            Spindle::M04 => 4,
+        };
         match self {
-            Self::Fanuc | Self::Gsk => vec![format!("G50 S{limit}"), format!("G96 S{speed:.0} M03")],
-            Self::Linuxcnc => vec![format!("G96 D{limit}. S{speed_m_per_min:.1} M3")],
+            Self::Fanuc | Self::Gsk => vec![format!("G50 S{limit}"), format!("G96 S{speed:.0} M{code:02}")],
+            Self::Linuxcnc => vec![format!("G96 D{limit}. S{speed_m_per_min:.1} M{code}")],
         }
     }
 
-    /// Tool call; on a Fanuc it makes the wear offset act.
-    pub(super) fn tool(self, tool: u32, wear: u32) -> Vec<String> {
+    /// Tool call; it makes offset `offset` act where the control has offset numbers.
+    pub(super) fn tool(self, tool: u32, offset: u32) -> Vec<String> {
         match self {
-            Self::Fanuc => vec![format!("T{tool:02}{wear:02}")],
-            Self::Gsk => vec![format!("T{tool:02}{tool:02}")],
+            Self::Fanuc | Self::Gsk => vec![format!("T{tool:02}{offset:02}")],
             Self::Linuxcnc => vec![format!("T{tool} M6"), "G43".into()],
         }
+    }
+
+    /// Whether the change position is the machine's reference point (G28), which no offset moves.
+    pub(super) fn changes_at_reference(self) -> bool {
+        self != Self::Linuxcnc
+    }
+
+    /// To the change position, X alone and then Z.
+    pub(super) fn to_change(self, change: ChangePosition) -> Vec<String> {
+        if self.changes_at_reference() {
+            return vec!["G28 U0.".into(), "G28 W0.".into()];
+        }
+        vec![format!("G00 X{}", number(change.x_mm, 3)), format!("Z{}", number(change.z_mm, 3))]
+    }
+
+    /// From the change position, where the tool was called, to the clear diameter above `z`.
+    pub(super) fn approach(self, change: ChangePosition, z: f64, clear_mm: f64) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.changes_at_reference() {
+            // the offset of the tool just called acts from here on
+            lines.push(format!("G00 X{}", number(change.x_mm, 3)));
+        }
+        lines.push(format!("G00 Z{}", number(z, 3)));
+        lines.push(format!("X{}", number(clear_mm, 3)));
+        lines
+    }
+
+    /// `wear_x`, and where the answer stands. Numbers of Fanuc's parameters as in its parameter manuals for lathes.
+    pub(super) fn look_up_wear_x(self) -> &'static str {
+        match self {
+            Self::Gsk => {
+                "wear_x = \"diameter\" or \"radius\" (how X of a tool offset is taken: bit ORC of the state parameters; its \
+                 number differs between versions, see the control's manual)"
+            }
+            _ => {
+                "wear_x = \"diameter\" or \"radius\" (how X of a tool offset is taken: parameter 5004 bit 1, ORC; 0 is \
+                 diameter, 1 radius)"
+            }
+        }
+    }
+
+    /// `geometry_offset`, and where the answer stands.
+    pub(super) fn look_up_geometry_offset(self) -> &'static str {
+        match self {
+            Self::Gsk => {
+                "geometry_offset = \"by_tool\" or \"by_offset\" (which digits of T0101 choose the tool's offset: chapter on \
+                 the tool function in the control's manual)"
+            }
+            _ => {
+                "geometry_offset = \"by_tool\" or \"by_offset\" (which digits of T0116 choose the geometry offset: \
+                 parameter 5002 bit 1, LGN; 0 is by_offset, 1 by_tool)"
+            }
+        }
+    }
+
+    /// `spindle`, and where the answer stands.
+    pub(super) fn look_up_spindle(self) -> &'static str {
+        "spindle = \"M03\" or \"M04\" (the sense in which the part meets the tool's edge: given by where the turret \
+         stands, in the machine builder's manual)"
     }
 
     /// Stops with an alarm where `left op right` holds; `label` is unique in the program.

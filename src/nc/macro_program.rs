@@ -12,7 +12,11 @@
 //! the cut the corrections are checked against a limit; after it the part is measured again.
 
 use super::dialect::{Dialect, number};
-use super::{LineFit, NcError, NcSettings};
+use super::machine::Direction;
+use super::route::{Workpiece, round3};
+use super::skeleton::{self, Skeleton};
+use super::turning::Written;
+use super::{LineFit, NcError, NcSettings, replay};
 use crate::plan::CuttingData;
 
 /// Start of what was probed, as a share of the length: the paper's first point.
@@ -21,7 +25,7 @@ const X_START: f64 = 1.0 / 6.0;
 const COEFFICIENT_DECIMALS: usize = 6;
 
 /// A finishing pass by macro variables.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct MacroProgram<'a> {
     /// #802 and #803, in `unit_mm`.
     pub line: LineFit,
@@ -29,10 +33,8 @@ pub struct MacroProgram<'a> {
     pub unit_mm: f64,
     /// #800 and #801: diameters to be cut at start and end, mm.
     pub diameter_mm: (f64, f64),
-    /// Length of the part, mm; its free end lies at Z = length.
-    pub length_mm: f64,
-    /// Diameter before the pass, mm.
-    pub before_mm: f64,
+    /// The part before the pass; its free end lies at Z = length.
+    pub piece: Workpiece,
     /// Number of the pass.
     pub pass: u32,
     /// Feed and speed.
@@ -70,44 +72,83 @@ impl MacroProgram<'_> {
         MacroValues { v804, v805, v810, v811, v812 }
     }
 
-    /// The program's text.
+    /// Commanded diameter at `z`: the inverse of the error line, mm.
+    fn cone_mm(&self, z: f64) -> f64 {
+        let x = (self.piece.length_mm - z) / self.piece.length_mm;
+        let v = self.values();
+        v.v812 + (v.v811 - v.v812) * x
+    }
+
+    /// The program's text, replayed from every start position.
     ///
     /// # Errors
-    /// Settings out of range, or a cone beyond the correction limit.
-    pub fn write(&self, dialect: Dialect) -> Result<String, NcError> {
-        self.settings.validate()?;
+    /// Settings out of range, a cone beyond the correction limit, what the control leaves open, a block that touches.
+    pub fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
+        let (s, v) = (self.settings, self.values());
+        s.validate()?;
         self.check()?;
-        let s = self.settings;
-        let mut lines = dialect.start(s.program, &format!("PART {} PASS {} LINE", s.part_number, self.pass));
-        lines.push(dialect.comment("error line B X + A from the semi-finished part, unit of B and A:"));
-        lines.push(dialect.comment(&format!("{} mm", number(self.unit_mm, 6))));
-        lines.extend(self.variables(dialect));
-        lines.extend(self.guards(dialect));
-        lines.extend(self.cut(dialect));
-        if let (Some(measure), Some((low, high))) = (s.remeasure, self.limits_mm) {
-            lines.push(format!("M{:02}", measure.m_code));
-            let smallest = format!("#{}", measure.smallest_variable);
-            let largest = format!("#{}", measure.largest_variable);
-            lines.extend(dialect.alarm_if(106, (&smallest, "LT", &number(low, 4)), "PART UNDERSIZE"));
-            lines.extend(dialect.alarm_if(107, (&largest, "GT", &number(high, 4)), "PART OVERSIZE"));
+        let nominal = self.diameter_mm.0.max(self.diameter_mm.1);
+        let route = skeleton::check(s, &self.piece, nominal, dialect)?;
+        let skeleton = Skeleton {
+            dialect,
+            settings: s,
+            piece: &self.piece,
+            route,
+            cutting: self.cutting,
+            pass: self.pass,
+            wear_mm: 0.0,
+            limits_mm: self.limits_mm,
+        };
+        if Self::z_at_chuck(&skeleton) >= self.piece.length_mm * (1.0 - X_START) {
+            return Err(NcError::Plan(format!(
+                "the cut would end at Z {} mm, before the first point of the line: lower nc.least_z_mm",
+                Self::z_at_chuck(&skeleton)
+            )));
         }
-        lines.extend(dialect.end());
-        Ok(lines.join("\n") + "\n")
+        let mut lines = self.head(&skeleton);
+        lines.extend(self.variables(dialect));
+        lines.extend(self.guards(&skeleton));
+        lines.extend(self.far_end(&skeleton));
+        lines.extend(skeleton.approach());
+        lines.extend(skeleton.cut(&self.points(&skeleton)));
+        lines.extend(skeleton.after());
+        let text = lines.join("\n") + "\n";
+        let ends = [0.0, self.piece.length_mm].map(|z| (z, self.cone_mm(z)));
+        replay::check(&text, &skeleton.scene(ends.to_vec()))?;
+        Ok(Written { text, cut: v, uncut: skeleton.uncut() })
+    }
+
+    fn head(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let (v, cutting) = (self.values(), self.cutting);
+        let about = [
+            format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
+            format!(
+                "aim {} to {} mm from {} mm, v {} m/min, f {} mm/rev",
+                number(self.diameter_mm.0, 4),
+                number(self.diameter_mm.1, 4),
+                number(self.piece.before_mm, 4),
+                cutting.speed_m_per_min,
+                cutting.feed_mm_per_rev
+            ),
+            "error line B X + A from the semi-finished part, in the path".to_owned(),
+            format!("unit of B and A: {} mm", number(self.unit_mm, 6)),
+        ];
+        let title = format!("PART {} PASS {} LINE", self.settings.part_number, self.pass);
+        skeleton.head(&title, &about, v.v811.min(v.v812))
     }
 
     fn check(&self) -> Result<(), NcError> {
         let v = self.values();
-        let numbers = [v.v810, v.v811, v.v812, self.length_mm, self.before_mm, self.unit_mm];
+        let numbers = [v.v810, v.v811, v.v812, self.piece.length_mm, self.piece.before_mm, self.unit_mm];
         if numbers.iter().any(|n| !(n.is_finite() && *n > 0.0)) {
             return Err(NcError::Plan("diameters, length and unit must be positive".into()));
         }
         let limit = self.settings.correction_limit_mm;
         let (start, end) = self.diameter_mm;
-        for (z_mm, x_mm, nominal) in [
-            (self.length_mm, v.v812, start),
-            (self.length_mm * (1.0 - X_START), v.v810, start),
-            (0.0, v.v811, end),
-        ] {
+        let length = self.piece.length_mm;
+        for (z_mm, x_mm, nominal) in
+            [(length, v.v812, start), (length * (1.0 - X_START), v.v810, start), (0.0, v.v811, end)]
+        {
             let (low_mm, high_mm) = (nominal - limit, nominal + limit);
             if !(low_mm..=high_mm).contains(&x_mm) {
                 return Err(NcError::Range { x_mm, z_mm, low_mm, high_mm });
@@ -135,42 +176,44 @@ impl MacroProgram<'_> {
         lines
     }
 
-    fn identity(&self) -> String {
-        number(f64::from(self.settings.part_number) * 100.0 + f64::from(self.pass % 100), 0)
-    }
-
-    fn guards(&self, dialect: Dialect) -> Vec<String> {
+    fn guards(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let limit = number(self.settings.correction_limit_mm, 4);
-        let mut lines = dialect.alarm_if(101, ("#820", "EQ", &self.identity()), "OFFSET WAS USED ALREADY");
+        let mut lines = skeleton.once("OFFSET WAS USED ALREADY");
         for (label, difference) in [(102, "ABS[#800-#810]"), (103, "ABS[#801-#811]"), (104, "ABS[#800-#812]")]
         {
-            lines.extend(dialect.alarm_if(label, (difference, "GT", &limit), "CORRECTION OUT OF RANGE"));
+            let condition = (difference, "GT", limit.as_str());
+            lines.extend(skeleton.dialect.alarm_if(label, condition, "CORRECTION OUT OF RANGE"));
         }
         lines
     }
 
-    fn cut(&self, dialect: Dialect) -> Vec<String> {
-        let s = self.settings;
-        let clear = number(self.before_mm + s.clearance_mm, 3);
-        let mut lines = dialect.tool(s.tool, s.tool);
-        lines.extend(dialect.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min));
-        lines.push(format!("G00 X{clear}"));
-        lines.push(format!("Z{}", number(self.length_mm + s.lead_in_mm, 3)));
-        lines.push("X#812".to_owned());
-        lines.push(format!(
-            "G01 Z{} F{}",
-            number(self.length_mm, 3),
-            number(self.cutting.feed_mm_per_rev, 4)
-        ));
-        lines.push(format!("X#810 Z{}", number(self.length_mm * (1.0 - X_START), 4)));
-        // the last point of the part lies at the chuck: the cone ends clear of it, on the same line
-        let share = (self.length_mm - s.least_z_mm) / self.length_mm;
+    /// Z of the cut's end at the chuck.
+    fn z_at_chuck(skeleton: &Skeleton<'_>) -> f64 {
+        skeleton.route.z_first.min(skeleton.route.z_last)
+    }
+
+    /// The last point of the part lies at the chuck: the cone ends clear of it, on the same line.
+    fn far_end(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+        let length = self.piece.length_mm;
+        let share = (length - Self::z_at_chuck(skeleton)) / length;
         let rest = number((share - X_START) / (1.0 - X_START), 9);
-        lines.push(format!("#813=[#810+[#811-#810]*{rest}]"));
-        lines.push(format!("X#813 Z{}", number(s.least_z_mm, 3)));
-        lines.push(format!("G00 X{clear}"));
-        lines.push(format!("Z{}", number(self.length_mm + s.lead_in_mm, 3)));
-        lines.push(format!("#820={}", self.identity()));
-        lines
+        vec![skeleton.dialect.comment("the cone at the chuck"), format!("#813=[#810+[#811-#810]*{rest}]")]
+    }
+
+    /// From the free end to the chuck, level in the air beyond the end face; or the other way.
+    fn points(&self, skeleton: &Skeleton<'_>) -> Vec<(String, f64)> {
+        let (length, route) = (self.piece.length_mm, &skeleton.route);
+        let sixth = round3(length * (1.0 - X_START));
+        let beyond = route.z_first.max(route.z_last);
+        let mut points = vec![
+            ("#812".to_owned(), beyond),
+            ("#812".to_owned(), round3(length)),
+            ("#810".to_owned(), sixth),
+            ("#813".to_owned(), Self::z_at_chuck(skeleton)),
+        ];
+        if self.piece.direction == Direction::TowardsTailstock {
+            points.reverse();
+        }
+        points
     }
 }

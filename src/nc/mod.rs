@@ -5,22 +5,37 @@
 //! there, before the tool call that activates it, and the shape goes into G01 knots; elsewhere the path carries both.
 //! No path ever holds what the register holds. What rounding leaves of the offsets is given back to the controller.
 //!
+//! Every program moves to its change position first, X alone and then Z, calls the tool only there, comes down to the
+//! part in the air, enters and leaves the stock radially in feed and cuts the part from end to end. Before it is handed
+//! out it is read again by [`replay`] and moved, from every side, among the solids that stand around the part.
+//!
 //! What could be verified: programs of the `linuxcnc` dialect are read by LinuxCNC's stand-alone interpreter in the
 //! tests. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD family, both from common
 //! usage, not checked against the makers' manuals; neither was run on a control, and the user alarm G65 H99 of `gsk`
 //! is unverified. Run such programs dry, above the part, first.
 
 mod dialect;
+mod header;
 mod line;
+mod machine;
 mod macro_program;
 mod path;
+pub mod replay;
+mod route;
+mod skeleton;
+mod surroundings;
 mod turning;
 
 pub use dialect::Dialect;
 pub use line::{LineFit, fit_line};
+pub use machine::{
+    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, Tailstock, Travel,
+    WearX,
+};
 pub use macro_program::{MacroProgram, MacroValues};
 pub use path::{Path, dry_run};
-pub use turning::TurningProgram;
+pub use route::Workpiece;
+pub use turning::{TurningProgram, Written};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -54,6 +69,26 @@ pub enum NcError {
         /// Largest diameter allowed.
         high_mm: f64,
     },
+    /// The control leaves open what the machine's data do not state.
+    #[error(
+        "{dialect} leaves open what the machine's data must state (nc --machine FILE, [nc.machine]): {missing}"
+    )]
+    Unstated {
+        /// The dialect.
+        dialect: &'static str,
+        /// Keys, and where the answer stands.
+        missing: String,
+    },
+    /// A block of the finished program does what it must not.
+    #[error("the program is refused: block {block} ({text}): {what}")]
+    Block {
+        /// Number of the line, from 1.
+        block: usize,
+        /// The line.
+        text: String,
+        /// What it does.
+        what: String,
+    },
 }
 
 /// Measuring after the cut, by an M code that leaves its results in macro variables.
@@ -82,11 +117,11 @@ pub struct NcSettings {
     pub part_number: u32,
     /// Clear of the stock's diameter on approach and retract, mm of diameter.
     pub clearance_mm: f64,
-    /// Path before the first station, in the air, mm.
+    /// Path beyond the end face of the part, in the air, mm; at most 0.5 mm of it where a centre stands there.
     pub lead_in_mm: f64,
-    /// Path after the last station, mm; it must stay clear of the chuck.
+    /// Not used any more: the path ends at `least_z_mm`. Read so that older files stay valid.
     pub lead_out_mm: f64,
-    /// Least Z that the tool may reach, mm from the chuck face.
+    /// Least Z that the nose of the tool may reach, mm from the chuck face: what lies below stays uncut.
     pub least_z_mm: f64,
     /// Spindle speed limit under constant cutting speed, 1/min.
     pub speed_limit_per_min: u32,
@@ -98,6 +133,29 @@ pub struct NcSettings {
     pub correction_limit_mm: f64,
     /// Re-measure after the cut and raise an alarm outside the limits.
     pub remeasure: Option<Remeasure>,
+    /// How the control takes X of a wear offset; no default for fanuc and gsk.
+    pub wear_x: Option<WearX>,
+    /// Which digits of a T word choose the geometry offset; no default for fanuc and gsk.
+    pub geometry_offset: Option<GeometryOffset>,
+    /// Sense of the spindle; no default for fanuc and gsk, M03 for linuxcnc.
+    pub spindle: Option<Spindle>,
+    /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a place to go to for
+    /// linuxcnc.
+    pub change_position: Option<ChangePosition>,
+    /// Nose radius of the tool, mm; 0.8 where it is not stated.
+    pub nose_radius_mm: Option<f64>,
+    /// The tool behind its nose; only the nose is replayed where it is not stated.
+    pub holder: Option<Holder>,
+    /// Chuck and jaws; nothing may move behind Z = 0 where they are not stated.
+    pub chuck: Option<Chuck>,
+    /// `"none"` or a centre; a large centre is assumed where it is not stated.
+    pub tailstock: Option<Tailstock>,
+    /// Steady rests; those of the run's `process.support` where they are not stated.
+    pub steady_rests: Option<Vec<Obstacle>>,
+    /// The gauge head where it is parked.
+    pub gauge_head: Option<Obstacle>,
+    /// Travel limits of the tip.
+    pub travel: Option<Travel>,
 }
 
 impl Default for NcSettings {
@@ -116,6 +174,17 @@ impl Default for NcSettings {
             knot_tolerance_mm: 0.0002,
             correction_limit_mm: 0.3,
             remeasure: None,
+            wear_x: None,
+            geometry_offset: None,
+            spindle: None,
+            change_position: None,
+            nose_radius_mm: None,
+            holder: None,
+            chuck: None,
+            tailstock: None,
+            steady_rests: None,
+            gauge_head: None,
+            travel: None,
         }
     }
 }
@@ -150,6 +219,7 @@ impl NcSettings {
         for (key, value) in [("nc.lead_out_mm", self.lead_out_mm), ("nc.least_z_mm", self.least_z_mm)] {
             require(value >= 0.0 && value.is_finite(), key, value, "a length of 0 mm or more")?;
         }
+        self.validate_surroundings()?;
         let knots = self.least_knots;
         require((2..=1000).contains(&knots), "nc.least_knots", knots as f64, "a number of 2 to 1000")
     }

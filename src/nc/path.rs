@@ -1,12 +1,12 @@
 //! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry run.
 
-use super::{Dialect, NcError, NcSettings};
+use super::{Dialect, NcError, NcSettings, WearX};
 use crate::plan::{DiameterOffset, PassPlan};
 
-/// A path from the tailstock to the chuck.
+/// A path over the stations; programs run on level to the ends of the cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// (Z, X) of every knot in the order of cutting, as they stand in the program, mm.
+    /// (Z, X) of every knot from the tailstock to the chuck, as they stand in the program, mm.
     pub knots: Vec<(f64, f64)>,
     /// What the wear register adds to X, mm of diameter (−ō, rounded; 0 without one).
     pub wear_mm: f64,
@@ -23,15 +23,17 @@ impl Path {
         settings.validate()?;
         check(plan, settings)?;
         let decimals = dialect.x_decimals();
-        let wear_mm = if dialect.has_wear_register() {
+        let wear_mm = if settings.uses_wear_register(dialect) {
             let mean = plan.offset.o_mm.iter().sum::<f64>() / plan.offset.o_mm.len() as f64;
-            round(-mean, decimals)
+            // a register in radius holds half of it: what its rounding leaves goes into the path
+            let unit = settings.wear_x.map_or(1.0, WearX::diameter_per_unit);
+            unit * round(-mean / unit, decimals)
         } else {
             0.0
         };
         let mut count = settings.least_knots;
         loop {
-            let knots = sample(plan, settings, wear_mm, count, decimals);
+            let knots = sample(plan, wear_mm, count, decimals);
             let path = Self { in_force: in_force(plan, &knots, wear_mm), knots, wear_mm };
             let rounding = 1.5 * 10f64.powi(-(decimals as i32));
             let close = path.largest_departure(plan) <= settings.knot_tolerance_mm + rounding;
@@ -57,11 +59,10 @@ impl Path {
                 return Err(NcError::Range { x_mm, z_mm, low_mm, high_mm });
             }
         }
-        let least = self.knots.iter().map(|k| k.0).fold(f64::INFINITY, f64::min);
-        if least < settings.least_z_mm {
+        if settings.least_z_mm > plan.station_z_mm[0] {
             return Err(NcError::Plan(format!(
-                "the path would reach Z = {least} mm, nc.least_z_mm is {}: shorten nc.lead_out_mm",
-                settings.least_z_mm
+                "nc.least_z_mm = {} lies beyond the first station at Z = {} mm: it would not be cut",
+                settings.least_z_mm, plan.station_z_mm[0]
             )));
         }
         Ok(self)
@@ -95,28 +96,19 @@ fn round(value: f64, decimals: usize) -> f64 {
     (value * scale).round() / scale
 }
 
-/// Knots from beyond the last station to beyond the first; beyond the stations the path stays level.
-fn sample(
-    plan: &PassPlan,
-    settings: &NcSettings,
-    wear: f64,
-    count: usize,
-    decimals: usize,
-) -> Vec<(f64, f64)> {
+/// Knots from the last station to the first.
+fn sample(plan: &PassPlan, wear: f64, count: usize, decimals: usize) -> Vec<(f64, f64)> {
     let z = &plan.station_z_mm;
     let (first, last) = (z[0], z[z.len() - 1]);
     let x = |at: f64| round(plan.nominal_mm - interpolate(z, &plan.offset.o_mm, at) - wear, decimals);
-    let mut knots = vec![(round(last + settings.lead_in_mm, 3), x(last))];
-    knots.extend((0..count).rev().map(|i| {
-        let at = round(first + (last - first) * i as f64 / (count - 1) as f64, 3);
-        (at, x(at))
-    }));
-    knots.push((round(first - settings.lead_out_mm, 3), x(first)));
+    let at = |i: usize| round(first + (last - first) * i as f64 / (count - 1) as f64, 3);
+    let mut knots: Vec<(f64, f64)> = (0..count).rev().map(|i| (at(i), x(at(i)))).collect();
+    knots.dedup_by(|a, b| a.0 == b.0);
     knots
 }
 
 /// Linear in z, level beyond the ends.
-fn interpolate(z: &[f64], values: &[f64], at: f64) -> f64 {
+pub(super) fn interpolate(z: &[f64], values: &[f64], at: f64) -> f64 {
     let right = z.partition_point(|&s| s < at);
     if right == 0 {
         return values[0];

@@ -1,11 +1,15 @@
 //! A turning pass with its correction as a program.
 
 use super::dialect::{Dialect, number};
-use super::{NcError, NcSettings, Path};
+use super::machine::Direction;
+use super::path::interpolate;
+use super::route::Workpiece;
+use super::skeleton::{self, Skeleton};
+use super::{NcError, NcSettings, Path, replay};
 use crate::plan::PassPlan;
 
-/// Variable that remembers part and pass of the program that ran last: common, kept at power-off on a Fanuc.
-const RAN_LAST: u32 = 820;
+/// Points of a path that lie closer than this are one, mm: the increment of Z.
+const SAME_Z_MM: f64 = 1e-3;
 
 /// A pass to be written.
 #[derive(Clone, Copy, Debug)]
@@ -14,115 +18,110 @@ pub struct TurningProgram<'a> {
     pub plan: &'a PassPlan,
     /// Machine and path.
     pub settings: &'a NcSettings,
-    /// Diameter before the pass, mm: what the approach must clear.
-    pub before_mm: f64,
+    /// The part before the pass.
+    pub piece: &'a Workpiece,
     /// Lower and upper limit for the re-measurement, mm, where the part is finished by this pass.
     pub limits_mm: Option<(f64, f64)>,
     /// Why these offsets: written into the header.
     pub reason: &'a str,
 }
 
-impl TurningProgram<'_> {
-    /// The program's text and the path it cuts.
+/// A program that was replayed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written<P> {
+    /// Its text.
+    pub text: String,
+    /// What it cuts.
+    pub cut: P,
+    /// What stays uncut, in a sentence.
+    pub uncut: String,
+}
+
+impl<'a> TurningProgram<'a> {
+    /// The program's text and the path it cuts, replayed from every start position.
     ///
     /// # Errors
-    /// As [`Path::new`], and a stock or limits that are no numbers.
-    pub fn write(&self, dialect: Dialect) -> Result<(String, Path), NcError> {
-        let path = Path::new(self.plan, self.settings, dialect)?;
-        if !(self.before_mm >= self.plan.nominal_mm && self.before_mm.is_finite()) {
+    /// As [`Path::new`]; a part that does not fit the plan; what the control leaves open; a block that touches.
+    pub fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
+        let (path, skeleton) = self.prepare(dialect)?;
+        let mut lines = self.head(&skeleton, &path);
+        lines.extend(skeleton.once("PASS WAS CUT ALREADY"));
+        lines.extend(skeleton.approach());
+        lines.extend(skeleton.cut(&points(&skeleton, &path)));
+        lines.extend(skeleton.after());
+        let text = lines.join("\n") + "\n";
+        replay::check(&text, &skeleton.scene(self.commanded()))?;
+        Ok(Written { text, cut: path, uncut: skeleton.uncut() })
+    }
+
+    /// What a program of this pass is replayed among.
+    ///
+    /// # Errors
+    /// As [`Self::write`], but for the replay.
+    pub fn scene(&self, dialect: Dialect) -> Result<replay::Scene<'a>, NcError> {
+        self.prepare(dialect).map(|(_, skeleton)| skeleton.scene(self.commanded()))
+    }
+
+    fn commanded(&self) -> Vec<(f64, f64)> {
+        self.plan.station_z_mm.iter().copied().zip(self.plan.commanded_mm()).collect()
+    }
+
+    fn prepare(&self, dialect: Dialect) -> Result<(Path, Skeleton<'a>), NcError> {
+        let (plan, s) = (self.plan, self.settings);
+        let path = Path::new(plan, s, dialect)?;
+        let route = skeleton::check(s, self.piece, plan.nominal_mm, dialect)?;
+        let last = plan.station_z_mm[plan.station_z_mm.len() - 1];
+        if last > self.piece.length_mm {
             return Err(NcError::Plan(format!(
-                "the diameter before the pass, {} mm, must not be below the nominal {} mm",
-                self.before_mm, self.plan.nominal_mm
+                "a station at Z {last} mm lies beyond the end of the part at {} mm",
+                self.piece.length_mm
             )));
         }
-        let mut lines = self.header(dialect, &path);
-        lines.extend(self.once(dialect));
-        lines.extend(self.approach(dialect, &path));
-        lines.extend(self.cut(dialect, &path));
-        lines.extend(self.after(dialect));
-        lines.extend(dialect.end());
-        Ok((lines.join("\n") + "\n", path))
+        let skeleton = Skeleton {
+            dialect,
+            settings: s,
+            piece: self.piece,
+            route,
+            cutting: plan.cutting,
+            pass: plan.pass,
+            wear_mm: path.wear_mm,
+            limits_mm: self.limits_mm,
+        };
+        Ok((path, skeleton))
     }
 
-    fn header(&self, dialect: Dialect, path: &Path) -> Vec<String> {
+    fn head(&self, skeleton: &Skeleton<'_>, path: &Path) -> Vec<String> {
         let (plan, s) = (self.plan, self.settings);
-        let mut lines = dialect.start(s.program, &format!("PART {} PASS {}", s.part_number, plan.pass));
-        let where_mean = if dialect.has_wear_register() { "in the wear register" } else { "in the path" };
-        for text in [
-            format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), dialect.as_str()),
-            format!("aim {} mm, v {} m/min", number(plan.nominal_mm, 4), plan.cutting.speed_m_per_min),
+        let register = s.uses_wear_register(skeleton.dialect);
+        let where_mean = if register { "in the wear register" } else { "in the path" };
+        let about = [
+            format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
+            format!(
+                "aim {} mm from {} mm, v {} m/min, f {} mm/rev",
+                number(plan.nominal_mm, 4),
+                number(self.piece.before_mm, 4),
+                plan.cutting.speed_m_per_min,
+                plan.cutting.feed_mm_per_rev
+            ),
             format!("{} knots, mean correction {where_mean}", path.knots.len()),
             format!("reason: {}", self.reason),
-        ] {
-            lines.push(dialect.comment(&text));
-        }
-        if dialect == Dialect::Gsk {
-            lines.push(dialect.comment("not verified on a control: run dry first"));
-        }
-        lines
+        ];
+        let smallest = plan.commanded_mm().fold(f64::INFINITY, f64::min);
+        skeleton.head(&format!("PART {} PASS {}", s.part_number, plan.pass), &about, smallest)
     }
+}
 
-    fn identity(&self) -> String {
-        let key = f64::from(self.settings.part_number) * 100.0 + f64::from(self.plan.pass % 100);
-        number(key, 0)
+/// The path's knots in the order of cutting, level from the outer ones to the ends of the cut.
+fn points(skeleton: &Skeleton<'_>, path: &Path) -> Vec<(String, f64)> {
+    let (route, decimals) = (&skeleton.route, skeleton.dialect.x_decimals());
+    let (z, x): (Vec<f64>, Vec<f64>) = path.knots.iter().rev().copied().unzip();
+    let (low, high) = (route.z_first.min(route.z_last), route.z_first.max(route.z_last));
+    let mut places: Vec<f64> =
+        z.iter().copied().filter(|z| *z > low + SAME_Z_MM && *z < high - SAME_Z_MM).collect();
+    places.insert(0, low);
+    places.push(high);
+    if skeleton.piece.direction == Direction::TowardsChuck {
+        places.reverse();
     }
-
-    /// A program cuts a part's pass once.
-    fn once(&self, dialect: Dialect) -> Vec<String> {
-        let ran = format!("#{RAN_LAST}");
-        dialect.alarm_if(101, (&ran, "EQ", &self.identity()), "PASS WAS CUT ALREADY")
-    }
-
-    fn approach(&self, dialect: Dialect, path: &Path) -> Vec<String> {
-        let s = self.settings;
-        let decimals = dialect.x_decimals();
-        let mut lines = Vec::new();
-        if dialect.has_wear_register() {
-            lines.push(dialect.comment("mean correction, absolute: a second run does not add to it"));
-            lines.push(format!("G10 P{} X{}", s.wear_offset, number(path.wear_mm, decimals)));
-        }
-        lines.extend(dialect.tool(s.tool, s.wear_offset));
-        lines.extend(dialect.spindle(self.plan.cutting.speed_m_per_min, s.speed_limit_per_min));
-        let (z, x) = path.knots[0];
-        lines.push(format!("G00 X{}", number(self.clear_mm(), 3)));
-        lines.push(format!("Z{}", number(z, 3)));
-        lines.push(format!("X{}", number(x, decimals)));
-        lines
-    }
-
-    fn clear_mm(&self) -> f64 {
-        self.before_mm + self.settings.clearance_mm
-    }
-
-    fn cut(&self, dialect: Dialect, path: &Path) -> Vec<String> {
-        let decimals = dialect.x_decimals();
-        let feed = number(self.plan.cutting.feed_mm_per_rev, 4);
-        let block = |(i, &(z, x)): (usize, &(f64, f64))| {
-            let (code, feed) = if i == 0 { ("G01 ", format!(" F{feed}")) } else { ("", String::new()) };
-            format!("{code}X{} Z{}{feed}", number(x, decimals), number(z, 3))
-        };
-        let mut lines: Vec<String> = path.knots.iter().skip(1).enumerate().map(block).collect();
-        lines.push(format!("G00 X{}", number(self.clear_mm(), 3)));
-        lines.push(format!("Z{}", number(path.knots[0].0, 3)));
-        lines.push(format!("#{RAN_LAST}={}", self.identity()));
-        lines
-    }
-
-    fn after(&self, dialect: Dialect) -> Vec<String> {
-        let s = self.settings;
-        let mut lines = Vec::new();
-        if dialect.has_wear_register() {
-            lines.push(format!("T{:02}00", s.tool));
-            lines.push(format!("G10 P{} X0.", s.wear_offset));
-        }
-        let (Some(measure), Some((low, high))) = (s.remeasure, self.limits_mm) else {
-            return lines;
-        };
-        lines.push(format!("M{:02}", measure.m_code));
-        let smallest = format!("#{}", measure.smallest_variable);
-        let largest = format!("#{}", measure.largest_variable);
-        lines.extend(dialect.alarm_if(102, (&smallest, "LT", &number(low, 4)), "PART UNDERSIZE"));
-        lines.extend(dialect.alarm_if(103, (&largest, "GT", &number(high, 4)), "PART OVERSIZE"));
-        lines
-    }
+    places.into_iter().map(|at| (number(interpolate(&z, &x, at), decimals), at)).collect()
 }

@@ -12,7 +12,7 @@ use crate::frame::{Buffer, Frame, PixelFormat};
 /// What renders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum BackendChoice {
-    /// Any adapter, hardware first; the CPU twin where there is none.
+    /// A hardware adapter; the CPU twin where there is none.
     #[default]
     Auto,
     /// A Vulkan adapter or an error.
@@ -57,29 +57,35 @@ impl Renderer {
     /// Opens the backend asked for and logs which adapter it is.
     ///
     /// # Errors
-    /// When Vulkan or GL is asked for and offers no adapter. `auto` then takes the CPU twin and says so.
+    /// When Vulkan or GL is asked for and offers no adapter. `auto` takes a hardware adapter, else the
+    /// CPU twin; software adapters only where Vulkan or GL is asked for.
     ///
     /// A device that fails later does not end the run: it goes on with the CPU twin, says so once and in
     /// [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys the device after N frames. Frames larger
     /// than the adapter's buffers are drawn by the twin, which is said once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to try it). No
     /// pixel format is beyond an adapter: images are plain buffers of packed words.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
-        let api = match choice {
-            BackendChoice::Auto => Api::Any,
-            BackendChoice::Vulkan => Api::Vulkan,
-            BackendChoice::Gl => Api::Gl,
-            BackendChoice::Cpu => return Ok(Self::twin()),
-        };
-        let renderer = match Gpu::open(api) {
-            Ok(gpu) => Self::device(gpu),
-            Err(e) if choice == BackendChoice::Auto => {
-                tracing::warn!("rendering on the CPU: {e}");
-                Self::twin()
-            }
-            Err(e) => return Err(e),
+        let renderer = match choice {
+            BackendChoice::Auto => Self::automatic(),
+            BackendChoice::Vulkan => Self::device(Gpu::open(Api::Vulkan)?),
+            BackendChoice::Gl => Self::device(Gpu::open(Api::Gl)?),
+            BackendChoice::Cpu => Self::twin(),
         };
         tracing::info!("rendering with {} on {}", renderer.backend, renderer.adapter);
         Ok(renderer)
+    }
+
+    /// A hardware adapter, or the CPU twin: where there is none, which is usual, and where the one
+    /// there is does not work, which deserves a warning.
+    fn automatic() -> Self {
+        match Gpu::open_hardware() {
+            Ok(Some(gpu)) => Self::device(gpu),
+            Ok(None) => Self::twin(),
+            Err(e) => {
+                tracing::warn!("rendering on the CPU: {e}");
+                Self::twin()
+            }
+        }
     }
 
     fn twin() -> Self {

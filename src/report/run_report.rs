@@ -142,14 +142,14 @@ fn summary(page: &mut Page, view: &RunView<'_>, rows: &Rows, reference: Option<&
     let verdict = part_verdict(view.job, &last).filter(|_| finished);
     if let (Some(verdict), Some(tolerance)) = (verdict, view.job.part.tolerance) {
         page.text(&format!(
-            "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, U = {}·u).",
+            "Finished part: {}. {} of {} stations are proven to lie within {} {:+.3}/{:+.3} mm (ISO 14253-1, {} %).",
             verdict.words(),
             verdict.conforming,
             verdict.stations.len(),
             tolerance.nominal_mm,
             tolerance.upper_mm,
             tolerance.lower_mm,
-            view.job.control.guards.coverage
+            100.0 * view.job.part.conformance_probability
         ));
     }
 }

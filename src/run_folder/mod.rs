@@ -1,6 +1,7 @@
 //! A run on disk: written pass by pass, resumed after a kill, read by `report` and `nc`.
 //!
-//! Every file is written under a temporary name and renamed. `passes.csv` is written last of a pass, so a pass that
+//! A run that writes holds the folder's lock: a second one in it is refused. Every file is written under a temporary name and renamed;
+//! what a killed run left under such names is cleared by the next. `passes.csv` is written last of a pass, so a pass that
 //! stands in it has all its data; whatever a killed run left of a later pass is overwritten. `report.html` is written
 //! last of all: a folder that has one is finished and never touched again.
 
@@ -11,8 +12,11 @@ mod tables;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
+
+use crate::files::{self, LOCK_NAME, Lock, OutputError, TEMPORARY};
 
 pub use control::{ControlRecord, PassRecord};
 pub use form_tables::{FormRow, PartFormRow};
@@ -39,6 +43,9 @@ pub enum RunFolderError {
         /// The cause underneath.
         cause: io::Error,
     },
+    /// Another run writes in the folder, or a file of it cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A file of the folder cannot be read.
     #[error("{}: cannot be read: {cause}", path.display())]
     Read {
@@ -49,10 +56,12 @@ pub enum RunFolderError {
     },
 }
 
-/// A run folder that this process writes to.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A run folder that this process reads, or has locked and writes to.
+#[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    /// Held until the last copy is dropped.
+    lock: Option<Arc<Lock>>,
 }
 
 const HASH_LINE: &str = "# config sha256 ";
@@ -61,31 +70,60 @@ impl RunFolder {
     /// Claims `path` for a run of the config `resolved_toml` with this hash, or takes up an unfinished run of the same hash.
     ///
     /// # Errors
-    /// [`RunFolderError::Taken`] for anything else in the folder; [`RunFolderError::Write`] where it cannot be made.
+    /// [`RunFolderError::Taken`] for anything else in the folder; [`RunFolderError::Output`] where another run writes in it or it cannot be
+    /// made.
     pub fn claim(path: &Path, hash: &str, resolved_toml: &str) -> Result<Self, RunFolderError> {
-        let folder = Self { path: path.to_owned() };
-        match folder.state()? {
-            State::Free => {
-                std::fs::create_dir_all(path)
-                    .map_err(|cause| RunFolderError::Write { path: path.to_owned(), cause })?;
-                folder.write("run.toml", format!("{HASH_LINE}{hash}\n{resolved_toml}").as_bytes())?;
-            }
-            State::Run { hash: found, finished: false } if found == hash => {}
-            State::Run { hash: found, finished } => {
-                let what = match (finished, found == hash) {
-                    (true, _) => "holds a finished run".to_owned(),
-                    (false, _) => {
-                        format!("holds an unfinished run of another config (hash {}…)", prefix(&found))
-                    }
-                };
-                return Err(RunFolderError::Taken { path: path.to_owned(), what });
-            }
-            State::Other(name) => {
-                let what = format!("is not empty and holds no run (found {name})");
-                return Err(RunFolderError::Taken { path: path.to_owned(), what });
-            }
+        let mut folder = Self::unlocked(path);
+        if path == Path::new("-") {
+            return Err(folder.taken("is stdout".to_owned()));
+        }
+        folder.check_free(hash)?;
+        files::make_folder(path)?;
+        folder.lock = Some(Arc::new(Lock::take(&path.join(LOCK_NAME), path)?));
+        // Whoever held it may have written since.
+        let free = folder.check_free(hash)?;
+        files::clear_temporary(path)?;
+        if free {
+            folder.write("run.toml", format!("{HASH_LINE}{hash}\n{resolved_toml}").as_bytes())?;
         }
         Ok(folder)
+    }
+
+    /// Whether the folder holds nothing; an unfinished run of this hash may be taken up.
+    fn check_free(&self, hash: &str) -> Result<bool, RunFolderError> {
+        let what = match self.state()? {
+            State::Free => return Ok(true),
+            State::Run { hash: found, finished: false } if found == hash => return Ok(false),
+            State::Run { finished: true, .. } => "holds a finished run".to_owned(),
+            State::Run { hash: found, .. } => {
+                format!("holds an unfinished run of another config (hash {}…)", prefix(&found))
+            }
+            State::Other(name) => format!("is not empty and holds no run (found {name})"),
+        };
+        Err(self.taken(what))
+    }
+
+    fn taken(&self, what: String) -> RunFolderError {
+        RunFolderError::Taken { path: self.path.clone(), what }
+    }
+
+    fn unlocked(path: &Path) -> Self {
+        Self { path: path.to_owned(), lock: None }
+    }
+
+    /// Empties a run folder whose config `may_go`; any other stays as it is.
+    ///
+    /// # Errors
+    /// Where another run writes in it, or the disk or the permissions refuse.
+    pub fn clear(path: &Path, may_go: impl Fn(&str) -> bool) -> Result<(), RunFolderError> {
+        if !Self::is_run(path) {
+            return Ok(());
+        }
+        let _lock = Lock::take(&path.join(LOCK_NAME), path)?;
+        if Self::is_run(path) && may_go(&Self::open(path)?.config_text()?) {
+            files::clear(path)?;
+        }
+        Ok(())
     }
 
     /// Opens a folder to read.
@@ -93,7 +131,7 @@ impl RunFolder {
     /// # Errors
     /// Where it holds no run.
     pub fn open(path: &Path) -> Result<Self, RunFolderError> {
-        let folder = Self { path: path.to_owned() };
+        let folder = Self::unlocked(path);
         match folder.state()? {
             State::Run { .. } => Ok(folder),
             _ => Err(RunFolderError::Read {
@@ -105,12 +143,18 @@ impl RunFolder {
 
     /// Whether the folder holds nothing but a run of this program, finished or not: `demo` may replace it.
     pub fn is_run(path: &Path) -> bool {
-        matches!(Self { path: path.to_owned() }.state(), Ok(State::Run { .. }))
+        matches!(Self::unlocked(path).state(), Ok(State::Run { .. }))
     }
 
     /// The folder's path.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The files that lie in the folder itself.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(&self.path).into_iter().flatten().filter_map(Result::ok);
+        entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect()
     }
 
     /// The resolved config as written in `run.toml`.
@@ -126,7 +170,7 @@ impl RunFolder {
     /// # Errors
     /// Where the disk or the permissions refuse.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RunFolderError> {
-        write_atomically(&self.path.join(name), bytes)
+        Ok(files::replace(&self.path.join(name), bytes)?)
     }
 
     /// Reads a text file of the folder.
@@ -142,8 +186,8 @@ impl RunFolder {
         let entries = match std::fs::read_dir(&self.path) {
             Ok(entries) => entries,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(State::Free),
-            Err(e) if e.kind() == io::ErrorKind::NotADirectory && self.path.is_file() => {
-                return Ok(State::Other("a file".to_owned()));
+            Err(e) if e.kind() == io::ErrorKind::NotADirectory && self.path.exists() => {
+                return Ok(State::Other("no folder".to_owned()));
             }
             Err(e) if e.kind() == io::ErrorKind::NotADirectory => return Ok(State::Free),
             Err(cause) => return Err(RunFolderError::Write { path: self.path.clone(), cause }),
@@ -172,22 +216,4 @@ enum State {
 
 fn prefix(hash: &str) -> &str {
     hash.get(..8).unwrap_or(hash)
-}
-
-const TEMPORARY: &str = ".tmp-";
-
-/// Writes a file under a temporary name beside its place and renames it; makes the folder above it.
-///
-/// # Errors
-/// Where the disk or the permissions refuse; nothing half-written stays under `path`.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), RunFolderError> {
-    let failed = |cause| RunFolderError::Write { path: path.to_owned(), cause };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = folder.join(format!("{TEMPORARY}{name}"));
-    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path)).map_err(|cause| {
-        std::fs::remove_file(&temporary).ok();
-        failed(cause)
-    })
 }

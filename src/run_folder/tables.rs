@@ -49,6 +49,9 @@ pub struct StationRow {
     pub flag: Option<Reason>,
     /// True mean caliper diameter, mm.
     pub true_d_mm: f64,
+    /// Effective degrees of freedom of the uncertainty; empty where they are very many, not in older tables.
+    #[serde(default)]
+    pub effective_freedom: Option<f64>,
 }
 
 impl StationRow {
@@ -66,6 +69,7 @@ impl StationRow {
                 Reading::Value(_) => None,
             },
             true_d_mm,
+            effective_freedom: station.freedom,
         }
     }
 
@@ -77,7 +81,7 @@ impl StationRow {
             }
             _ => Reading::Gap(self.flag.unwrap_or(Reason::NotScanned)),
         };
-        Station { z_mm: self.z_mm, reading }
+        Station { z_mm: self.z_mm, reading, freedom: self.effective_freedom }
     }
 }
 

@@ -29,6 +29,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
         return Err(DecodeError::NotGrey(format!("a {:?} BMP", decoder.color_type())));
     }
     decoder.read_image(&mut samples).map_err(damaged)?;
+    if channels == 4 && samples.iter().skip(3).step_by(4).all(|a| *a == 0) {
+        // A fourth byte that is 0 everywhere is no opacity but room.
+        samples.iter_mut().skip(3).step_by(4).for_each(|a| *a = u8::MAX);
+    }
     let (samples, channels) = match palette {
         Some(colours) => palette_values(samples, &colours)?,
         None => (samples, channels),

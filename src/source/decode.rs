@@ -71,14 +71,6 @@ pub enum DecodeError {
         /// Rows.
         rows: u32,
     },
-    /// A page that is not there.
-    #[error("page {page}; the file has {pages}, counted from 0")]
-    NoPage {
-        /// The page asked for.
-        page: usize,
-        /// How many there are.
-        pages: usize,
-    },
     /// A JPEG whose whole picture is kept as coefficients while it is decoded: three times the frame's memory.
     #[error("a progressive JPEG; save it as a baseline JPEG, or without loss as PNG, TIFF, BMP or PGM")]
     Progressive,
@@ -112,8 +104,8 @@ pub struct Wanted {
     pub bit_depth: Option<u8>,
     /// Channel of a colour image; without it all three must be equal.
     pub channel: Option<Channel>,
-    /// Page, from 0.
-    pub page: usize,
+    /// Where the frame begins, one of [`pages`]; `None` is the first.
+    pub place: Option<u64>,
 }
 
 /// A frame and what its file says of itself.
@@ -145,16 +137,20 @@ fn format(bytes: &[u8]) -> Option<Format> {
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Format::Tiff),
         [0xff, 0xd8, 0xff, ..] => Some(Format::Jpeg),
         [b'B', b'M', ..] => Some(Format::Bmp),
-        [b'P', b'1'..=b'7' | b'f' | b'F', next, ..] if next.is_ascii_whitespace() || *next == b'#' => {
-            Some(Format::Pnm)
-        }
+        _ if pnm::begins(bytes) => Some(Format::Pnm),
         _ => None,
     }
 }
 
-/// How many frames the bytes of a file hold: the pages of a TIFF, else one.
-pub fn pages(bytes: &[u8]) -> usize {
-    if format(bytes) == Some(Format::Tiff) { tiff::pages(bytes).len().max(1) } else { 1 }
+/// Where the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without thumbnails and masks, the images of a
+/// PGM stream; one place in every other file.
+pub fn pages(bytes: &[u8]) -> Vec<u64> {
+    let places = match format(bytes) {
+        Some(Format::Tiff) => tiff::pages(bytes),
+        Some(Format::Pnm) => pnm::pages(bytes),
+        _ => Vec::new(),
+    };
+    if places.is_empty() { vec![0] } else { places }
 }
 
 /// The first frame of an image, in grey. `bit_depth` is what is known beside the file (`frames.csv`).
@@ -176,9 +172,10 @@ pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<D
         return Err(DecodeError::Empty);
     }
     let format = format(bytes).ok_or(DecodeError::NotAnImage)?;
-    let raster = read(bytes, format, wanted.page)?;
+    let raster = read(bytes, format, wanted.place)?;
     let (columns, rows, sample_bytes) = (raster.columns, raster.rows, raster.sample_bytes());
     let (values, stated) = raster.grey(wanted.channel)?;
+    let sample_bytes = sample_bytes.max(stated.wider_bytes);
     let settled = depth::settle(values, wanted.bit_depth, stated.significant_bits, stated.full_scale)?;
     let depth::Depth { mut buffer, format: mut pixel_format, mut full_scale } = settled;
     let (mut meta, mut changed) = (meta, Vec::new());
@@ -218,23 +215,16 @@ pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<D
     Ok(Decoded { frame, scale, changed, sample_bytes })
 }
 
-fn read(bytes: &[u8], format: Format, page: usize) -> Result<Raster, DecodeError> {
-    if format == Format::Tiff {
-        let pages = tiff::pages(bytes);
-        return match pages.get(page) {
-            Some(place) => tiff::read(bytes, *place),
-            None if pages.is_empty() => Err(damaged("a TIFF without a directory of tags")),
-            None => Err(DecodeError::NoPage { page, pages: pages.len() }),
-        };
-    }
-    if page > 0 {
-        return Err(DecodeError::NoPage { page, pages: 1 });
-    }
+fn read(bytes: &[u8], format: Format, place: Option<u64>) -> Result<Raster, DecodeError> {
     match format {
         Format::Png => png::read(bytes),
         Format::Jpeg => jpeg::read(bytes),
         Format::Bmp => bmp::read(bytes),
-        Format::Pnm | Format::Tiff => pnm::read(bytes),
+        Format::Pnm => {
+            let rest = place.and_then(|at| bytes.get(usize::try_from(at).ok()?..));
+            pnm::read(rest.unwrap_or(bytes))
+        }
+        Format::Tiff => tiff::read(bytes, place.unwrap_or_else(|| pages(bytes)[0])),
     }
 }
 
@@ -351,15 +341,28 @@ mod tests {
             encoder.write_image::<::tiff::encoder::colortype::Gray8>(3, 2, &values).unwrap();
         }
         let bytes = out.into_inner();
-        assert_eq!(pages(&bytes), 3);
-        let frame = |page| {
-            decode_wanted(&bytes, &Wanted { page, ..Wanted::default() }, FrameMeta::default())
+        let places = pages(&bytes);
+        assert_eq!(places.len(), 3);
+        let frame = |place| {
+            decode_wanted(&bytes, &Wanted { place, ..Wanted::default() }, FrameMeta::default())
                 .map(|d| d.frame)
         };
-        for page in 0..3 {
-            assert_eq!(frame(page).unwrap().view().get(1, 2), Some(10.0 * page as f32 + 6.0));
+        for (page, place) in places.into_iter().enumerate() {
+            assert_eq!(frame(Some(place)).unwrap().view().get(1, 2), Some(10.0 * page as f32 + 6.0));
         }
-        assert_eq!(frame(3).unwrap_err(), DecodeError::NoPage { page: 3, pages: 3 });
+        assert_eq!(frame(None).unwrap().view().get(0, 0), Some(1.0));
+        assert!(frame(Some(1 << 40)).is_err());
+    }
+
+    #[test]
+    fn raw_images_in_one_stream_are_pages() {
+        let image = |v: u8| [b"P5 2 1 255\n".as_slice(), &[v, b'P']].concat();
+        let stream = [image(1), b"\n".to_vec(), image(2), b"P4\n9 1\n\xff\x80".to_vec()].concat();
+        let places = pages(&stream);
+        assert_eq!(places, [0, 14, 27]);
+        let wanted = Wanted { place: Some(14), ..Wanted::default() };
+        let second = decode_wanted(&stream, &wanted, FrameMeta::default()).unwrap().frame;
+        assert_eq!(second.view().get(0, 0), Some(2.0));
     }
 
     /// A grey JPEG whose start of frame is altered: (marker, rows, columns, sampling factors).

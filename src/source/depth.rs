@@ -51,7 +51,7 @@ fn octets(mut values: Vec<u8>, significant: Option<u8>, full_scale: Option<f32>)
     let mut full = full_scale;
     if let Some(bits) = bits {
         let wide = |v: &u8| u16::from(*v);
-        match spread(values.iter().map(wide), 8, bits) {
+        match spread(&values.iter().map(wide), 8, bits) {
             Some(spread) => {
                 values.iter_mut().for_each(|v| *v = spread.own(wide(v)) as u8);
                 full = Some(largest(bits) as f32);
@@ -74,7 +74,7 @@ fn words(
         let format = format_of(bits)?;
         if most > largest(bits) {
             let all = values.iter().copied();
-            let spread = spread(all, 16, bits)
+            let spread = spread(&all, 16, bits)
                 .ok_or_else(|| DecodeError::BeyondDepth { found: most.to_string(), bits })?;
             values.iter_mut().for_each(|v| *v = spread.own(*v));
         }
@@ -85,7 +85,7 @@ fn words(
         return Ok(sized(values, holding(full as u16), Some(full)));
     }
     if let Some(bits) = significant.filter(|b| (8..16).contains(b)) {
-        if let Some(spread) = spread(values.iter().copied(), 16, bits) {
+        if let Some(spread) = spread(&values.iter().copied(), 16, bits) {
             values.iter_mut().for_each(|v| *v = spread.own(*v));
             return Ok(sized(values, holding(largest(bits)), Some(f32::from(largest(bits)))));
         }
@@ -188,7 +188,7 @@ impl Spread {
 }
 
 /// The way in which every value is spread; `None` where one of them is not, or all are 0.
-fn spread(values: impl Iterator<Item = u16> + Clone, container: u8, bits: u8) -> Option<Spread> {
+fn spread(values: &(impl Iterator<Item = u16> + Clone), container: u8, bits: u8) -> Option<Spread> {
     let ways = [How::Shifted, How::Repeated, How::Scaled].map(|how| Spread { how, container, bits });
     let some = values.clone().any(|v| v > 0);
     ways.into_iter().find(|way| some && values.clone().all(|v| way.spread(way.own(v)) == v))

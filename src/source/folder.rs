@@ -169,14 +169,14 @@ fn stem(path: &Path) -> String {
 struct Open {
     path: PathBuf,
     content: Result<Vec<u8>, ReadError>,
-    pages: usize,
+    pages: Vec<u64>,
     page: usize,
 }
 
 impl Open {
     fn stem(&self) -> String {
         let stem = stem(&self.path);
-        if self.pages > 1 { format!("{stem}#{}", self.page) } else { stem }
+        if self.pages.len() > 1 { format!("{stem}#{}", self.page) } else { stem }
     }
 }
 
@@ -228,7 +228,7 @@ impl FileFrames {
         };
         open.page += 1;
         self.given += 1;
-        if open.page < open.pages {
+        if open.page < open.pages.len() {
             self.open = Some(open);
         }
         Some(read)
@@ -239,7 +239,7 @@ impl FileFrames {
             let path = self.paths.get(self.next)?.clone();
             self.next += 1;
             let content = bytes_of(&path);
-            let pages = content.as_ref().map_or(1, |bytes| pages(bytes));
+            let pages = content.as_ref().map_or_else(|_| vec![0], |bytes| pages(bytes));
             self.open = Some(Open { path, content, pages, page: 0 });
         }
         Some(())
@@ -257,14 +257,21 @@ impl FileFrames {
             z_mm: info.z_mm,
             ..FrameMeta::default()
         };
-        let wanted = Wanted { bit_depth: info.bit_depth, channel: self.channel, page: open.page };
+        let wanted = Wanted {
+            bit_depth: info.bit_depth,
+            channel: self.channel,
+            place: open.pages.get(open.page).copied(),
+        };
         let decoded = decode_wanted(bytes, &wanted, meta)
             .map_err(|cause| ReadError::Decode { path: page_name(open), cause })?;
         let mut scale = decoded.scale;
         if let Some(um_per_px) = info.um_per_px {
             let table = format!("frames.csv (row {})", info.row);
             let own = scale.as_ref().map_or(Ok(()), |own| own.check(um_per_px, &table));
-            own.map_err(|what| ReadError::Scale { path, what })?;
+            own.map_err(|what| ReadError::Scale {
+                path,
+                what: format!("{what}; correct the one that is wrong"),
+            })?;
             scale = Some(FileScale::stated(um_per_px, table));
         }
         Ok(StoredFrame { stem, frame: decoded.frame, scale, changed: decoded.changed })
@@ -290,7 +297,7 @@ impl FileFrames {
 
 fn page_name(open: &Open) -> String {
     let path = open.path.display();
-    if open.pages > 1 { format!("{path}#{}", open.page) } else { path.to_string() }
+    if open.pages.len() > 1 { format!("{path}#{}", open.page) } else { path.to_string() }
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
@@ -362,7 +369,7 @@ impl FrameSource for FileFrames {
 
     /// Files to come; a stack that is not opened yet counts as one frame.
     fn remaining(&self) -> Option<usize> {
-        let open = self.open.as_ref().map_or(0, |open| open.pages - open.page);
+        let open = self.open.as_ref().map_or(0, |open| open.pages.len() - open.page);
         Some(self.paths.len() - self.next + open)
     }
 }

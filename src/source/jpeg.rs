@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
         Some(profile) => Some(Transfer::of_profile("ICC profile", &profile)?),
         None => (exif.colour_space == Some(1)).then(|| Transfer::srgb("EXIF ColorSpace 1")),
     };
-    let stated = Stated { transfer, orientation: exif.orientation, scale: scale(&info), ..Stated::default() };
+    let stated = Stated { transfer, orientation: exif.orientation, scale: scale(bytes), ..Stated::default() };
     Ok(Raster { samples: Buffer::U8(samples), columns, rows, channels, planar: false, stated })
 }
 
@@ -72,13 +72,28 @@ fn strip_bytes(info: &ImageInfo) -> usize {
     a_column * usize::from(info.width).next_multiple_of(32)
 }
 
-/// JFIF's density: 1 dots an inch, 2 dots a centimetre; 0 is a ratio alone.
-fn scale(info: &ImageInfo) -> Option<FileScale> {
-    let (unit_um, unit) = match info.pixel_density {
+/// JFIF's density in its own segment (T.871 10.1): 1 dots an inch, 2 dots a centimetre; 0 is a ratio alone.
+fn scale(bytes: &[u8]) -> Option<FileScale> {
+    let [unit, density @ ..] = jfif(bytes)?;
+    let (unit_um, name) = match unit {
         1 => (25_400.0, "inch"),
         2 => (1e4, "cm"),
         _ => return None,
     };
-    let (x, y) = (info.x_density, info.y_density);
-    FileScale::of_density([x.into(), y.into()], true, unit_um, format!("JFIF {x} x {y} px/{unit}"))
+    let [x, y] = [0, 2].map(|i| u16::from_be_bytes([density[i], density[i + 1]]));
+    FileScale::of_density([x.into(), y.into()], true, unit_um, format!("JFIF {x} x {y} px/{name}"))
+}
+
+/// Unit and densities of the JFIF segment, which stands among the first.
+fn jfif(bytes: &[u8]) -> Option<&[u8; 5]> {
+    let mut rest = bytes.get(2..)?;
+    while let [0xff, marker @ 0xe0..=0xef, high, low, ..] = rest {
+        let size = usize::from(u16::from_be_bytes([*high, *low]));
+        let data = rest.get(4..size.checked_add(2)?)?;
+        if *marker == 0xe0 && data.starts_with(b"JFIF\0") {
+            return data.get(7..12)?.try_into().ok();
+        }
+        rest = rest.get(size + 2..)?;
+    }
+    None
 }

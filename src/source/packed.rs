@@ -36,7 +36,7 @@ mod tests {
         let mut bytes = Vec::new();
         for row in rows {
             let mut digits: String = row.iter().map(|v| format!("{v:0bits$b}")).collect();
-            while digits.len() % 8 != 0 {
+            while !digits.len().is_multiple_of(8) {
                 digits.push('1');
             }
             let octets = digits.as_bytes().chunks(8);

@@ -31,12 +31,27 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
         return Err(DecodeError::Unsupported("an animated PNG; save each frame as a file".to_owned()));
     }
     let size = reader.output_buffer_size().ok_or(DecodeError::TooLarge { columns, rows })?;
-    let mut packed = vec![0; size];
-    reader.next_frame(&mut packed).map_err(damaged)?;
+    let samples = match reader.info().bit_depth {
+        BitDepth::Sixteen => {
+            let mut words = vec![0_u16; size / 2];
+            reader.next_frame(bytemuck::cast_slice_mut(&mut words)).map_err(damaged)?;
+            words.iter_mut().for_each(|w| *w = u16::from_be(*w));
+            Buffer::U16(words)
+        }
+        depth => {
+            let mut packed = vec![0; size];
+            reader.next_frame(&mut packed).map_err(damaged)?;
+            let row_samples = columns as usize * reader.info().color_type.samples();
+            if depth == BitDepth::Eight {
+                Buffer::U8(packed)
+            } else {
+                unpack(&packed, depth as u8, row_samples)
+            }
+        }
+    };
     let info = reader.info();
     let (columns, rows) = (columns as usize, rows as usize);
-    let (colour, depth) = (info.color_type, info.bit_depth);
-    let samples = samples(packed, depth, columns * colour.samples());
+    let colour = info.color_type;
     let mut stated = stated(bytes, info)?;
     let (samples, channels) = if colour == ColorType::Indexed {
         stated.full_scale = None;
@@ -48,17 +63,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
         (samples, colour.samples())
     };
     Ok(Raster { samples, columns, rows, channels, planar: false, stated })
-}
-
-/// Samples of a row-padded buffer, as they stand.
-fn samples(packed: Vec<u8>, depth: BitDepth, row_samples: usize) -> Buffer {
-    match depth {
-        BitDepth::Eight => Buffer::U8(packed),
-        BitDepth::Sixteen => {
-            Buffer::U16(packed.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect())
-        }
-        _ => unpack(&packed, depth as u8, row_samples),
-    }
 }
 
 /// The data of a chunk; `None` where there is none before the file ends or breaks off.
@@ -87,6 +91,7 @@ fn stated(bytes: &[u8], info: &png::Info<'_>) -> Result<Stated, DecodeError> {
         transfer: transfer(bytes, info, exif)?,
         orientation: exif.orientation,
         scale: scale(bytes),
+        wider_bytes: 0,
     })
 }
 

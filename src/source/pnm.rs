@@ -12,35 +12,84 @@ struct Header {
     rows: usize,
     channels: usize,
     maxval: u32,
+    little_endian: bool,
 }
 
-/// Reads the first image of a file that begins with `P1` to `P7`, `Pf` or `PF`.
+/// Where the images of a file begin: raw ones may follow one another.
+pub(super) fn pages(bytes: &[u8]) -> Vec<u64> {
+    let mut starts = vec![0];
+    let mut at = 0;
+    while let Some(end) = bytes.get(at..).and_then(end) {
+        at += end;
+        let gap = bytes[at..].iter().take_while(|b| b.is_ascii_whitespace()).count();
+        if !bytes.get(at + gap..).is_some_and(begins) {
+            break;
+        }
+        at += gap;
+        starts.push(at as u64);
+    }
+    starts
+}
+
+/// Whether an image begins here.
+pub(super) fn begins(bytes: &[u8]) -> bool {
+    matches!(bytes, [b'P', b'1'..=b'7' | b'f' | b'F', next, ..] if next.is_ascii_whitespace() || *next == b'#')
+}
+
+/// Where the first image ends, if it is a raw one.
+fn end(bytes: &[u8]) -> Option<usize> {
+    let mut words = Words { bytes, at: 2 };
+    let kind = *bytes.get(1)?;
+    let header = Header::of(kind, &mut words).ok()?;
+    let row_samples = header.columns * header.channels;
+    let row_bytes = match kind {
+        b'1'..=b'3' => return None,
+        b'4' => header.columns.div_ceil(8),
+        b'f' | b'F' => 4 * row_samples,
+        _ => row_samples * if header.maxval < 256 { 1 } else { 2 },
+    };
+    words.data(row_bytes * header.rows).ok().map(|data| words.at + data.len())
+}
+
+/// Reads the image that begins with `P1` to `P7`, `Pf` or `PF`.
 pub(super) fn read(bytes: &[u8]) -> Result<Raster, DecodeError> {
     let mut words = Words { bytes, at: 2 };
-    match bytes.get(1) {
-        Some(b'7') => {
-            let header = pam_header(&mut words)?;
-            raw(&words, &header)
-        }
-        Some(b'f' | b'F') => float_map(words, bytes[1] == b'F'),
-        Some(kind @ b'1'..=b'6') => {
-            let [columns, rows] = [words.number("width")?, words.number("height")?];
-            let bitmap = matches!(kind, b'1' | b'4');
-            let maxval = if bitmap { 1 } else { words.number("maxval")? };
-            let channels = if matches!(kind, b'3' | b'6') { 3 } else { 1 };
-            let header = header(columns, rows, channels, maxval)?;
-            if *kind > b'3' {
-                // One white space ends the header.
-                words.at += 1;
+    let kind = *bytes.get(1).ok_or(DecodeError::NotAnImage)?;
+    let header = Header::of(kind, &mut words)?;
+    match kind {
+        b'1' => bitmap_digits(&words, &header),
+        b'2' | b'3' => plain(words, &header),
+        b'4' => bitmap_bits(&words, &header),
+        b'f' | b'F' => float_map(&words, &header),
+        _ => raw(&words, &header),
+    }
+}
+
+impl Header {
+    /// Reads it, and the one white space that ends it before raw pixels.
+    fn of(kind: u8, words: &mut Words<'_>) -> Result<Self, DecodeError> {
+        let this = match kind {
+            b'7' => pam_header(words)?,
+            b'f' | b'F' => {
+                let (columns, rows) = (words.number("width")?, words.number("height")?);
+                let scale =
+                    words.word().and_then(|w| std::str::from_utf8(w).ok()).and_then(|w| w.parse().ok());
+                let scale: Option<f32> = scale.filter(|s: &f32| s.is_finite() && *s != 0.0);
+                let scale = scale.ok_or_else(|| damaged("a PFM without its scale"))?;
+                let channels = if kind == b'F' { 3 } else { 1 };
+                Self { little_endian: scale < 0.0, ..header(columns, rows, channels, 1)? }
             }
-            match kind {
-                b'1' => bitmap_digits(words, &header),
-                b'2' | b'3' => plain(words, &header),
-                b'4' => bitmap_bits(&words, &header),
-                _ => raw(&words, &header),
+            b'1'..=b'6' => {
+                let (columns, rows) = (words.number("width")?, words.number("height")?);
+                let maxval = if matches!(kind, b'1' | b'4') { 1 } else { words.number("maxval")? };
+                header(columns, rows, if matches!(kind, b'3' | b'6') { 3 } else { 1 }, maxval)?
             }
+            _ => return Err(DecodeError::NotAnImage),
+        };
+        if !matches!(kind, b'1'..=b'3') {
+            words.at += 1;
         }
-        _ => Err(DecodeError::NotAnImage),
+        Ok(this)
     }
 }
 
@@ -52,7 +101,8 @@ fn header(columns: u32, rows: u32, channels: u32, maxval: u32) -> Result<Header,
     if !(1..=65_535).contains(&maxval) {
         return Err(DecodeError::Damaged(format!("maxval {maxval}; it lies from 1 to 65535")));
     }
-    Ok(Header { columns: columns as usize, rows: rows as usize, channels: channels as usize, maxval })
+    let (columns, rows, channels) = (columns as usize, rows as usize, channels as usize);
+    Ok(Header { columns, rows, channels, maxval, little_endian: false })
 }
 
 /// `P7`: lines of a key and a value to `ENDHDR`.
@@ -74,7 +124,6 @@ fn pam_header(words: &mut Words<'_>) -> Result<Header, DecodeError> {
             }
         }
     }
-    words.at += 1;
     let (Some(width), Some(height), Some(depth), Some(maxval)) = (width, height, depth, maxval) else {
         return Err(damaged("a PAM without WIDTH, HEIGHT, DEPTH or MAXVAL"));
     };
@@ -163,7 +212,7 @@ fn plain(mut words: Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
 }
 
 /// Plain bitmap: digits, 1 is black.
-fn bitmap_digits(words: Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
+fn bitmap_digits(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     let count = header.columns * header.rows;
     words.data(count)?;
     let digits = words.bytes[words.at..].iter().filter(|b| !b.is_ascii_whitespace()).take(count);
@@ -185,19 +234,14 @@ fn bitmap_bits(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError
 }
 
 /// PFM: 32-bit floats, the lowest row first, little-endian where the scale is negative.
-fn float_map(mut words: Words<'_>, colour: bool) -> Result<Raster, DecodeError> {
-    let (columns, rows) = (words.number("width")?, words.number("height")?);
-    let scale = words.word().and_then(|w| std::str::from_utf8(w).ok()).and_then(|w| w.parse::<f32>().ok());
-    let scale =
-        scale.filter(|s| s.is_finite() && *s != 0.0).ok_or_else(|| damaged("a PFM without its scale"))?;
-    words.at += 1;
-    let header = header(columns, rows, if colour { 3 } else { 1 }, 1)?;
+fn float_map(words: &Words<'_>, header: &Header) -> Result<Raster, DecodeError> {
     let row_bytes = 4 * header.columns * header.channels;
     let data = words.data(row_bytes * header.rows)?;
-    let number: fn([u8; 4]) -> f32 = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
+    let number: fn([u8; 4]) -> f32 =
+        if header.little_endian { f32::from_le_bytes } else { f32::from_be_bytes };
     let rows = data.chunks_exact(row_bytes).rev().flat_map(|row| row.chunks_exact(4));
     let samples = Buffer::F32(rows.map(|b| number([b[0], b[1], b[2], b[3]])).collect());
-    let Header { columns, rows, channels, .. } = header;
+    let Header { columns, rows, channels, .. } = *header;
     Ok(Raster { samples, columns, rows, channels, planar: false, stated: Stated::default() })
 }
 

@@ -45,6 +45,8 @@ pub(super) struct Stated {
     pub(super) orientation: Option<u64>,
     /// Scale.
     pub(super) scale: Option<FileScale>,
+    /// Bytes that the samples took in the file's own depth, where these are more than they take now.
+    pub(super) wider_bytes: usize,
 }
 
 impl Raster {

@@ -5,7 +5,7 @@ use std::io::{Read, Result as IoResult, Seek, SeekFrom};
 use super::ifd::{Entry, Layout};
 
 /// A tag with the value or offset that stands in its field.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Tag {
     pub(super) tag: u16,
     kind: u16,
@@ -13,9 +13,11 @@ pub(super) struct Tag {
     value: Value,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Value {
     Number(u32),
+    /// 64-bit numbers in BigTIFF, else 32-bit ones.
+    Numbers(Vec<u64>),
     /// As it stands in the file, in the file's own order of bytes.
     Field([u8; 8]),
 }
@@ -29,6 +31,16 @@ impl Tag {
     /// One 32-bit number.
     pub(super) fn long(tag: u16, value: u32) -> Self {
         Self { tag, kind: 4, count: 1, value: Value::Number(value) }
+    }
+
+    /// Offsets or sizes of strips or tiles.
+    pub(super) fn places(tag: u16, values: Vec<u64>, big: bool) -> Self {
+        Self {
+            tag,
+            kind: if big { 16 } else { 4 },
+            count: values.len() as u64,
+            value: Value::Numbers(values),
+        }
     }
 
     /// As it stands.
@@ -53,14 +65,25 @@ impl<'a> Relaid<'a> {
         let size = if layout.big { 8 } else { 4 };
         let mut header = bytes[..if layout.big { 8 } else { 4 }].to_vec();
         header.extend(writer.number(bytes.len() as u64, size));
-        let mut directory = writer.number(tags.len() as u64, if layout.big { 8 } else { 2 });
+        let head = if layout.big { 8 } else { 2 };
+        let mut directory = writer.number(tags.len() as u64, head);
+        // Values that do not fit their fields stand behind the directory.
+        let behind = bytes.len() + head + tags.len() * (4 + 2 * size) + size;
+        let mut values = Vec::new();
         for tag in &tags {
             directory.extend(writer.number(tag.tag.into(), 2));
             directory.extend(writer.number(tag.kind.into(), 2));
             directory.extend(writer.number(tag.count, size));
-            directory.extend(writer.field(tag, size));
+            let mut field = writer.value(tag, size);
+            if field.len() > size && !matches!(tag.value, Value::Field(_)) {
+                let at = writer.number((behind + values.len()) as u64, size);
+                values.extend(std::mem::replace(&mut field, at));
+            }
+            field.resize(size, 0);
+            directory.extend(field);
         }
         directory.extend(vec![0; size]);
+        directory.extend(values);
         Self { header, bytes, directory, at: 0 }
     }
 }
@@ -78,14 +101,13 @@ impl Writer {
         }
     }
 
-    /// A value stands at the beginning of its field.
-    fn field(&self, tag: &Tag, size: usize) -> Vec<u8> {
-        let mut field = match tag.value {
-            Value::Field(field) => field.to_vec(),
-            Value::Number(value) => self.number(value.into(), if tag.kind == 3 { 2 } else { 4 }),
-        };
-        field.resize(size, 0);
-        field
+    /// The bytes of a value; it stands at the beginning of its field.
+    fn value(&self, tag: &Tag, size: usize) -> Vec<u8> {
+        match &tag.value {
+            Value::Field(field) => field[..size].to_vec(),
+            Value::Number(value) => self.number((*value).into(), if tag.kind == 3 { 2 } else { 4 }),
+            Value::Numbers(values) => values.iter().flat_map(|v| self.number(*v, size)).collect(),
+        }
     }
 }
 

@@ -96,8 +96,7 @@ impl FileScale {
         }
         let shown = if agree(x, y, self.rounding) { format!("{x:.6}") } else { format!("{x:.6} x {y:.6}") };
         Err(format!(
-            "{}: a scale of {shown} µm/px, but {used} is {used_um_per_px:.6} µm/px; they differ by more than .1 %: \
-             give the right one, correct the file, or say --ignore-file-scale",
+            "{}: a scale of {shown} µm/px, but {used} is {used_um_per_px:.6} µm/px; they differ by more than .1 %",
             self.origin
         ))
     }

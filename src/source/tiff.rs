@@ -17,7 +17,7 @@ use super::transfer::Transfer;
 use crate::frame::Buffer;
 
 /// Tags that the unpacking needs as they stand: compression, fill order, strips, predictor, tiles, JPEG tables.
-const KEPT: [u16; 11] = [259, 273, 278, 279, 284, 317, 322, 323, 324, 325, 347];
+const KEPT: [u16; 10] = [259, 273, 278, 279, 317, 322, 323, 324, 325, 347];
 
 /// What a page's tags say of its samples.
 struct Page {
@@ -143,8 +143,9 @@ impl Page {
             return self.packed_samples(tiff, directory);
         }
         let tile_columns = tiff.integer(directory, 322, 0).and_then(|w| u32::try_from(w).ok());
-        let Self { columns, rows, bits, channels, kind, .. } = *self;
-        unpacked(tiff, directory, &Laid { columns, rows, bits, channels, kind, tile_columns })
+        let (channels, planes) = if self.planar { (1, self.channels) } else { (self.channels, 1) };
+        let Self { columns, rows, bits, kind, .. } = *self;
+        unpacked(tiff, directory, &Laid { columns, rows, bits, channels, planes, kind, tile_columns })
     }
 
     /// Rows of packed samples, unpacked as rows of bytes first.
@@ -173,7 +174,8 @@ impl Page {
             columns: bytes_of(self.columns.into()),
             rows: self.rows,
             bits: 8,
-            channels: if self.planar { self.channels } else { 1 },
+            channels: 1,
+            planes: if self.planar { self.channels } else { 1 },
             kind: Kind::Unsigned,
             tile_columns: tile.map(bytes_of),
         };
@@ -212,6 +214,11 @@ impl Page {
         Ok(Stated {
             full_scale,
             significant_bits: None,
+            wider_bytes: if self.bits == 64 {
+                8 * self.columns as usize * self.rows as usize * usize::from(self.channels)
+            } else {
+                0
+            },
             transfer: self.transfer(tiff, directory, exif)?,
             orientation: exif.orientation,
             scale: scale(tiff, directory),
@@ -241,7 +248,7 @@ impl Page {
         };
         let mut found = None;
         if let Some(light) = table(301, &|v| v as f32)? {
-            found = Some(Transfer::of_table("TransferFunction (tag 301)", light)?);
+            found = Some(Transfer::of_table("TransferFunction (tag 301)", &light)?);
         }
         let unit = 10_f32.powi(tiff.integer(directory, 290, 0).unwrap_or(2).min(5) as i32);
         if let Some(mut light) = table(291, &|density| 10_f32.powf(-(density as f32) / unit))? {
@@ -249,7 +256,7 @@ impl Page {
             if self.white_is_zero {
                 light.reverse();
             }
-            found = Some(Transfer::of_table("GrayResponseCurve (tag 291)", light)?);
+            found = Some(Transfer::of_table("GrayResponseCurve (tag 291)", &light)?);
         }
         if found.is_none()
             && let Some(profile) = tiff.raw(directory, 34_675)
@@ -288,7 +295,10 @@ struct Laid {
     columns: u32,
     rows: u32,
     bits: u8,
+    /// Samples of a pixel that stand together.
     channels: u16,
+    /// Channels that stand by themselves.
+    planes: u16,
     kind: Kind,
     tile_columns: Option<u32>,
 }
@@ -315,17 +325,22 @@ impl Laid {
     }
 }
 
-/// The page's samples, unpacked under a directory that has nothing else than it needs.
+/// The page's samples; channels that stand by themselves one after another.
 fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, laid: &Laid) -> Result<Buffer, DecodeError> {
     let padded = laid.padded_columns(tiff.integer(directory, 259, 0));
     check_size(padded.min(laid.columns.saturating_mul(2)), laid.rows)?;
-    let samples = decoded(tiff, directory, &laid.tags(padded))?;
+    let tags = laid.tags(padded);
+    let samples = if laid.planes > 1 {
+        let planes =
+            (0..u64::from(laid.planes)).map(|k| plane(tiff, directory, &tags, (k, laid.planes.into())));
+        planes.reduce(|all, next| joined(all?, next?)).unwrap_or_else(|| Err(damaged("no channel")))?
+    } else {
+        decoded(tiff, directory, tags)?
+    };
     if padded == laid.columns {
         return Ok(samples);
     }
-    let each = |columns: u32| {
-        columns as usize * if directory_is_planar(tiff, directory) { 1 } else { usize::from(laid.channels) }
-    };
+    let each = |columns: u32| columns as usize * usize::from(laid.channels);
     let (from, to) = (each(padded), each(laid.columns));
     Ok(match samples {
         Buffer::U8(v) => Buffer::U8(cropped(v, from, to)),
@@ -334,8 +349,40 @@ fn unpacked(tiff: &TiffBytes<'_>, directory: &Directory, laid: &Laid) -> Result<
     })
 }
 
-fn directory_is_planar(tiff: &TiffBytes<'_>, directory: &Directory) -> bool {
-    tiff.integer(directory, 284, 0) == Some(2)
+/// One channel of several: its share of the strips or tiles.
+fn plane(
+    tiff: &TiffBytes<'_>,
+    directory: &Directory,
+    tags: &[Tag],
+    (index, planes): (u64, u64),
+) -> Result<Buffer, DecodeError> {
+    let mut tags = tags.to_vec();
+    for tag in [273, 279, 324, 325] {
+        let Some(count) = directory.entry(tag).map(|e| e.count / planes) else { continue };
+        let own = (index * count..(index + 1) * count).map(|i| tiff.integer(directory, tag, i));
+        let own: Option<Vec<u64>> = own.collect();
+        let own = own.ok_or_else(|| damaged(format_args!("places of strips or tiles (tag {tag})")))?;
+        tags.push(Tag::places(tag, own, tiff.layout.big));
+    }
+    decoded(tiff, directory, tags)
+}
+
+fn joined(all: Buffer, next: Buffer) -> Result<Buffer, DecodeError> {
+    match (all, next) {
+        (Buffer::U8(mut a), Buffer::U8(b)) => {
+            a.extend(b);
+            Ok(Buffer::U8(a))
+        }
+        (Buffer::U16(mut a), Buffer::U16(b)) => {
+            a.extend(b);
+            Ok(Buffer::U16(a))
+        }
+        (Buffer::F32(mut a), Buffer::F32(b)) => {
+            a.extend(b);
+            Ok(Buffer::F32(a))
+        }
+        _ => Err(damaged("channels of different kinds")),
+    }
 }
 
 /// The first `to` samples of every row of `from`.
@@ -348,10 +395,12 @@ fn cropped<T: Copy>(mut samples: Vec<T>, from: usize, to: usize) -> Vec<T> {
     samples
 }
 
-fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, tags: &[Tag]) -> Result<Buffer, DecodeError> {
+/// Samples under a directory that has nothing else than it needs.
+fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, mut tags: Vec<Tag>) -> Result<Buffer, DecodeError> {
     let kept =
         directory.entries.iter().filter(|e| KEPT.contains(&e.tag) && !tags.iter().any(|t| t.tag == e.tag));
-    let tags: Vec<Tag> = kept.map(Tag::kept).chain(tags.iter().copied()).collect();
+    let kept: Vec<Tag> = kept.map(Tag::kept).collect();
+    tags.extend(kept);
     let relaid = Relaid::new(tiff.bytes, tiff.layout, tags);
     let mut limits = Limits::default();
     limits.decoding_buffer_size = 4 * MOST_PIXELS as usize;
@@ -367,7 +416,7 @@ fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, tags: &[Tag]) -> Result<
         DecodingResult::U8(v) => Buffer::U8(v),
         DecodingResult::U16(v) => Buffer::U16(v),
         DecodingResult::F32(v) => Buffer::F32(v),
-        DecodingResult::F16(v) => Buffer::F32(v.into_iter().map(|v| v.to_f32()).collect()),
+        DecodingResult::F16(v) => Buffer::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::F64(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),
         DecodingResult::U32(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),
         DecodingResult::U64(v) => Buffer::F32(v.into_iter().map(|v| v as f32).collect()),
@@ -391,12 +440,13 @@ fn colours(
     let colour = |i: u64| [0, 1, 2].map(|c| tiff.integer(directory, 320, c * each + i).unwrap_or(0) as u16);
     let colours: Vec<[u16; 3]> = (0..each.min(256)).map(colour).collect();
     let all = || colours.iter().flatten();
-    let wide = !all().all(|v| v % 257 == 0) && !all().all(|v| v % 256 == 0);
+    let wide = ![257, 256].iter().any(|step| all().all(|v| v % step == 0)) && all().any(|v| *v > 255);
     if wide {
         return palette_values(indices, &colours).map(|(values, channels)| (Buffer::U16(values), channels));
     }
     // Some writers leave eight-bit colours in the lower byte.
-    let narrow = |v: u16| (v >> 8) as u8;
+    let low = all().all(|v| *v < 256);
+    let narrow = |v: u16| if low { v as u8 } else { (v >> 8) as u8 };
     let colours: Vec<[u8; 3]> = colours.iter().map(|c| c.map(narrow)).collect();
     palette_values(indices, &colours).map(|(values, channels)| (Buffer::U8(values), channels))
 }

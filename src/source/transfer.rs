@@ -114,7 +114,7 @@ impl Transfer {
     }
 
     /// A table of light for every grey value: TIFF's TransferFunction.
-    pub(super) fn of_table(origin: &str, light: Vec<f32>) -> Result<Self, DecodeError> {
+    pub(super) fn of_table(origin: &str, light: &[f32]) -> Result<Self, DecodeError> {
         let most = light.last().copied().unwrap_or(0.0);
         if light.len() < 2 || !(most > 0.0 && most.is_finite()) {
             return Err(refused(origin, "a table that does not grow from black to white"));

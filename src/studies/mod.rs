@@ -7,6 +7,7 @@ pub mod coverage;
 pub mod deflection;
 pub mod dirty_frames;
 pub mod factor;
+pub mod golden_cases;
 pub mod optimize;
 pub mod parts;
 pub mod reproduce_000;

@@ -207,7 +207,10 @@ pub fn individuals(values_mm: &[f64], limits_mm: Option<(f64, f64)>) -> Individu
         centre_mm,
         limit_mm,
         outside: outside.collect(),
-        ppk: limits_mm.map(|(low, high)| (high - centre_mm).min(centre_mm - low) / (3.0 * sd)),
+        // One part, or parts that do not differ, show no process.
+        ppk: limits_mm
+            .filter(|_| values_mm.len() > 1 && sd > 0.0)
+            .map(|(low, high)| (high - centre_mm).min(centre_mm - low) / (3.0 * sd)),
     }
 }
 
@@ -223,6 +226,8 @@ mod tests {
         assert!((chart.limit_mm - 5.317_362).abs() < 1e-5);
         assert!((chart.ppk.unwrap_or(0.0) - 5.25 / (3.0 * 1.707_825)).abs() < 1e-5);
         assert_eq!(chart.outside, Vec::<u32>::new());
+        assert_eq!(individuals(&[1.0], Some((-5.0, 8.0))).ppk, None);
+        assert_eq!(individuals(&[1.0, 1.0], Some((-5.0, 8.0))).ppk, None);
         let mut steady: Vec<f64> = (0..40).map(|i| f64::from(i % 2)).collect();
         steady[20] = 9.0;
         assert_eq!(individuals(&steady, None).outside, [21]);

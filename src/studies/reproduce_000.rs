@@ -2,7 +2,7 @@
 
 use super::reproduction::{Row, Verdict};
 use crate::control::fit;
-use crate::nc::{LineFit, MacroProgram, MacroValues, NcSettings, fit_line};
+use crate::nc::{LineFit, MacroProgram, MacroValues, NcSettings, Workpiece, fit_line};
 use crate::plan::CuttingData;
 
 /// What the paper's rows are computed from.
@@ -68,8 +68,7 @@ fn program<'a>(inputs: &Inputs, line: LineFit, settings: &'a NcSettings) -> Macr
         line,
         unit_mm: inputs.unit_mm,
         diameter_mm: (inputs.target_mm, inputs.target_mm),
-        length_mm: 1.0,
-        before_mm: inputs.target_mm,
+        piece: Workpiece::new(1.0, inputs.target_mm, inputs.target_mm),
         pass: 1,
         cutting: CuttingData { speed_m_per_min: 1.0, feed_mm_per_rev: 0.1 },
         limits_mm: None,

@@ -262,7 +262,7 @@ impl Cell {
             let value = Diameter { d_mm, u_random_mm: 0.0003, u_common_mm: 0.0002 };
             let lost = part.fault == Fault::Gap && now && i == at;
             let reading = if lost { Reading::Gap(Reason::Contaminated) } else { Reading::Value(value) };
-            stations.push(Station { z_mm: self.z_mm[i], reading });
+            stations.push(Station { z_mm: self.z_mm[i], reading, freedom: None });
         }
         DiameterProfile { pass: plan.pass, stations }
     }

@@ -76,6 +76,7 @@ pub fn profile(pass: u32, z_mm: &[f64], d_mm: &[f64]) -> DiameterProfile {
     let station = |(z, d): (&f64, &f64)| Station {
         z_mm: *z,
         reading: Reading::Value(Diameter { d_mm: *d, u_random_mm: 2e-4, u_common_mm: 1e-4 }),
+        freedom: None,
     };
     DiameterProfile { pass, stations: z_mm.iter().zip(d_mm).map(station).collect() }
 }

@@ -4,54 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use shadowgauge::frame::{PixelFormat, Pixels};
-use shadowgauge::render::contamination::{
-    Contamination, ContaminationField, FieldGeometry, Rise, TransmissionMap,
-};
-use shadowgauge::render::form::form_shaft;
+use shadowgauge::render::contamination::{ContaminationField, FieldGeometry, Rise, TransmissionMap};
 use shadowgauge::render::reference::{GaussianReference, StraightReference};
-use shadowgauge::render::settings::{BenchSettings, Camera, Departures, Esf, Light, Optics, Sensor};
-use shadowgauge::render::{FrameRequest, OpticalBench, Renderer, Scene};
-use shadowgauge::shaft::{ProfileKnot, ShaftForm};
-
-/// Largest edge-equivalent shift, px: a thousandth of a pixel is the gauge's smallest term.
-pub const SHIFT_LIMIT_PX: f64 = 0.001;
-
-/// What a case says.
-#[derive(Clone, Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Case {
-    pub diameter_mm: f64,
-    pub taper_deg: f64,
-    pub length_mm: f64,
-    pub z_mm: f64,
-    pub angle_deg: f64,
-    pub seed: u64,
-    pub shaft: ShaftForm,
-    pub camera: Camera,
-    pub optics: Optics,
-    pub light: Light,
-    pub sensor: Sensor,
-    pub contamination: Contamination,
-}
-
-impl Default for Case {
-    fn default() -> Self {
-        Self {
-            diameter_mm: 1.0,
-            taper_deg: 0.0,
-            length_mm: 20.0,
-            z_mm: 10.0,
-            angle_deg: 0.0,
-            seed: 0,
-            shaft: ShaftForm::default(),
-            camera: Camera::default(),
-            optics: Optics::default(),
-            light: Light::default(),
-            sensor: Sensor::default(),
-            contamination: Contamination::default(),
-        }
-    }
-}
+use shadowgauge::render::settings::Esf;
+use shadowgauge::render::{FrameRequest, Renderer, Scene};
+pub use shadowgauge::studies::golden_cases::{FrameDifference, GoldenCase, SHIFT_LIMIT_PX};
 
 /// Truth of a golden frame.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -105,29 +62,21 @@ impl HeldAgainst<CpuFrame> for GpuFrame {
     }
 }
 
-/// How far two frames lie apart.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Metrics {
-    /// Largest |Δ|, 16-bit counts, and its limit.
-    pub worst_counts: f64,
-    pub limit_counts: f64,
-    /// Largest signed edge-equivalent shift of an edge in a column, px.
-    pub worst_shift_px: f64,
-    /// Largest mean shift of an edge over all columns, px.
-    pub mean_shift_px: f64,
-}
-
 /// Why a comparison fails.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mismatch {
     Size,
     SameInput,
-    Counts(Metrics),
-    Shift(Metrics),
+    Counts(FrameDifference),
+    Shift(FrameDifference),
 }
 
 /// Holds a frame against its judge.
-pub fn compare<J, T: HeldAgainst<J>>(test: &T, judge: &J, scene: &GoldenScene) -> Result<Metrics, Mismatch> {
+pub fn compare<J, T: HeldAgainst<J>>(
+    test: &T,
+    judge: &J,
+    scene: &GoldenScene,
+) -> Result<FrameDifference, Mismatch> {
     let (a, b) = test.pair(judge);
     if a.id == b.id {
         return Err(Mismatch::SameInput);
@@ -135,44 +84,16 @@ pub fn compare<J, T: HeldAgainst<J>>(test: &T, judge: &J, scene: &GoldenScene) -
     if (a.rows, a.columns) != (b.rows, b.columns) || a.pixels.len() != b.pixels.len() {
         return Err(Mismatch::Size);
     }
-    let m = metrics(a, b, scene);
-    if m.worst_counts > m.limit_counts {
-        return Err(Mismatch::Counts(m));
+    let truth = &scene.truth;
+    let edges = truth.top_px.iter().copied().zip(truth.bottom_px.iter().copied());
+    let difference = FrameDifference::of(&a.pixels, &b.pixels, b.columns, edges, scene.contrast);
+    if !difference.counts_agree() {
+        return Err(Mismatch::Counts(difference));
     }
-    if m.worst_shift_px > SHIFT_LIMIT_PX || m.mean_shift_px > SHIFT_LIMIT_PX {
-        return Err(Mismatch::Shift(m));
+    if !difference.edges_agree() {
+        return Err(Mismatch::Shift(difference));
     }
-    Ok(m)
-}
-
-fn metrics(a: &Shot, b: &Shot, scene: &GoldenScene) -> Metrics {
-    let delta =
-        |r: usize, c: usize| f64::from(a.pixels[r * a.columns + c]) - f64::from(b.pixels[r * a.columns + c]);
-    let mut worst_counts: f64 = 0.0;
-    let mut worst_shift: f64 = 0.0;
-    let mut sums = [0.0; 2];
-    for (c, e) in scene.truth.top_px.iter().zip(&scene.truth.bottom_px).enumerate() {
-        let middle = ((e.0 + e.1) / 2.0).round() as usize;
-        for (side, rows) in [0..middle, middle..a.rows].into_iter().enumerate() {
-            let shift = rows.clone().map(|r| delta(r, c)).sum::<f64>() / scene.contrast;
-            worst_counts = rows.map(|r| delta(r, c).abs()).fold(worst_counts, f64::max);
-            worst_shift = worst_shift.max(shift.abs());
-            sums[side] += shift / a.columns as f64;
-        }
-    }
-    Metrics {
-        worst_counts,
-        limit_counts: SHIFT_LIMIT_PX * steepest(b) + 1.0,
-        worst_shift_px: worst_shift,
-        mean_shift_px: sums[0].abs().max(sums[1].abs()),
-    }
-}
-
-/// Largest change from row to row, counts.
-fn steepest(shot: &Shot) -> f64 {
-    let columns = shot.columns;
-    let pairs = shot.pixels.iter().zip(&shot.pixels[columns..]);
-    pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).fold(0.0, f64::max)
+    Ok(difference)
 }
 
 /// A case made ready to be drawn.
@@ -190,37 +111,11 @@ pub struct GoldenScene {
 impl GoldenScene {
     pub fn load(folder: &Path) -> Self {
         let text = std::fs::read_to_string(folder.join("case.toml")).unwrap();
-        let case: Case = toml::from_str(&text).unwrap();
-        let settings = BenchSettings {
-            camera: case.camera.clone(),
-            optics: case.optics.clone(),
-            light: case.light.clone(),
-            sensor: case.sensor.clone(),
-            motion: Default::default(),
-            contamination: case.contamination.clone(),
-            departures: Departures::none(),
-        };
-        let bench = OpticalBench::resolve(&settings, case.seed).unwrap();
-        let radius = case.diameter_mm / 2.0;
-        let half = 0.1 * case.length_mm;
-        let rise = half * case.taper_deg.to_radians().tan();
-        let knots = vec![
-            ProfileKnot { z_mm: case.z_mm - half, radius_mm: radius + rise },
-            ProfileKnot { z_mm: case.z_mm + half, radius_mm: (radius - rise).max(1e-3) },
-        ];
-        let knots =
-            if case.taper_deg == 0.0 { knots[..1].to_vec() } else { taper(&knots, case.z_mm, radius) };
-        let scene =
-            Scene::new(&bench, form_shaft(knots, &case.shaft, case.length_mm, case.seed).unwrap()).unwrap();
-        let request = FrameRequest {
-            z_mm: case.z_mm,
-            angle_deg: case.angle_deg,
-            format: Some(PixelFormat::Mono16),
-            ..Default::default()
-        };
+        let case: GoldenCase = toml::from_str(&text).unwrap();
+        let (scene, request) = (case.scene().unwrap(), case.request());
         let edges = shadowgauge::truth::true_edges(&scene, &request).unwrap();
         let levels = scene.levels(PixelFormat::Mono16);
-        let sigma_px = match &bench.esf {
+        let sigma_px = match &scene.bench().esf {
             Esf::Gaussian(g) => Some(g.sigma_px),
             _ => None,
         };
@@ -361,16 +256,6 @@ impl GoldenScene {
         std::fs::rename(frame, self.folder.join("frame.png")).unwrap();
         std::fs::rename(truth, self.folder.join("truth.json")).unwrap();
     }
-}
-
-/// A cone through `radius` at `z_mm`, cut off where the radius would vanish.
-fn taper(knots: &[ProfileKnot], z_mm: f64, radius: f64) -> Vec<ProfileKnot> {
-    let slope = (knots[0].radius_mm - radius) / (z_mm - knots[0].z_mm);
-    let reach = 0.95 * radius / slope;
-    vec![
-        ProfileKnot { z_mm: z_mm - reach, radius_mm: radius + slope * reach },
-        ProfileKnot { z_mm: z_mm + reach, radius_mm: radius - slope * reach },
-    ]
 }
 
 /// Every case there is.

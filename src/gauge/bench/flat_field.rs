@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::defects::{Grey, ShaftRuns, heal};
+use super::response::Response;
 use crate::frame::{Frame, FrameView, PixelsMut};
 
 /// A pixel this many robust standard deviations off is defective.
@@ -49,6 +50,9 @@ pub struct FlatField {
     pub prnu_rel: f64,
     /// Pixel-to-pixel dark signal DSNU, counts.
     pub dsnu_counts: f64,
+    /// A response that is not linear, undone before all else; black, light and defects are those of linearised frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub response: Option<Response>,
 }
 
 /// Why there is no flat field.
@@ -231,7 +235,14 @@ impl FlatField {
             defects,
             prnu_rel: (prnu * prnu - noise * noise).max(0.0).sqrt(),
             dsnu_counts: (dark_spread * dark_spread - darks.variance).max(0.0).sqrt(),
+            response: None,
         })
+    }
+
+    /// Keeps the response that the frames it was made from were linearised by.
+    #[must_use]
+    pub fn with_response(self, response: Option<Response>) -> Self {
+        Self { response, ..self }
     }
 
     /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key, value, what would be right).
@@ -282,11 +293,16 @@ impl FlatField {
 
     /// As [`Self::corrected`], of a shaft that runs so.
     #[must_use]
-    pub fn corrected_along(&self, mut frame: Frame, shaft: ShaftRuns) -> Frame {
+    pub fn corrected_along(&self, frame: Frame, shaft: ShaftRuns) -> Frame {
         let view = frame.view();
         if (view.rows(), view.columns()) != (self.rows, self.columns) {
             return frame;
         }
+        let mut frame = match &self.response {
+            Some(response) => response.linearised(frame),
+            None => frame,
+        };
+        let view = frame.view();
         let full = view.full_scale().unwrap_or(f32::INFINITY);
         match frame.pixels_mut() {
             PixelsMut::U8(p) => self.correct(p, full, shaft),

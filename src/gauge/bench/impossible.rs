@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 
-use super::{BenchCalibration, CovariancePart, FlatField, LensModel, PARAMETERS};
+use super::{BenchCalibration, CovariancePart, FlatField, LensModel, PARAMETERS, Response};
 
 /// A key, its value, and what would be right.
 type Impossible = (&'static str, f64, &'static str);
@@ -111,6 +111,7 @@ impl FlatField {
             .or_else(|| first_outside("bench.flat_field", patterns, 0.0..=1e6, "PRNU and DSNU of 0 or more"))
             .or_else(|| self.impossible_light())
             .or_else(|| self.impossible_defects())
+            .or_else(|| self.response.as_ref().and_then(Response::impossible))
     }
 }
 

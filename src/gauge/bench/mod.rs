@@ -12,6 +12,7 @@ mod flat_field;
 mod impossible;
 mod lens;
 mod observation;
+mod response;
 mod thermometer;
 mod unstated;
 
@@ -25,6 +26,7 @@ pub use finish::Finish;
 pub use flat_field::{FlatField, FlatFieldError};
 pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};
+pub use response::{NoResponse, Response, response};
 pub use thermometer::Thermometer;
 pub use unstated::Unstated;
 

@@ -4,12 +4,13 @@
 //! direction, the distance is r = |q − w(w·q)| and, u its unit vector,
 //! ∂r/∂x0 = −u_x, ∂r/∂a = −(w·q)·u_x/s, and the same in y. Gauss-Newton; it converges as (deviation/radius)^n.
 //! From silhouettes the cylinder is linear: the support function of a circle about c is exactly h = R + c·n, so
-//! h(z, α) = R + (x0 + a·z)·cos α + (y0 + b·z)·sin α; the tilt's cosine (½(a² + b²) of R) is left out there.
+//! h(z, α) = R + (x0 + a·z)·cos α + (y0 + b·z)·sin α; the tilt's cosine (½(a² + b²) of R) is left out there. The least circumscribed
+//! cylinder (ISO 14405-1, GN) is the least R with h ≤ of that everywhere, a linear programme.
 
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
-use super::FormError;
+use super::{FormError, LinearProgram, Row};
 
 /// A cylinder with its axis near z, in the points' unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,4 +182,96 @@ pub fn silhouette_cylinder(samples: &[[f64; 3]]) -> Result<CylinderFit, FormErro
         radius: mean + x[4],
     };
     Ok(parameters(cylinder, 0.0, samples.iter().map(|s| s[2] - mean - row(s).dot(&x))))
+}
+
+/// Least circumscribed cylinder of support samples (z, α, h), as [`silhouette_cylinder`] takes them: of the body whose silhouettes they are.
+/// What lies between the samples is not seen.
+///
+/// # Errors
+/// As [`silhouette_cylinder`]; rounding that defeats the linear programme.
+pub fn circumscribed_cylinder(samples: &[[f64; 3]]) -> Result<Cylinder, FormError> {
+    let feature = "least circumscribed cylinder";
+    let start = silhouette_cylinder(samples)?.cylinder;
+    let (middle, half) = extent(samples.iter().map(|s| s[0]));
+    let direction = |s: &[f64; 3]| {
+        let ((sin, cos), lever) = (s[1].sin_cos(), (s[0] - middle) / half);
+        [cos, sin, lever * cos, lever * sin, 1.0]
+    };
+    let dot = |a: &[f64; 5], x: &[f64; 5]| a.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
+    let (sx, sy) = (start.slope_x * half, start.slope_y * half);
+    let mut x = [start.x0 + start.slope_x * middle, start.y0 + start.slope_y * middle, sx, sy, start.radius];
+    let reach = samples.iter().map(|s| (s[2] - dot(&direction(s), &x)).abs()).fold(0.0, f64::max);
+    let mut bound = 8.0 * reach + 1e-12 * start.radius.abs();
+    // In a shrinking box about what was found, so that the programme's tie-breaking cost vanishes.
+    for _ in 0..3 {
+        let rows: Vec<Row<5>> =
+            samples.iter().map(|s| Row { a: direction(s), b: s[2] - dot(&direction(s), &x) }).collect();
+        let lp = LinearProgram {
+            cost: [0.0, 0.0, 0.0, 0.0, 1.0],
+            lower: [-bound; 5],
+            upper: [bound; 5],
+            tolerance: 1e-15 * start.radius.abs(),
+        };
+        let step = lp.solve(&rows).ok_or(FormError::NotConverged { feature })?;
+        x.iter_mut().zip(step).for_each(|(x, step)| *x += step);
+        bound *= 0.05;
+    }
+    let (slope_x, slope_y) = (x[2] / half, x[3] / half);
+    Ok(Cylinder { x0: x[0] - slope_x * middle, y0: x[1] - slope_y * middle, slope_x, slope_y, radius: x[4] })
+}
+
+#[cfg(test)]
+mod circumscribed_tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn samples(h: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
+        let at = |z: usize, k: usize| (5.0 * z as f64, TAU * k as f64 / 72.0);
+        (0..21).flat_map(|z| (0..72).map(move |k| at(z, k))).map(|(z, a)| [z, a, h(z, a)]).collect()
+    }
+
+    /// A tilted cylinder is its own; a bent one of sagitta s needs R + s/2; a cone its larger end; a bump on one side half its height.
+    #[test]
+    fn closed_forms_of_the_least_circumscribed_cylinder() {
+        let tilted = |z: f64, a: f64| (3.0 + 0.01 * z) * a.cos() - (1.0 + 0.02 * z) * a.sin();
+        let radius =
+            |h: &dyn Fn(f64, f64) -> f64| circumscribed_cylinder(&samples(h)).map(|c| c.radius).unwrap();
+        assert!((radius(&|z, a| 12.5 + tilted(z, a)) - 12.5).abs() < 1e-9);
+        let bent = |z: f64| 0.04 * (1.0 - (z / 50.0 - 1.0).powi(2));
+        let found = radius(&|z, a| 12.5 + tilted(z, a) + bent(z) * a.cos());
+        assert!((found - 12.52).abs() < 1e-6, "{found}");
+        let cone = radius(&|z, a| 12.5 + 1e-3 * z + tilted(z, a));
+        assert!((cone - 12.6).abs() < 1e-6, "{cone}");
+        // A bump at one place and angle: it and the whole of the other side touch.
+        let bump = radius(&|z, a| if z == 50.0 && a == 0.0 { 12.6 } else { 12.5 });
+        assert!(bump > 12.5 && bump < 12.56, "{bump}");
+    }
+
+    /// Everything lies inside, and no cylinder of a little less radius about a nearby axis holds it.
+    #[test]
+    fn it_holds_every_sample_and_is_the_least() {
+        use rand::{RngExt, SeedableRng};
+        let mut random = rand_pcg::Pcg64::seed_from_u64(3);
+        let noisy: Vec<[f64; 3]> = samples(|z, a| 10.0 + 0.02 * (2.0 * a).cos() + 1e-3 * z * a.sin())
+            .into_iter()
+            .map(|s| [s[0], s[1], s[2] + 0.01 * random.random::<f64>()])
+            .collect();
+        let found = circumscribed_cylinder(&noisy).unwrap();
+        let outside = |c: &Cylinder| {
+            let of = |s: &[f64; 3]| {
+                let (sin, cos) = s[1].sin_cos();
+                s[2] - (c.x0 + c.slope_x * s[0]) * cos - (c.y0 + c.slope_y * s[0]) * sin
+            };
+            noisy.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+        };
+        assert!((outside(&found) - found.radius).abs() < 1e-9);
+        for _ in 0..2000 {
+            let mut other = found;
+            other.x0 += 2e-3 * (random.random::<f64>() - 0.5);
+            other.y0 += 2e-3 * (random.random::<f64>() - 0.5);
+            other.slope_x += 4e-5 * (random.random::<f64>() - 0.5);
+            other.slope_y += 4e-5 * (random.random::<f64>() - 0.5);
+            assert!(outside(&other) >= found.radius - 1e-9);
+        }
+    }
 }

@@ -26,7 +26,9 @@ mod turn;
 pub use certificate::Certificate;
 pub use circle::{Circle, CircleFit};
 pub use circumscribed_circle::{certify_circumscribed, minimum_circumscribed_circle};
-pub use cylinder::{Cylinder, CylinderFit, least_squares_cylinder, silhouette_cylinder};
+pub use cylinder::{
+    Cylinder, CylinderFit, circumscribed_cylinder, least_squares_cylinder, silhouette_cylinder,
+};
 pub use error::FormError;
 pub use harmonics::{Harmonic, Origin, TurnHarmonics, harmonics};
 pub use inscribed_circle::{certify_inscribed, maximum_inscribed_circle};

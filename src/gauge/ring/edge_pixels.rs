@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
+use super::super::censored::Ends;
 use super::super::form::Circle;
+use super::super::grey_ends::{self, Level};
 use crate::frame::FrameView;
 
 /// One pixel near an edge.
@@ -16,8 +18,6 @@ pub(super) struct EdgePixel {
     pub(super) cos: f64,
     /// Direction of the radius.
     pub(super) sin: f64,
-    /// Whether the value stands at the end of the scale on the light's side: the true one is at least that.
-    pub(super) clipped: bool,
 }
 
 /// The pixels of each caliper, by sector.
@@ -47,7 +47,6 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
     let Circle { centre, radius } = order.circle;
     let side = if order.light_outside { 1.0 } else { -1.0 };
     let (outer, inner) = (radius + order.half, (radius - order.half).max(0.0));
-    let clip = light_end(view, order.bright_on_dark);
     let sign = if order.bright_on_dark { -1.0 } else { 1.0 };
     let mut sectors = vec![Vec::new(); order.sectors];
     let last = |n: usize, v: f64| (v.floor().max(-1.0) as isize).min(n as isize - 1);
@@ -71,7 +70,6 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
                     distance: side * (r - radius),
                     cos: arm.x / r,
                     sin: arm.y / r,
-                    clipped: clip.is_some_and(|c| sign * f64::from(value) >= sign * c),
                 });
             }
         }
@@ -79,7 +77,50 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
     Band { sectors }
 }
 
-/// Grey value at which light is clipped: full scale, or zero where the part is bright and the light is its dark ground.
-fn light_end(view: &FrameView<'_>, bright_on_dark: bool) -> Option<f64> {
-    view.full_scale().map(|full| if bright_on_dark { 0.0 } else { f64::from(full) })
+/// Share of the band's half width beyond which pixels are flat.
+const FLAT: f64 = 0.7;
+
+impl Band {
+    /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge, counts, and `whole` says that grey
+    /// values are whole counts.
+    pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
+        let reach = self.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
+        let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > FLAT * reach;
+        let of = |level: Level| -> Vec<Vec<f32>> {
+            let values = |sector: &Vec<EdgePixel>| {
+                let flat = sector.iter().filter(|p| flat(level, p));
+                flat.map(|p| level.sign() * p.value as f32).collect()
+            };
+            self.sectors.iter().map(values).collect()
+        };
+        let (dark, light) = (of(Level::Dark), of(Level::Light));
+        let mean = |v: &[Vec<f32>]| {
+            let sum: f64 = v.iter().flatten().map(|v| f64::from(*v)).sum();
+            sum / v.iter().flatten().count().max(1) as f64
+        };
+        let contrast = mean(&light) + mean(&dark);
+        // Light so far beyond the end that nothing could be fitted: the noise of an ordinary frame.
+        let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
+        let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
+        let find = |level, values: &[Vec<f32>], other: f64| {
+            let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
+            let found = grey_ends::judge(&mut pool, whole, contrast, |end, least, step| {
+                let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
+                let below = pairs_below(values, end).map_or(0.0, free);
+                if below > least { below } else { grey_ends::expected_noise(level, free(flank), free(other)) }
+            });
+            found.map(|(end, step)| (level.sign() * end, step))
+        };
+        let low = find(Level::Dark, &dark, scatter[1]);
+        let high = find(Level::Light, &light, scatter[0]);
+        Ends::of(low, high)
+    }
+}
+
+/// Noise of successive flat pixels of a sector below an end, counts; `None` of too few.
+fn pairs_below(sectors: &[Vec<f32>], end: f32) -> Option<f64> {
+    let pairs = sectors.iter().flat_map(|sector| sector.windows(2));
+    let mut squares: Vec<f32> =
+        pairs.filter(|w| w[0] < end && w[1] < end).map(|w| (w[1] - w[0]).powi(2)).collect();
+    grey_ends::robust_mean(&mut squares).map(|mean| (0.5 * mean).sqrt())
 }

@@ -3,27 +3,30 @@
 //! Pixel i of caliper s reads m = B(θ) + A(θ)·E(d_i − δ_s; σ), B and A each a constant with a first harmonic in θ (a tilt of
 //! the light). Weighted Gauss-Newton on all parameters at once: the shifts are eliminated caliper by caliper
 //! (Schur complement), which leaves seven equations. Weights are 1/variance, the variance estimated from the residuals in
-//! shadow, mid-edge and light. A clipped pixel counts only while the model stays below it.
+//! shadow, mid-edge and light. Where light or shadow is clipped its pixels are censored, and two shape terms of the edge-spread function
+//! join the pooled parameters.
 
 use nalgebra::{SMatrix, SVector};
 
+use super::super::censored::{Censored, Ends};
+use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::coarse::median;
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
 
 /// B0, B1, B2, A0, A1, A2, σ.
 const POOLED: usize = 7;
+/// The same and the amplitudes of the shape terms.
+const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
 /// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
 const HUBER: f64 = 3.0;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
 const CHI2_GATE: f64 = 4.0;
-/// Error of the model taken with the noise where the light is clipped, as a share of the contrast. Its level is then
-/// extrapolated from the edge's own shape, and no lens's edge is Gaussian to better than about 2 %: without this the quiet
-/// shadow's foot alone would decide on level, blur and so position.
-const CLIPPED_MODEL: f64 = 0.02;
-type Vector = SVector<f64, POOLED>;
-type Matrix = SMatrix<f64, POOLED, POOLED>;
+/// Contrast is looked for up to this multiple of what is seen of it.
+const MOST_CONTRAST: f64 = 4.0;
+type Vector<const P: usize> = SVector<f64, P>;
+type Matrix<const P: usize> = SMatrix<f64, P, P>;
 
 /// One caliper's result.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +55,8 @@ pub(super) struct EdgeFit {
     pub(super) levels: (f64, f64),
     /// Standard uncertainty of the mean shift, pooled parameters free, px.
     pub(super) u_mean: f64,
+    /// Standard deviation of the residuals at mid-edge, counts.
+    pub(super) noise: f64,
 }
 
 /// Noise variance over the share of light, linear between shadow, mid-edge and light.
@@ -67,44 +72,67 @@ impl Variance {
 }
 
 /// Sums of one caliper's equations.
-struct Sums {
-    normal: Matrix,
-    right: Vector,
-    cross: Vector,
+struct Sums<const P: usize> {
+    normal: Matrix<P>,
+    right: Vector<P>,
+    cross: Vector<P>,
     own: f64,
     own_right: f64,
     chi2: f64,
     pixels: f64,
 }
 
-struct State {
-    pooled: Vector,
+struct State<const P: usize> {
+    pooled: Vector<P>,
     shifts: Vec<f64>,
     steps: Vec<f64>,
     good: Vec<bool>,
     variance: Variance,
     least_variance: f64,
+    /// Where grey values are clipped, the contrast seen between the ends, and the shape terms; none where nothing is.
+    clipped: Option<Clipped>,
+}
+
+/// What is known of a clipped edge.
+#[derive(Clone, Copy, Debug)]
+struct Clipped {
+    ends: Ends,
+    seen: f64,
+    separated: ShapeTerms,
 }
 
 /// A pixel's model value, its derivatives (pooled, shift), and its share of light.
-fn model(pixel: &EdgePixel, p: &Vector, shift: f64) -> (f64, Vector, f64, f64) {
-    let e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
+fn model<const P: usize>(
+    pixel: &EdgePixel,
+    p: &Vector<P>,
+    shift: f64,
+    separated: Option<&ShapeTerms>,
+) -> (f64, Vector<P>, f64, f64) {
+    let mut e = square_edge(pixel.distance - shift, pixel.cos, pixel.sin, p[SIGMA]);
     let dark = p[0] + p[1] * pixel.cos + p[2] * pixel.sin;
     let contrast = p[3] + p[4] * pixel.cos + p[5] * pixel.sin;
-    let by_pooled = Vector::from([
-        1.0,
-        pixel.cos,
-        pixel.sin,
-        e.value,
-        e.value * pixel.cos,
-        e.value * pixel.sin,
-        contrast * e.by_sigma,
-    ]);
+    let mut by_pooled = Vector::<P>::zeros();
+    if let (SHAPED, Some(separated)) = (P, separated) {
+        let terms = plain_terms(pixel.distance - shift, p[SIGMA]);
+        for (k, term) in separated.at([e.by_distance, e.by_sigma], terms).into_iter().enumerate() {
+            e.value += p[POOLED + k] * term;
+            by_pooled[POOLED + k] = contrast * term;
+        }
+    }
+    let seven =
+        [1.0, pixel.cos, pixel.sin, e.value, e.value * pixel.cos, e.value * pixel.sin, contrast * e.by_sigma];
+    by_pooled.iter_mut().zip(seven).for_each(|(by, value)| *by = value);
     (dark + contrast * e.value, by_pooled, -contrast * e.by_distance, e.value)
 }
 
-impl State {
-    fn start(band: &Band, least_variance: f64) -> Option<Self> {
+/// The shape terms in a pixel a distance from the edge.
+fn plain_terms(distance: f64, sigma: f64) -> [f64; TERMS] {
+    let (up, down) = (term_border(distance + 0.5, sigma), term_border(distance - 0.5, sigma));
+    [up[0] - down[0], up[1] - down[1]]
+}
+
+impl<const P: usize> State<P> {
+    fn start(band: &Band, least_variance: f64, ends: Option<Ends>) -> Option<Self> {
         let all = || band.sectors.iter().flatten();
         let reach = all().map(|p| p.distance).fold(0.0, f64::max);
         let level = |over: &dyn Fn(&EdgePixel) -> bool| {
@@ -115,41 +143,75 @@ impl State {
         if light.is_nan() || light - dark <= 0.0 {
             return None;
         }
+        let mut pooled = Vector::<P>::zeros();
+        (pooled[0], pooled[3], pooled[SIGMA]) = (dark, light - dark, 1.0);
         Some(Self {
-            pooled: Vector::from([dark, 0.0, 0.0, light - dark, 0.0, 0.0, 1.0]),
+            pooled,
             shifts: vec![0.0; band.sectors.len()],
             steps: vec![f64::INFINITY; band.sectors.len()],
             good: band.sectors.iter().map(|s| s.len() >= 6).collect(),
             variance: Variance([1e-4 * (light - dark).powi(2) + least_variance; 3]),
             least_variance,
+            clipped: ends.map(|ends| Clipped { ends, seen: light - dark, separated: ShapeTerms::default() }),
         })
     }
 
-    fn sums(&self, pixels: &[EdgePixel], shift: f64) -> Sums {
+    /// Takes place and blur off the shape terms, for an edge seen whole under the noise as it stands.
+    fn separate(&mut self, reach: f64) {
+        const STEP: f64 = 0.25;
+        let (sigma, variance) = (self.pooled[SIGMA], self.variance);
+        let count = (2.0 * reach / STEP) as usize;
+        let samples = (0..=count).map(|k| {
+            let distance = k as f64 * STEP - reach;
+            let edge = square_edge(distance, 1.0, 0.0, sigma);
+            let by = [edge.by_distance, edge.by_sigma];
+            (by, plain_terms(distance, sigma), variance.at(edge.value).recip())
+        });
+        let separated = ShapeTerms::separate(samples);
+        self.clipped.iter_mut().for_each(|clipped| clipped.separated = separated);
+    }
+
+    /// Adds what is known of the shape terms beforehand.
+    fn add_priors(&self, normal: &mut Matrix<P>, right: &mut Vector<P>) {
+        for k in POOLED..P {
+            normal[(k, k)] += AMPLITUDE.powi(-2);
+            right[k] -= self.pooled[k] * AMPLITUDE.powi(-2);
+        }
+    }
+
+    fn sums(&self, pixels: &[EdgePixel], shift: f64) -> Sums<P> {
         let mut s = Sums {
-            normal: Matrix::zeros(),
-            right: Vector::zeros(),
-            cross: Vector::zeros(),
+            normal: Matrix::<P>::zeros(),
+            right: Vector::<P>::zeros(),
+            cross: Vector::<P>::zeros(),
             own: 0.0,
             own_right: 0.0,
             chi2: 0.0,
             pixels: 0.0,
         };
         for pixel in pixels {
-            let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift);
-            if pixel.clipped && value >= pixel.value {
-                continue;
-            }
-            let residual = pixel.value - value;
+            let separated = self.clipped.as_ref().map(|c| &c.separated);
+            let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift, separated);
             let variance = self.variance.at(light);
-            s.chi2 += residual * residual / variance;
-            s.pixels += 1.0;
+            let (mut residual, mut information, mut between, mut expected) =
+                (pixel.value - value, 1.0, true, 1.0);
+            if let Some(clipped) = &self.clipped {
+                let censored = Censored::new(pixel.value, value, variance.sqrt(), clipped.ends);
+                residual = censored.residual * variance.sqrt();
+                (information, between, expected) =
+                    (censored.information, censored.between, censored.expected);
+            }
+            if between {
+                s.chi2 += residual * residual / variance;
+            }
+            s.pixels += expected;
             let weight =
                 (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
-            s.normal += by_pooled * by_pooled.transpose() * weight;
+            let informed = weight * information;
+            s.normal += by_pooled * by_pooled.transpose() * informed;
             s.right += by_pooled * (weight * residual);
-            s.cross += by_pooled * (weight * by_shift);
-            s.own += weight * by_shift * by_shift;
+            s.cross += by_pooled * (informed * by_shift);
+            s.own += informed * by_shift * by_shift;
             s.own_right += weight * by_shift * residual;
         }
         s
@@ -157,20 +219,25 @@ impl State {
 
     /// One Gauss-Newton step; the change of the pooled parameters and of the mean caliper, px, or `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
-        let sums: Vec<Sums> =
+        let sums: Vec<Sums<P>> =
             band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
-        let (mut normal, mut right) = (Matrix::zeros(), Vector::zeros());
+        let (mut normal, mut right) = (Matrix::<P>::zeros(), Vector::<P>::zeros());
         for (s, _) in sums.iter().zip(&self.good).filter(|(s, good)| **good && s.own > 0.0) {
             normal += s.normal - s.cross * s.cross.transpose() / s.own;
             right += s.right - s.cross * (s.own_right / s.own);
         }
+        self.add_priors(&mut normal, &mut right);
         let full = normal.cholesky()?.solve(&right);
         // Far from the optimum a full step of the blur or the clipped light's level can overshoot.
         let contrast = self.pooled[3];
         let tame = |step: f64, limit: f64| (limit / step.abs().max(f64::MIN_POSITIVE)).min(1.0);
         let scale = tame(full[SIGMA], 0.3 * self.pooled[SIGMA]).min(tame(full[3], 0.2 * contrast));
+        let scale = (POOLED..P).fold(scale, |scale, k| scale.min(tame(full[k], 2.0 * AMPLITUDE)));
         let change = full * scale;
         self.pooled += change;
+        if let Some(clipped) = &self.clipped {
+            self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, MOST_CONTRAST * clipped.seen);
+        }
         self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
         let (mut moved, mut count) = (0.0, 0.0);
         for (k, s) in sums.iter().enumerate().filter(|(_, s)| s.own > 0.0) {
@@ -189,8 +256,10 @@ impl State {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         for ((pixels, shift), _) in band.sectors.iter().zip(&self.shifts).zip(&self.good).filter(|(_, g)| **g)
         {
-            for pixel in pixels.iter().filter(|p| !p.clipped) {
-                let (value, _, _, light) = model(pixel, &self.pooled, *shift);
+            let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
+            for pixel in pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high) {
+                let separated = self.clipped.as_ref().map(|c| &c.separated);
+                let (value, _, _, light) = model(pixel, &self.pooled, *shift, separated);
                 let zone = match light {
                     l if l < 0.1 => 0,
                     l if l > 0.9 => 2,
@@ -203,12 +272,11 @@ impl State {
         let counts = zones.each_ref().map(Vec::len);
         let spread = zones.map(|z| (1.4826 * median(z)).powi(2).max(self.least_variance));
         let [dark, middle, light] = spread;
-        let dark = if counts[0] >= 100 { dark } else { middle };
-        let clipped = band.sectors.iter().flatten().any(|p| p.clipped);
+        let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
+        let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
         // Where the light is clipped the pixels left are the ones that read too low.
-        let light = if counts[2] >= 100 && !clipped { light } else { 2.0 * middle - dark };
-        let model = if clipped { (CLIPPED_MODEL * self.pooled[3]).powi(2) } else { 0.0 };
-        self.variance = Variance([dark + model, middle + model, light.max(0.5 * middle) + model]);
+        let light = if counts[2] >= 100 && ends.high.is_infinite() { light } else { 2.0 * middle - dark };
+        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
     }
 
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
@@ -241,7 +309,7 @@ impl State {
 /// Width of the steps in which a refused caliper is read, px.
 const CROSSING_STEP: f64 = 0.5;
 
-impl State {
+impl<const P: usize> State<P> {
     /// First crossing of the middle between the levels, from the shadow outwards, of the mean grey values over the distance.
     fn crossing(&self, pixels: &[EdgePixel]) -> Option<f64> {
         let reach = pixels.iter().map(|p| p.distance.abs()).fold(0.0, f64::max);
@@ -270,24 +338,51 @@ fn departures(shifts: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0. `Err` says what went wrong.
-pub(super) fn fit_edge(band: &Band, least_variance: f64, outlier_sigmas: f64) -> Result<EdgeFit, String> {
-    let mut state =
-        State::start(band, least_variance).ok_or("no light on its outer side, or no shadow on its inner")?;
+/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends` where grey values are clipped. `Err`
+/// says what went wrong.
+pub(super) fn fit_edge(
+    band: &Band,
+    least_variance: f64,
+    outlier_sigmas: f64,
+    ends: Option<Ends>,
+) -> Result<EdgeFit, String> {
+    match ends {
+        None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas),
+        Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas),
+    }
+}
+
+fn settle<const P: usize>(
+    start: Option<State<P>>,
+    band: &Band,
+    outlier_sigmas: f64,
+) -> Result<EdgeFit, String> {
+    let mut state = start.ok_or("no light on its outer side, or no shadow on its inner")?;
     let singular = "too few pixels, or all of them clipped";
+    let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
     let mut settled = f64::INFINITY;
-    for round in 0..4 {
-        for _ in 0..12 {
+    // What is clipped follows from the edge's shape alone: it takes longer.
+    let (rounds, steps) = if P == SHAPED { (5, 30) } else { (4, 12) };
+    for round in 0..rounds {
+        if P == SHAPED {
+            state.separate(reach);
+        }
+        for _ in 0..steps {
             settled = state.step(band).ok_or(singular)?;
             if settled < 1e-5 {
                 break;
             }
         }
         state.estimate_variance(band);
-        if round < 3 {
+        if round + 1 < rounds {
             // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
         }
+    }
+    if let Some(clipped) = &state.clipped
+        && state.pooled[3] > 0.98 * MOST_CONTRAST * clipped.seen
+    {
+        return Err("saturated: light or shadow is clipped at the end of the grey scale, and the flank does not state how far beyond it lies; expose less".to_owned());
     }
     if settled > 1e-4 {
         return Err(format!("the fit does not settle (last change {settled:.1e} px)"));
@@ -296,16 +391,17 @@ pub(super) fn fit_edge(band: &Band, least_variance: f64, outlier_sigmas: f64) ->
 }
 
 /// Uncertainties from the inverse of the normal equations, pooled parameters and shifts together.
-fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
-    let sums: Vec<Sums> =
+fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
+    let sums: Vec<Sums<P>> =
         band.sectors.iter().zip(&state.shifts).map(|(p, shift)| state.sums(p, *shift)).collect();
-    let (mut normal, mut lever, mut own, mut count) = (Matrix::zeros(), Vector::zeros(), 0.0, 0.0);
+    let (mut normal, mut lever, mut own, mut count) = (Matrix::<P>::zeros(), Vector::<P>::zeros(), 0.0, 0.0);
     for (s, _) in sums.iter().zip(&state.good).filter(|(_, good)| **good) {
         normal += s.normal - s.cross * s.cross.transpose() / s.own;
         lever += s.cross / s.own;
         own += s.own.recip();
         count += 1.0;
     }
+    state.add_priors(&mut normal, &mut Vector::<P>::zeros());
     let covariance = normal.try_inverse()?;
     let calipers = sums
         .iter()
@@ -324,5 +420,6 @@ fn finish(state: &State, band: &Band) -> Option<EdgeFit> {
         .collect();
     let u_mean = (own + lever.dot(&(covariance * lever))).sqrt() / count;
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
-    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean })
+    let noise = state.variance.0[1].sqrt();
+    Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise })
 }

@@ -114,7 +114,7 @@ impl Side<'_> {
             calipers /= 2;
         }
         let least_variance = if self.view.format() == PixelFormat::F32 { 1e-6 } else { 1.0 / 12.0 };
-        let (mut circle, mut last) = (coarse, None);
+        let (mut circle, mut last, mut ends) = (coarse, None, None);
         for _ in 0..3 {
             let order = BandOrder {
                 circle,
@@ -123,8 +123,17 @@ impl Side<'_> {
                 sectors: calipers,
                 bright_on_dark: self.settings.bright_on_dark,
             };
-            let fit = fit_edge(&collect(self.view, &order), least_variance, self.settings.outlier_sigmas)
-                .map_err(|why| self.error(why))?;
+            let band = collect(self.view, &order);
+            let fitted = |ends| fit_edge(&band, least_variance, self.settings.outlier_sigmas, ends);
+            let mut fit = fitted(ends);
+            if last.is_none() {
+                let flank = fit.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
+                ends = band.ends(flank, self.view.format() != PixelFormat::F32);
+                if ends.is_some() {
+                    fit = fitted(ends);
+                }
+            }
+            let fit = fit.map_err(|why| self.error(why))?;
             let points = self.points(&circle, &fit, true);
             if (points.len() as f64) < self.settings.min_fill * calipers as f64 {
                 let why = format!("only {} of {calipers} calipers are good", points.len());

@@ -6,7 +6,7 @@ mod buffers;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use adapters::{AdapterReport, adapter_reports};
+pub use adapters::{AdapterReport, adapter_reports, automatic};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
@@ -82,22 +82,10 @@ impl std::fmt::Debug for Gpu {
 /// The graphics interfaces a device is looked for under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Api {
-    /// Vulkan before OpenGL.
-    Any,
-    /// Vulkan alone.
+    /// Vulkan.
     Vulkan,
-    /// OpenGL (ES) alone.
+    /// OpenGL (ES).
     Gl,
-}
-
-impl Api {
-    fn backends(self) -> (wgpu::Backends, &'static str) {
-        match self {
-            Self::Any => (wgpu::Backends::VULKAN | wgpu::Backends::GL, "Vulkan or GL"),
-            Self::Vulkan => (wgpu::Backends::VULKAN, "Vulkan"),
-            Self::Gl => (wgpu::Backends::GL, "GL"),
-        }
-    }
 }
 
 impl Gpu {
@@ -106,8 +94,19 @@ impl Gpu {
     /// # Errors
     /// When there is none, or the device cannot be had or refuses the kernels.
     pub fn open(api: Api) -> Result<Self, RenderError> {
-        let (backends, wanted) = api.backends();
-        let adapter = adapters::best(backends, wanted)?;
+        Self::on(&adapters::best(api == Api::Gl)?)
+    }
+
+    /// Opens the best hardware adapter: Vulkan's, or OpenGL's where Vulkan offers no adapter at
+    /// all; `None` where there is no hardware.
+    ///
+    /// # Errors
+    /// When its device cannot be had or refuses the kernels.
+    pub fn open_hardware() -> Result<Option<Self>, RenderError> {
+        adapters::hardware().map(|adapter| Self::on(&adapter)).transpose()
+    }
+
+    fn on(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let info = adapter.get_info();
         // A processor's memory is the device's memory: reading the image in place saves a copy of it.
         let unified = matches!(info.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu);

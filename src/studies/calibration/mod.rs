@@ -1,18 +1,20 @@
 //! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
 //! its residuals and the verdict of a check pin.
 
+mod one_encoding;
 mod plan;
 mod simulated;
 
 use thiserror::Error;
 
+use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 
-use crate::frame::{Frame, FrameView};
+use crate::frame::{Encoding, Frame, FrameView};
 use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
-    MasterPrior, Observation, Thermometer, Validity, observe,
+    MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response,
 };
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
@@ -66,6 +68,21 @@ pub enum CalibrateError {
     /// No photon transfer.
     #[error("fields: {0}")]
     Sensor(#[from] PhotonTransferError),
+    /// Flat fields that are none of their exposures'.
+    #[error("fields.flats: {0}")]
+    Response(#[from] NoResponse),
+    /// Frames whose files encode light in different ways.
+    #[error(
+        "{what}: the file encodes its grey values otherwise ({found}) than the frames before it ({before}); record all in one way"
+    )]
+    Encodings {
+        /// Whose frames.
+        what: String,
+        /// Theirs.
+        found: Encoding,
+        /// That of those before.
+        before: Encoding,
+    },
     /// A pin that cannot be measured.
     #[error("{pin}: no frame shows it: {why}")]
     Pin {
@@ -143,8 +160,9 @@ pub fn calibrate(
     let plan = &plan.settled();
     plan.validate()?;
     let gauge = Gauge::new(plan.gauge.clone())?;
-    let (flat_field, sensor) = fields(plan, recordings)?;
-    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), recordings)?;
+    let mut recordings = OneEncoding::new(recordings);
+    let (flat_field, sensor) = fields(plan, &mut recordings)?;
+    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
         if seen.size != size {
@@ -164,7 +182,8 @@ pub fn calibrate(
     let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
         .with_optics_id(&plan.optics_id)
         .with_misfit(misfit)
-        .with_edge_model(&plan.gauge.esf);
+        .with_edge_model(&plan.gauge.esf)
+        .with_encoding(recordings.encoding.unwrap_or_default());
     let check = plan
         .check
         .as_ref()
@@ -238,6 +257,15 @@ fn fields(
         at_least_two(&format!("fields.flats[{index}]"), frames.len())?;
         flats.push((plan.fields.flats[index].exposure, frames));
     }
+    let response = sensor_response(&dark, &flats)?;
+    let (dark, mut flats) = match &response {
+        Some(response) => {
+            let light =
+                |frames: Vec<Frame>| frames.into_iter().map(|f| response.linearised(f)).collect::<Vec<_>>();
+            (light(dark), flats.into_iter().map(|(exposure, frames)| (exposure, light(frames))).collect())
+        }
+        None => (dark, flats),
+    };
     let dark_views: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
     // The brightest one that is not clipped shows defects and light best.
     flats.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -249,13 +277,23 @@ fn fields(
             break;
         }
     }
-    let flat_field = flat_field?;
+    let flat_field = flat_field?.with_response(response);
     if flats.len() < 3 {
         return Ok((Some(flat_field), None));
     }
     let pairs: Vec<FramePair<'_>> = flats.iter().filter_map(|(exposure, f)| pair(*exposure, f)).collect();
     let darks: Vec<FramePair<'_>> = pair(0.0, &dark).into_iter().collect();
     Ok((Some(flat_field), Some(photon_transfer(&pairs, &darks)?)))
+}
+
+/// What two exposures or more show of a response that is not linear.
+fn sensor_response(dark: &[Frame], flats: &[(f64, Vec<Frame>)]) -> Result<Option<Response>, NoResponse> {
+    let dark: Vec<FrameView<'_>> = dark.iter().map(Frame::view).collect();
+    let flats: Vec<(f64, Vec<FrameView<'_>>)> = flats
+        .iter()
+        .map(|(exposure, frames)| (*exposure, frames.iter().map(Frame::view).collect()))
+        .collect();
+    response(&dark, &flats)
 }
 
 /// One frame of a field says nothing of its noise: left out in silence, it would be missed in the transfer curve only.
@@ -483,6 +521,9 @@ pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
     use super::*;
     use crate::frame::{Buffer, FrameMeta, PixelFormat};
 
@@ -519,5 +560,82 @@ mod tests {
         assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
         // With two of each it is the flats themselves that are refused: they are as dark as the dark ones.
         assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
+    }
+
+    /// A 12-bit sensor with black at 64 whose signal is a power of the light, and noise of ± 6 counts.
+    struct Power(f64, crate::frame::Encoding);
+
+    impl Power {
+        fn frames(&self, exposure: f64) -> Vec<Frame> {
+            let seed = (1e3 * exposure) as u64;
+            let meta = FrameMeta { encoding: self.1, ..FrameMeta::default() };
+            let frame = |k: u64| {
+                let mut rng = Pcg64::seed_from_u64(10 * seed + k);
+                let pixels = (0..64 * 64).map(|i| {
+                    let light = exposure * (1.0 - 0.2 * f64::from(i % 64) / 64.0);
+                    let noise: f64 = (0..6).map(|_| rng.random_range(-1.0..1.0)).sum();
+                    (64.5 + 3900.0 * light.powf(self.0) + noise) as u16
+                });
+                Frame::new(Buffer::U16(pixels.collect()), PixelFormat::Mono12, 64, 64, meta.clone()).unwrap()
+            };
+            vec![frame(0), frame(1)]
+        }
+    }
+
+    impl Recordings for Power {
+        fn pin(&mut self, _: usize, _: &PinPlan, _: &Position) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(Vec::new())
+        }
+
+        fn dark(&mut self, _: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(self.frames(0.0))
+        }
+
+        fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
+            Ok(self.frames(plan.fields.flats[index].exposure))
+        }
+    }
+
+    fn flats(exposures: &str) -> CalibrationPlan {
+        let start = "optics_id = \"any\"\ndate = \"2026-11-22\"\nmasters = []\nfields.flats = ";
+        toml::from_str(&format!("{start}{exposures}")).unwrap()
+    }
+
+    #[test]
+    fn a_response_that_is_not_linear_enters_the_flat_field() {
+        let linear = crate::frame::Encoding::LINEAR;
+        for exposures in [
+            "[{ exposure = 0.2 }, { exposure = 0.8 }]",
+            "[{ exposure = 0.2 }, { exposure = 0.4 }, { exposure = 0.8 }]",
+        ] {
+            let plan = flats(exposures);
+            let (field, _) = fields(&plan, &mut Power(0.6, linear)).unwrap();
+            let field = field.unwrap();
+            let response = field.response.unwrap();
+            assert!((response.exponent * 0.6 - 1.0).abs() < 0.03, "{exposures}: {response:?}");
+            // What it corrects shows the light: .2 of its brightest fallen off, nothing bent.
+            let shown = field.corrected(Power(0.6, linear).frames(0.4).remove(0));
+            let mean =
+                |c: usize| (0..64).filter_map(|r| shown.view().get(r, c)).map(f64::from).sum::<f64>() / 64.0;
+            let black = field.black_counts;
+            assert!(
+                ((mean(4) - black) / (mean(60) - black) - 1.0).abs() < 0.02,
+                "{} and {}",
+                mean(4),
+                mean(60)
+            );
+            let (straight, _) = fields(&plan, &mut Power(1.0, linear)).unwrap();
+            assert_eq!(straight.unwrap().response, None);
+        }
+    }
+
+    #[test]
+    fn frames_of_two_encodings_make_no_calibration() {
+        let plan = flats("[{ exposure = 0.2 }, { exposure = 0.8 }]");
+        let mut recordings = Power(1.0, crate::frame::Encoding::LINEAR);
+        let mut one = OneEncoding::new(&mut recordings);
+        one.encoding = Some(crate::frame::Encoding::SRGB);
+        let said = fields(&plan, &mut one).unwrap_err().to_string();
+        assert!(said.contains("fields.dark: the file encodes its grey values otherwise (linear)"), "{said}");
     }
 }

@@ -10,6 +10,7 @@ use crate::job::{Job, MasterPin};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::source::Channel;
 
 /// Frames of a pin at one place in the field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -196,6 +197,9 @@ impl SimulatedPlan {
 pub struct CalibrationPlan {
     /// Camera, lens, light and their setting: frames of other optics are refused.
     pub optics_id: String,
+    /// Channel of colour frames that is measured; without it red, green and blue must be equal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
     /// Day of the recording, "YYYY-MM-DD".
     pub date: Date,
     /// Days the calibration is valid.
@@ -247,6 +251,7 @@ impl CalibrationPlan {
         let simulate = SimulatedPlan { frames_each, ..SimulatedPlan::default() }.before_bench_of(job);
         Self {
             optics_id: job.name.clone(),
+            channel: None,
             date,
             valid_days: a_year(),
             lens: LensLimits::default(),

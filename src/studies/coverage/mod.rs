@@ -59,6 +59,8 @@ pub enum Class {
     OtherFinish,
     /// Masters under Gaussian blur, the part in partially coherent light.
     OtherLight,
+    /// Light on the part from 0.9 to 1.5 times the end of the grey scale, masters below it; measured under `clipped`.
+    Clipped,
 }
 
 impl Class {
@@ -117,6 +119,7 @@ impl Class {
             Self::OtherLight => return "masters under Gaussian blur; ".to_owned() + &scene::other_light(),
             Self::WarmPart => "part 8 K warmer than stated",
             Self::OtherFinish => "edges 1 um unlike the masters', 0.05 um stated",
+            Self::Clipped => "light of 0.9-1.5 times the end of the grey scale on the part",
         };
         text.to_owned()
     }

@@ -195,10 +195,15 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
             positions = positions.map(|p| Position { y_mm: 0.0, ..p });
             conditions.limit_axis_y_mm = 0.0;
         }
-        Class::Vibration | Class::LossOfFocus | Class::WarmPart | Class::OtherFinish | Class::Overexposed => {
-        }
+        Class::Vibration
+        | Class::LossOfFocus
+        | Class::WarmPart
+        | Class::OtherFinish
+        | Class::Overexposed
+        | Class::Clipped => {}
     }
     let mut plan = CalibrationPlan {
+        channel: None,
         optics_id: "coverage".to_owned(),
         date: "2026-01-01".parse().unwrap_or_else(|_| Date::of(std::time::SystemTime::UNIX_EPOCH)),
         valid_days: 365,
@@ -206,10 +211,9 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
         thermometer,
         conditions,
         fields: Fields::default(),
-        masters: vec![
-            pin("small", 4.0, u_certificate, &positions),
-            pin("large", 6.6, u_certificate, &positions),
-        ],
+        masters: [("small", 4.0), ("large", 6.6)]
+            .map(|(name, mm)| pin(name, mm, u_certificate, &positions))
+            .to_vec(),
         check: None,
         gauge,
         simulate: Some(simulate),
@@ -235,6 +239,11 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     if class == Class::OtherLight {
         bench = in_other_light(&drawn, seed, renderer)?;
     }
+    if class == Class::Clipped {
+        let times = 1.2 + 0.3 * draws.even();
+        let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
+        bench = changed(&drawn, seed, renderer, light)?;
+    }
     let d20_mm = 5.3 + 1.5 * draws.even();
     let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
     if matches!(class, Class::Form | Class::Lobes) {
@@ -250,9 +259,21 @@ fn in_other_light<'a>(
     seed: u64,
     renderer: &'a Renderer,
 ) -> Result<SimulatedBench<'a>, CalibrateError> {
+    changed(drawn, seed, renderer, |simulate| {
+        simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
+    })
+}
+
+/// The same bench with something about it changed.
+fn changed<'a>(
+    drawn: &Drawn,
+    seed: u64,
+    renderer: &'a Renderer,
+    change: impl FnOnce(&mut SimulatedPlan),
+) -> Result<SimulatedBench<'a>, CalibrateError> {
     let mut plan = drawn.plan.clone();
     if let Some(simulate) = &mut plan.simulate {
-        simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
+        change(simulate);
     }
     let other = SimulatedRecordings::new(&plan, renderer)?.into_bench();
     // Noise of its own, not that of the first master's frames.
@@ -391,7 +412,12 @@ fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) 
         return refused("too few columns".to_owned());
     };
     let budget = reading.budget(calibration, &drawn.conditions);
-    outcome(&budget, true_mm, flag(calibration, &drawn.conditions, &edges))
+    // Under clipped light every column is impaired, and its interval is what is asked for.
+    let flag = match drawn.class {
+        Class::Clipped => String::new(),
+        _ => flag(calibration, &drawn.conditions, &edges),
+    };
+    outcome(&budget, true_mm, flag)
 }
 
 fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {

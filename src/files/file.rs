@@ -1,0 +1,113 @@
+//! One file that a command writes.
+
+use std::fs::{Metadata, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::error::OutputError;
+use super::lock::Lock;
+use super::place::{self, Place, is_same_file};
+
+/// Whether an output has taken stdout.
+static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// An output file that this process has claimed: what may not be written is refused before any work is done. Dropped unwritten, it leaves
+/// what was there.
+#[derive(Debug)]
+pub struct OutputFile {
+    named: PathBuf,
+    to: To,
+}
+
+#[derive(Debug)]
+enum To {
+    Stdout,
+    Through(PathBuf),
+    File { target: PathBuf, before: Option<Metadata>, lock: Lock },
+}
+
+impl OutputFile {
+    /// Claims `path`, which must be none of the command's `inputs`; makes the folder above it.
+    ///
+    /// # Errors
+    /// An input, a folder, a block device, the file that stdout goes to, stdout twice, an output that another process writes; a disk or
+    /// permissions that refuse.
+    pub fn claim(path: &Path, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Self, OutputError> {
+        let named = path.to_owned();
+        if let Some(input) = inputs.into_iter().find(|input| is_same_file(path, input)) {
+            let what = if input == path { String::new() } else { format!(" ({})", input.display()) };
+            return Err(OutputError::refused(
+                path,
+                format!("is an input of this command{what}; give another file"),
+            ));
+        }
+        let to = match place::of(path)? {
+            Place::Stdout if STDOUT_IS_TAKEN.swap(true, Ordering::Relaxed) => {
+                return Err(OutputError::refused(path, "stdout takes one output; give a file to the other"));
+            }
+            Place::Stdout => To::Stdout,
+            Place::Through(path) => To::Through(path),
+            Place::File { path: target, before } => {
+                for (stream, number) in [("stdout", 1), ("stderr", 2)] {
+                    if is_same_file(&target, Path::new(&format!("/proc/self/fd/{number}"))) {
+                        return Err(OutputError::refused(
+                            path,
+                            format!("is where {stream} goes; give another file"),
+                        ));
+                    }
+                }
+                std::fs::create_dir_all(place::folder_of(&target)).map_err(OutputError::failed(path))?;
+                let lock = Lock::take(&place::temporary(&target), path)?;
+                To::File { target, before, lock }
+            }
+        };
+        Ok(Self { named, to })
+    }
+
+    /// Whether it is the process's stdout, which then must carry nothing else.
+    pub fn is_stdout(&self) -> bool {
+        matches!(self.to, To::Stdout)
+    }
+
+    /// Writes all of it.
+    ///
+    /// # Errors
+    /// Where the disk, the reader or the permissions refuse.
+    pub fn write(self, bytes: &[u8]) -> Result<(), OutputError> {
+        self.write_with(|out| out.write_all(bytes))
+    }
+
+    /// Writes it piece by piece; under its own name it appears when it is whole.
+    ///
+    /// # Errors
+    /// As [`Self::write`], and what `pieces` fails with.
+    pub fn write_with(
+        self,
+        pieces: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let Self { named, to } = self;
+        match to {
+            To::Stdout => {
+                let mut out = BufWriter::new(io::stdout().lock());
+                match pieces(&mut out).and_then(|()| out.flush()) {
+                    // A reader that has gone has what it wanted.
+                    Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    written => written,
+                }
+            }
+            To::Through(path) => OpenOptions::new().write(true).open(path).and_then(|file| {
+                let mut out = BufWriter::new(file);
+                pieces(&mut out).and_then(|()| out.flush())
+            }),
+            To::File { target, before, mut lock } => {
+                let written = lock.emptied().and_then(|file| {
+                    let mut out = BufWriter::new(file);
+                    pieces(&mut out).and_then(|()| out.flush())
+                });
+                written.and_then(|()| place::put(lock.path(), &target, before.as_ref()))
+            }
+        }
+        .map_err(OutputError::failed(&named))
+    }
+}

@@ -1,0 +1,181 @@
+//! A folder that a command fills, whole or not at all.
+
+use std::fs::DirEntry;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::error::OutputError;
+use super::lock::Lock;
+use super::place::{behind_links, folder_of, temporary};
+use super::{LOCK_NAME, TEMPORARY};
+
+/// A folder, absent or empty before, that is filled under a temporary name: beside its place where it is absent, inside it where it
+/// stands (it may be a mount point, or have a mode of its own). Dropped before [`OutputFolder::finish`], it leaves nothing.
+#[derive(Debug)]
+pub struct OutputFolder {
+    named: PathBuf,
+    target: PathBuf,
+    staging: PathBuf,
+    stands: bool,
+    finished: bool,
+    /// Held until the folder is whole.
+    _lock: Lock,
+}
+
+/// Attempts to claim a folder whose last holder is just moving it into its place.
+const ATTEMPTS: usize = 3;
+
+/// Refuses what is neither absent nor an empty folder; whether it stands.
+fn check(named: &Path, target: &Path) -> Result<bool, OutputError> {
+    if named == Path::new("-") {
+        return Err(OutputError::refused(named, "is stdout; a folder is needed"));
+    }
+    match std::fs::read_dir(target) {
+        Ok(entries) => {
+            let theirs = |name: &std::ffi::OsStr| !name.to_string_lossy().starts_with(TEMPORARY);
+            if entries.filter_map(Result::ok).any(|entry| theirs(&entry.file_name())) {
+                return Err(OutputError::refused(named, "is not empty; --out must be absent or empty"));
+            }
+            Ok(true)
+        }
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(e) if e.kind() == io::ErrorKind::NotADirectory => {
+            Err(OutputError::refused(named, "is no folder; give one that is absent or empty"))
+        }
+        Err(cause) => Err(OutputError::Failed { path: named.to_owned(), cause }),
+    }
+}
+
+impl OutputFolder {
+    /// Claims `path` and clears what a killed command left of it.
+    ///
+    /// # Errors
+    /// Anything but an absent or empty folder; one that another process fills; a disk or permissions that refuse.
+    pub fn claim(path: &Path) -> Result<Self, OutputError> {
+        let target = behind_links(path).map_err(OutputError::failed(path))?;
+        if target.file_name().is_none() && !target.is_dir() {
+            return Err(OutputError::refused(path, "names no folder"));
+        }
+        for _ in 1..ATTEMPTS {
+            match Self::attempt(path, &target) {
+                Err(OutputError::Failed { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => {}
+                claimed => return claimed,
+            }
+        }
+        Self::attempt(path, &target)
+    }
+
+    fn attempt(path: &Path, target: &Path) -> Result<Self, OutputError> {
+        let stands = check(path, target)?;
+        let staging = if stands { target.join(format!("{TEMPORARY}partial")) } else { temporary(target) };
+        std::fs::create_dir_all(&staging).map_err(OutputError::failed(path))?;
+        let lock = Lock::take(&staging.join(LOCK_NAME), path)?;
+        let (named, target) = (path.to_owned(), target.to_owned());
+        let folder = Self { named, target, staging, stands, finished: false, _lock: lock };
+        // Whoever held it may have finished since.
+        check(path, &folder.target)?;
+        clear(&folder.staging)?;
+        Ok(folder)
+    }
+
+    /// Where its files are written until it is finished.
+    pub fn staging(&self) -> &Path {
+        &self.staging
+    }
+
+    /// Writes a file, whose name may have folders.
+    ///
+    /// # Errors
+    /// Where the disk or the permissions refuse.
+    pub fn write(&self, name: impl AsRef<Path>, bytes: &[u8]) -> Result<(), OutputError> {
+        let path = self.staging.join(&name);
+        std::fs::create_dir_all(folder_of(&path))
+            .and_then(|()| std::fs::write(&path, bytes))
+            .map_err(|cause| OutputError::Failed { path: self.named.join(name), cause })
+    }
+
+    /// Puts the whole folder in its place.
+    ///
+    /// # Errors
+    /// Where the disk or the permissions refuse.
+    pub fn finish(mut self) -> Result<(), OutputError> {
+        let moved = if self.stands {
+            std::fs::read_dir(&self.staging).and_then(|entries| {
+                for entry in entries {
+                    let name = entry?.file_name();
+                    if name != LOCK_NAME {
+                        std::fs::rename(self.staging.join(&name), self.target.join(&name))?;
+                    }
+                }
+                Ok(())
+            })
+        } else {
+            // The lock goes with it and is held until it is removed: nobody else takes the folder for one left behind.
+            std::fs::rename(&self.staging, &self.target)
+                .and_then(|()| std::fs::remove_file(self.target.join(LOCK_NAME)))
+        };
+        moved.map_err(OutputError::failed(&self.named))?;
+        self.finished = !self.stands;
+        Ok(())
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        // A folder that was moved is nothing of this process's any more under its temporary name.
+        if !self.finished {
+            let _ = std::fs::remove_dir_all(&self.staging);
+        }
+    }
+}
+
+/// Makes a folder, a link to nothing followed.
+///
+/// # Errors
+/// Where the disk or the permissions refuse.
+pub fn make_folder(path: &Path) -> Result<(), OutputError> {
+    behind_links(path).and_then(std::fs::create_dir_all).map_err(OutputError::failed(path))
+}
+
+/// Removes all that a folder holds but for its lock.
+///
+/// # Errors
+/// Where the disk or the permissions refuse.
+pub fn clear(folder: &Path) -> Result<(), OutputError> {
+    each_entry(folder, &|entry| remove(entry)).map_err(OutputError::failed(folder))
+}
+
+/// Removes what lies under temporary names in a folder and those in it, but for its lock: whatever a killed command left.
+///
+/// # Errors
+/// Where the disk or the permissions refuse.
+pub fn clear_temporary(folder: &Path) -> Result<(), OutputError> {
+    clear_temporary_in(folder).map_err(OutputError::failed(folder))
+}
+
+fn clear_temporary_in(folder: &Path) -> io::Result<()> {
+    each_entry(folder, &|entry| {
+        if entry.file_name().to_string_lossy().starts_with(TEMPORARY) {
+            remove(entry)
+        } else if entry.file_type()?.is_dir() {
+            clear_temporary_in(&entry.path())
+        } else {
+            Ok(())
+        }
+    })
+}
+
+fn each_entry(folder: &Path, each: &dyn Fn(&DirEntry) -> io::Result<()>) -> io::Result<()> {
+    std::fs::read_dir(folder)?.try_for_each(|entry| {
+        let entry = entry?;
+        if entry.file_name() == LOCK_NAME { Ok(()) } else { each(&entry) }
+    })
+}
+
+fn remove(entry: &DirEntry) -> io::Result<()> {
+    if entry.file_type()?.is_dir() {
+        std::fs::remove_dir_all(entry.path())
+    } else {
+        std::fs::remove_file(entry.path())
+    }
+}

@@ -1,0 +1,26 @@
+//! Outputs of every command: one place that decides what may be written, and how.
+//!
+//! A file is written under a temporary name beside its place and renamed, so that no reader sees half of it and the file before stays
+//! until the new one is whole. A link is followed and stays a link, the mode of the file before is kept. What is no file (`/dev/null`, a
+//! FIFO, a terminal) is written through; `-` and `/dev/stdout` are the process's own stdout, which takes one output. Refused are the
+//! command's own inputs, the file that stdout or stderr goes to, block devices, and what another process is writing.
+//!
+//! Temporary names are fixed, and whoever writes holds an OS lock on them (`flock`; gone with its holder, however it ended). So a second
+//! process is told who holds the output, and what a killed one left is found unlocked and cleared by the next.
+
+mod error;
+mod file;
+mod folder;
+mod lock;
+mod place;
+
+pub use error::OutputError;
+pub use file::OutputFile;
+pub use folder::{OutputFolder, clear, clear_temporary, make_folder};
+pub use lock::Lock;
+pub use place::{is_same_file, replace};
+
+/// How all temporary names begin.
+pub const TEMPORARY: &str = ".tmp-";
+/// The lock in a folder that is written to.
+pub const LOCK_NAME: &str = ".tmp-lock";

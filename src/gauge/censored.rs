@@ -1,0 +1,112 @@
+//! A grey value that is censored at the ends of the scale (Tobin's model).
+//!
+//! A pixel between the ends states its grey value, one at an end only that the light lies beyond. With α = (end − μ)/s the scores by
+//! the mean μ are (m − μ)/s² between and h(α)/s at the upper end, h = φ/(1 − Φ) (hazard), and the expected information of a
+//! pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s²; at the lower end with the signs turned.
+
+use super::model::{phi_cdf, phi_pdf};
+
+/// Ends of the grey scale, counts; infinite where nothing is clipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ends {
+    /// Grey values here or below are clipped.
+    pub(crate) low: f64,
+    /// Grey values here or above are clipped.
+    pub(crate) high: f64,
+    /// Distance of two grey values, counts; 0 where they are continuous.
+    pub(crate) step: f64,
+}
+
+impl Ends {
+    /// A scale without ends.
+    pub(crate) const NONE: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY, step: 0.0 };
+
+    /// From the ends found in the dark and in the light, each with the distance of two grey values; `None` where neither was.
+    pub(crate) fn of(low: Option<(f32, f64)>, high: Option<(f32, f64)>) -> Option<Self> {
+        let step = low.or(high)?.1;
+        let at = |end: Option<(f32, f64)>, none: f64| end.map_or(none, |(value, _)| f64::from(value));
+        Some(Self { low: at(low, f64::NEG_INFINITY), high: at(high, f64::INFINITY), step })
+    }
+}
+
+/// What a pixel says of its mean, in units of its standard deviation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Censored {
+    /// Score by the mean.
+    pub(crate) residual: f64,
+    /// Expected information on the mean.
+    pub(crate) information: f64,
+    /// Whether the grey value lies between the ends.
+    pub(crate) between: bool,
+    /// Expected square of the residual over the pixels between the ends.
+    pub(crate) expected: f64,
+    /// Logarithm of the likelihood.
+    pub(crate) log_likelihood: f64,
+}
+
+impl Censored {
+    /// A grey value `m` of mean `mean` and standard deviation `s`, counts.
+    pub(crate) fn new(m: f64, mean: f64, s: f64, ends: Ends) -> Self {
+        let Ends { low, high, step } = ends;
+        // Distances to both ends, positive inside the scale.
+        let inside = [(high - 0.5 * step - mean) / s, (mean - low - 0.5 * step) / s];
+        let (mut information, mut expected) = (1.0, 1.0);
+        let mut hazards = inside;
+        for (alpha, hazard) in inside.into_iter().zip(&mut hazards) {
+            if alpha < 8.0 {
+                let (outside, pdf) = (phi_cdf(-alpha), phi_pdf(alpha));
+                // Far inside the hazard is α (Mills' ratio).
+                *hazard = if alpha < 6.0 { pdf / outside } else { alpha };
+                information -= (outside + alpha * pdf - pdf * *hazard).clamp(0.0, 1.0);
+                expected -= (outside + alpha * pdf).clamp(0.0, 1.0);
+            }
+        }
+        let tail = |alpha: f64| phi_cdf(-alpha).max(1e-300).ln();
+        let (residual, between, log_likelihood) = if m >= high {
+            (hazards[0], false, tail(inside[0]))
+        } else if m <= low {
+            (-hazards[1], false, tail(inside[1]))
+        } else {
+            let residual = (m - mean) / s;
+            (residual, true, -0.5 * residual * residual - s.ln())
+        };
+        Self {
+            residual,
+            information: information.max(0.0),
+            between,
+            expected: expected.max(0.0),
+            log_likelihood,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Score and information by sums over all grey values of a scale with two ends: the mean score is 0, its variance is the
+    /// information, and the mean square between the ends is what is expected.
+    #[test]
+    fn scores_average_to_nothing_and_their_variance_is_the_information() {
+        let (s, ends) = (2.5, Ends { low: 0.0, high: 20.0, step: 0.0 });
+        for mean in [-3.0, 0.5, 10.0, 19.0, 24.0] {
+            let n = 200_000;
+            let (mut score, mut square, mut between) = (0.0, 0.0, 0.0);
+            let mut information = 0.0;
+            for k in 0..n {
+                let t = -8.0 + 16.0 * (f64::from(k) + 0.5) / f64::from(n);
+                let weight = phi_pdf(t) * 16.0 / f64::from(n);
+                let c = Censored::new((mean + s * t).clamp(ends.low, ends.high), mean, s, ends);
+                score += weight * c.residual;
+                square += weight * c.residual * c.residual;
+                between += if c.between { weight * c.residual * c.residual } else { 0.0 };
+                information = c.information;
+                assert!((c.expected - Censored::new(10.0, mean, s, ends).expected).abs() < 1e-12);
+            }
+            let expected = Censored::new(10.0, mean, s, ends).expected;
+            assert!(score.abs() < 2e-4, "{mean}: {score}");
+            assert!((square - information).abs() < 2e-3, "{mean}: {square} {information}");
+            assert!((between - expected).abs() < 2e-3, "{mean}: {between} {expected}");
+        }
+    }
+}

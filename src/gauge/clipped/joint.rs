@@ -1,0 +1,264 @@
+//! Levels, blur and shape of a side's edges from many columns at once, their places eliminated column by column.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::model::column_sigma;
+use super::super::shape_terms::{AMPLITUDE, TERMS};
+use super::super::window::Windows;
+use super::level::Level;
+use super::score::{Column, Likelihood, Score};
+
+/// Light above dark is looked for up to this multiple of what is seen of it.
+pub(super) const BRIGHTEST: f64 = 4.0;
+/// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
+const EXPLAINED: f64 = 1.1;
+
+/// The joint fit.
+#[derive(Clone, Debug)]
+pub(super) struct Joint<'a> {
+    pub(super) likelihood: Likelihood<'a>,
+    pub(super) dark: Level,
+    pub(super) light: Level,
+    pub(super) sigma: f64,
+    /// Standard uncertainty of a blur that is given, px.
+    pub(super) sigma_prior: Option<(f64, f64)>,
+    /// Columns fitted.
+    pub(super) columns: Vec<usize>,
+    /// Their places, px from the central pixels.
+    pub(super) places: Vec<f64>,
+}
+
+/// Sums over the columns.
+struct Sums {
+    normal: DMatrix<f64>,
+    right: DVector<f64>,
+    chi2: f64,
+    telling: f64,
+    log_likelihood: f64,
+    flank: [f64; 2],
+}
+
+/// What a settled fit states.
+#[derive(Clone, Debug)]
+pub(super) struct Settled {
+    /// Covariance of dark, light, blur and shape terms.
+    covariance: DMatrix<f64>,
+    /// The same were the shape terms known.
+    known_shape: DMatrix<f64>,
+    /// χ² over its expectation.
+    pub(super) misfit: f64,
+    /// Logarithm of the likelihood.
+    pub(super) log_likelihood: f64,
+    /// Columns that it rests on.
+    pub(super) columns: usize,
+    /// Mean number of pixels of a column that state a grey value.
+    pub(super) telling: f64,
+}
+
+/// Entries of a column's parameters among all: (index of all, index in the column's score, weight).
+type Entries = [(usize, usize, f64); 4 + 1 + TERMS];
+
+impl Joint<'_> {
+    fn count(&self) -> usize {
+        self.dark.knots.len() + self.light.knots.len() + 1 + TERMS
+    }
+
+    fn entries(&self, column: usize) -> Entries {
+        let (dark, light) = (self.dark.around(column), self.light.around(column));
+        let first = self.dark.knots.len();
+        let sigma = first + self.light.knots.len();
+        [
+            (dark.0, 1, 1.0 - dark.2),
+            (dark.1, 1, dark.2),
+            (first + light.0, 2, 1.0 - light.2),
+            (first + light.1, 2, light.2),
+            (sigma, 3, 1.0),
+            (sigma + 1, 4, 1.0),
+            (sigma + 2, 5, 1.0),
+        ]
+    }
+
+    pub(super) fn column(&self, column: usize, slope: f32) -> Column {
+        Column {
+            dark: self.dark.at(column),
+            light: self.light.at(column),
+            sigma: column_sigma(self.sigma, f64::from(slope)),
+        }
+    }
+
+    fn sums(&self, windows: &Windows, slope: &[f32]) -> (Sums, Vec<Score>) {
+        let n = self.count();
+        let mut sums = Sums {
+            normal: DMatrix::zeros(n, n),
+            right: DVector::zeros(n),
+            chi2: 0.0,
+            telling: 0.0,
+            log_likelihood: 0.0,
+            flank: [0.0; 2],
+        };
+        let mut scores = Vec::with_capacity(self.columns.len());
+        for (column, place) in self.columns.iter().zip(&self.places) {
+            let score =
+                self.likelihood.score(windows.of(*column), *place, self.column(*column, slope[*column]));
+            let own = score.information[(0, 0)];
+            scores.push(score);
+            if !(own > 0.0) {
+                continue;
+            }
+            let entries = self.entries(*column);
+            for (i, a, wa) in entries {
+                let cross = score.information[(a, 0)];
+                sums.right[i] += wa * (score.gradient[a] - cross * score.gradient[0] / own);
+                for (j, b, wb) in entries {
+                    let eliminated = cross * score.information[(b, 0)] / own;
+                    sums.normal[(i, j)] += wa * wb * (score.information[(a, b)] - eliminated);
+                }
+            }
+            sums.chi2 += score.chi2;
+            sums.telling += (score.telling - 1.0).max(0.0);
+            sums.log_likelihood += score.log_likelihood;
+            sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
+        }
+        self.add_priors(&mut sums);
+        (sums, scores)
+    }
+
+    fn add_priors(&self, sums: &mut Sums) {
+        let sigma = self.dark.knots.len() + self.light.knots.len();
+        let mut add = |index: usize, off: f64, u: f64| {
+            sums.normal[(index, index)] += u.powi(-2);
+            sums.right[index] -= off / (u * u);
+        };
+        for (first, level) in [(0, &self.dark), (self.dark.knots.len(), &self.light)] {
+            if let Some(u) = level.prior {
+                add(first, level.knots[0], u);
+            }
+        }
+        if let Some((given, u)) = self.sigma_prior {
+            add(sigma, self.sigma - given, u);
+        }
+        for (k, amplitude) in self.likelihood.terms.iter().enumerate() {
+            add(sigma + 1 + k, *amplitude, AMPLITUDE);
+        }
+        // Knots without data lean on their neighbours.
+        for (first, level) in [(0, &self.dark), (self.dark.knots.len(), &self.light)] {
+            for k in first..first + level.knots.len() - 1 {
+                let lean = 1e-6 * (sums.normal[(k, k)] + sums.normal[(k + 1, k + 1)]) + 1e-12;
+                let apart = level.knots[k + 1 - first] - level.knots[k - first];
+                for (i, sign) in [(k, 1.0), (k + 1, -1.0)] {
+                    sums.normal[(i, i)] += lean;
+                    sums.right[i] += sign * lean * apart;
+                }
+                sums.normal[(k, k + 1)] -= lean;
+                sums.normal[(k + 1, k)] -= lean;
+            }
+        }
+    }
+
+    /// One step of Fisher scoring; the largest change as a share of contrast or blur. `None` where the equations are singular.
+    fn step(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<f64> {
+        let (sums, scores) = self.sums(windows, slope);
+        let step = sums.normal.cholesky()?.solve(&sums.right);
+        let (kd, kl) = (self.dark.knots.len(), self.light.knots.len());
+        let middle = self.columns[self.columns.len() / 2];
+        let contrast = self.light.at(middle) - self.dark.at(middle);
+        let levels = step.rows(0, kd + kl).amax();
+        let terms = step.rows(kd + kl + 1, TERMS).amax();
+        let tame = |step: f64, limit: f64| (limit / step.abs().max(f64::MIN_POSITIVE)).min(1.0);
+        let scale = tame(levels, 0.2 * contrast)
+            .min(tame(step[kd + kl], 0.25 * self.sigma))
+            .min(tame(terms, 2.0 * AMPLITUDE));
+        let step = step * scale;
+        for k in 0..kd {
+            self.dark.knots[k] += step[k];
+        }
+        for k in 0..kl {
+            self.light.knots[k] += step[kd + k];
+        }
+        self.sigma = (self.sigma + step[kd + kl]).clamp(0.15, 8.0);
+        for k in 0..TERMS {
+            self.likelihood.terms[k] += step[kd + kl + 1 + k];
+        }
+        for ((column, place), score) in self.columns.iter().zip(&self.places.clone()).zip(&scores) {
+            let own = score.information[(0, 0)];
+            if !(own > 0.0) {
+                continue;
+            }
+            let mut gradient = score.gradient[0];
+            for (index, local, weight) in self.entries(*column) {
+                gradient -= score.information[(local, 0)] * weight * step[index];
+            }
+            let index = self.columns.binary_search(column).ok()?;
+            self.places[index] = (place + (gradient / own).clamp(-0.5, 0.5)).clamp(-9.0, 9.0);
+        }
+        self.keep_in_bounds(seen);
+        Some((levels / contrast).max(step[kd + kl].abs() / self.sigma))
+    }
+
+    /// Keeps free levels within [`BRIGHTEST`] times what is seen of the contrast.
+    fn keep_in_bounds(&mut self, seen: f64) {
+        let ends = self.likelihood.ends;
+        if self.light.prior.is_none() && ends.high.is_finite() {
+            let (low, high) = (ends.high - 0.7 * seen, ends.high + (BRIGHTEST - 1.0) * seen);
+            self.light.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
+        }
+        if self.dark.prior.is_none() && ends.low.is_finite() {
+            let (low, high) = (ends.low - (BRIGHTEST - 1.0) * seen, ends.low + 0.7 * seen);
+            self.dark.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
+        }
+    }
+
+    /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts. `None` where the columns do not tell.
+    pub(super) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
+        for round in 0..3 {
+            let middle = self.columns[self.columns.len() / 2];
+            self.likelihood.separate(windows.width, self.column(middle, 0.0));
+            self.likelihood.strict = round > 1;
+            for _ in 0..40 {
+                if self.step(windows, slope, seen)? < 1e-5 {
+                    break;
+                }
+            }
+            self.learn_noise(windows, slope);
+        }
+        let (sums, _) = self.sums(windows, slope);
+        let n = self.count();
+        let fixed = sums.normal.view((0, 0), (n - TERMS, n - TERMS)).into_owned().try_inverse()?;
+        let mut known_shape = DMatrix::zeros(n, n);
+        known_shape.view_mut((0, 0), (n - TERMS, n - TERMS)).copy_from(&fixed);
+        Some(Settled {
+            covariance: sums.normal.try_inverse()?,
+            known_shape,
+            misfit: sums.chi2 / sums.telling.max(1.0),
+            log_likelihood: sums.log_likelihood,
+            columns: self.columns.len(),
+            telling: sums.telling / self.columns.len() as f64,
+        })
+    }
+
+    /// The gain from the scatter on the flank, the misfit from what the noise leaves of χ².
+    fn learn_noise(&mut self, windows: &Windows, slope: &[f32]) {
+        let (sums, _) = self.sums(windows, slope);
+        let [square, level] = sums.flank;
+        let noise = &mut self.likelihood.noise;
+        if level > 0.0 {
+            noise.gain = (square / level).max(0.0);
+        }
+        let (sums, _) = self.sums(windows, slope);
+        let misfit = sums.chi2 / sums.telling.max(1.0);
+        let middle = self.columns[self.columns.len() / 2];
+        let mid = self.likelihood.noise.at(0.5 * (self.dark.at(middle) + self.light.at(middle)));
+        self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
+    }
+
+    /// Variance of a column's place by what all share: in all, and were the shape known; px².
+    pub(super) fn shared(&self, settled: &Settled, column: usize, score: &Score) -> (f64, f64) {
+        let own = score.information[(0, 0)];
+        let mut lever = DVector::zeros(self.count());
+        for (index, local, weight) in self.entries(column) {
+            lever[index] -= weight * score.information[(local, 0)] / own;
+        }
+        let along = |covariance: &DMatrix<f64>| lever.dot(&(covariance * &lever)).max(0.0);
+        (along(&settled.covariance), along(&settled.known_shape))
+    }
+}

@@ -1,0 +1,231 @@
+//! Edges beside light or shadow that is clipped at an end of the grey scale: censored maximum likelihood.
+//!
+//! Levels along the shaft, blur and two shape terms of the edge-spread function are estimated once a side from many columns, the place of
+//! each column with them ([`score`], [`joint`]). A level may lie on either side of the end: where noise reaches the end it is
+//! found from the pixels that do not, where all of it is clipped from the flank. What the flank leaves open of it enters the shared
+//! uncertainty with the joint covariance; the part by the shape of the edge, which is the same lens at both edges, adds up in a width:
+//! each side states √2 of its own.
+
+mod joint;
+mod level;
+mod score;
+
+use self::joint::{BRIGHTEST, Joint, Settled};
+use self::level::Level;
+use self::score::{Column, Likelihood, Noise, Score};
+use super::censored::Ends;
+use super::edges::{Edge, EdgeState};
+use super::esf::EdgeShape;
+use super::levels::LevelCurve;
+use super::window::Windows;
+use crate::profile::Reason;
+
+/// Most columns that levels, blur and shape are estimated from.
+const TEACHERS: usize = 512;
+/// Most columns that the number of knots is chosen from.
+const SCOUTS: usize = 128;
+/// Numbers of knots of a clipped level.
+const KNOTS: [usize; 4] = [2, 3, 5, 9];
+/// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
+const KNOT_PRICE: f64 = 4.0;
+/// Steepest edges that teach, rows per column.
+const MOST_SLOPE: f32 = 0.2;
+/// Share of the largest contrast looked for from which on the flank does not state it.
+const AT_THE_BOUND: f64 = 0.98;
+/// Relative standard uncertainty of a blur that is given.
+const GIVEN_TO: f64 = 1e-3;
+
+/// What a side's frame states before the fit.
+#[derive(Clone, Debug)]
+pub(crate) struct ClippedStart<'a> {
+    /// The edge-spread function.
+    pub(crate) shape: &'a EdgeShape,
+    /// Levels as the flat pixels show them, clipped or not.
+    pub(crate) levels: [&'a LevelCurve; 2],
+    /// Blur, px, and whether it is given.
+    pub(crate) sigma: f64,
+    pub(crate) sigma_is_given: bool,
+    /// Noise variance in the dark, counts², and the least that is taken seriously.
+    pub(crate) variance: f64,
+    pub(crate) floor: f64,
+    /// Ends of the grey scale.
+    pub(crate) ends: Ends,
+}
+
+/// What the fit of a side gives beside its edges.
+#[derive(Clone, Debug)]
+pub(crate) struct ClippedSide {
+    /// Degrees of freedom to test the columns' residuals with.
+    pub(crate) freedom: f64,
+    /// Blur, px.
+    pub(crate) sigma: f64,
+    /// Levels of dark and light, counts.
+    pub(crate) levels: [Vec<f32>; 2],
+    /// Standard uncertainty of an edge by the shape of what is clipped, √2 for both edges included, px.
+    pub(crate) u_px: f64,
+}
+
+/// Fits all columns of a side; `None`, all of them gaps, where the flank does not state the levels beyond the ends.
+pub(crate) fn fit_side(
+    windows: &Windows,
+    slope: &[f32],
+    start: &ClippedStart<'_>,
+    line: &mut Vec<Edge>,
+) -> Option<ClippedSide> {
+    let columns = windows.centre.len();
+    let fitted = fit_joint(windows, slope, start);
+    let Some((joint, settled)) = fitted else {
+        let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
+        line.extend((0..columns).map(|column| Edge::gap(gap(column))));
+        return None;
+    };
+    // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
+    let hidden = (settled.misfit - 1.2).max(0.0) * settled.telling;
+    let (mut variance, mut usable) = (0.0, 0.0);
+    for (column, slope) in slope.iter().enumerate().take(columns) {
+        let (edge, model) = match windows.centre[column] {
+            Ok(_) => fit_column(windows, &joint, &settled, column, *slope, hidden),
+            Err(reason) => (Edge::gap(reason), 0.0),
+        };
+        if edge.is_usable() {
+            (variance, usable) = (variance + model, usable + 1.0);
+        }
+        line.push(edge);
+    }
+    let curve = |level: &Level| (0..columns).map(|column| level.at(column) as f32).collect();
+    Some(ClippedSide {
+        freedom: (settled.telling - 1.0).max(1.0),
+        sigma: joint.sigma,
+        levels: [curve(&joint.dark), curve(&joint.light)],
+        u_px: (variance / f64::max(usable, 1.0)).sqrt(),
+    })
+}
+
+fn fit_joint<'a>(windows: &Windows, slope: &[f32], start: &ClippedStart<'a>) -> Option<(Joint<'a>, Settled)> {
+    let able: Vec<usize> = (0..windows.centre.len())
+        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
+        .collect();
+    let some = |most: usize| -> Vec<usize> {
+        able.iter().copied().step_by(able.len().div_ceil(most).max(1)).collect()
+    };
+    if able.len() < 8 {
+        return None;
+    }
+    let ends = start.ends;
+    let [dark, light] = start.levels;
+    let low = if ends.low.is_finite() { ends.low } else { dark.mean };
+    let high = if ends.high.is_finite() { ends.high } else { light.mean };
+    let seen = high - low;
+    let known = |curve: &LevelCurve, clipped: bool, knots: usize, beyond: f64| match clipped {
+        true => {
+            let from: Vec<f32> = curve.level.iter().map(|l| l + beyond as f32).collect();
+            Level::free(&from, knots)
+        }
+        false => Level::known(&curve.level, f64::from(mean(&curve.uncertainty))),
+    };
+    let noise = Noise {
+        level: dark.mean.max(low),
+        variance: start.variance,
+        gain: 0.0,
+        floor: start.floor,
+        misfit: 0.0,
+    };
+    let places = |columns: &[usize]| columns.iter().map(|c| f64::from(windows.start[*c])).collect();
+    let scouts = some(SCOUTS);
+    let mut best = Joint {
+        likelihood: Likelihood::new(start.shape, ends, noise),
+        dark: known(dark, ends.low.is_finite(), KNOTS[0], -0.02 * seen),
+        light: known(light, ends.high.is_finite(), KNOTS[0], 0.02 * seen),
+        sigma: start.sigma,
+        sigma_prior: start.sigma_is_given.then_some((start.sigma, GIVEN_TO * start.sigma)),
+        places: places(&scouts),
+        columns: scouts,
+    };
+    let mut least = price(&best.settle(windows, slope, seen)?, KNOTS[0]);
+    let mut last = best.clone();
+    for knots in KNOTS.into_iter().skip(1).take_while(|knots| 8 * knots <= able.len()) {
+        let mut finer = last.clone();
+        for level in [&mut finer.dark, &mut finer.light] {
+            if level.prior.is_none() {
+                *level = level.with_knots(knots);
+            }
+        }
+        let Some(settled) = finer.settle(windows, slope, seen) else { break };
+        last = finer.clone();
+        let dearer = price(&settled, knots);
+        if dearer < least {
+            (least, best) = (dearer, finer);
+        }
+    }
+    let teachers = some(TEACHERS);
+    best.places = places(&teachers);
+    best.columns = teachers;
+    for (column, place) in best.columns.iter().zip(&mut best.places) {
+        let at = best.likelihood.place(
+            windows.of(*column),
+            *place,
+            Column::of(&best.dark, &best.light, *column, best.sigma),
+        );
+        *place = at.map_or(*place, |(x, _)| x);
+    }
+    let settled = best.settle(windows, slope, seen)?;
+    let bound = |level: &Level, end: f64| {
+        level.prior.is_none()
+            && level.knots.iter().any(|knot| (knot - end).abs() > AT_THE_BOUND * (BRIGHTEST - 1.0) * seen)
+    };
+    let beyond = bound(&best.dark, ends.low) || bound(&best.light, ends.high);
+    (!beyond).then_some((best, settled))
+}
+
+fn price(settled: &Settled, knots: usize) -> f64 {
+    KNOT_PRICE * knots as f64 - 2.0 * settled.log_likelihood
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len().max(1) as f32
+}
+
+impl Column {
+    fn of(dark: &Level, light: &Level, column: usize, sigma: f64) -> Self {
+        Self { dark: dark.at(column), light: light.at(column), sigma }
+    }
+}
+
+/// A column's edge, and the variance of it by the shape of what is clipped, px².
+fn fit_column(
+    windows: &Windows,
+    joint: &Joint<'_>,
+    settled: &Settled,
+    column: usize,
+    slope: f32,
+    hidden: f64,
+) -> (Edge, f64) {
+    let at = joint.column(column, slope);
+    let start = f64::from(windows.start[column]);
+    let Some((x, score)) = joint.likelihood.place(windows.of(column), start, at) else {
+        return (Edge::gap(Reason::Residual), 0.0);
+    };
+    let Score { chi2, telling, stray, .. } = score;
+    // Fewer than two pixels that state a grey value: nothing but the ends is seen.
+    let own = score.information[(0, 0)];
+    if !(own > 0.0) || telling < 2.0 {
+        return (Edge::gap(Reason::Saturated), 0.0);
+    }
+    if stray > MOST_STRAY {
+        return (Edge::gap(Reason::Residual), 0.0);
+    }
+    let (all, known_shape) = joint.shared(settled, column, &score);
+    let model = 2.0 * (all - known_shape).max(0.0);
+    let shown = known_shape * settled.columns as f64 * hidden;
+    let edge = Edge {
+        row_px: windows.row(column, x as f32),
+        u_own_px: (1.0 / own).sqrt() as f32,
+        u_shared_px: (known_shape + model + 2.0 * shown).sqrt() as f32,
+        chi2: (chi2 / (telling - 1.0).max(1.0)) as f32,
+        state: EdgeState::Impaired(Reason::Clipped),
+    };
+    (edge, model + 2.0 * shown)
+}
+
+/// Most stray pixels of a column that is fitted.
+const MOST_STRAY: usize = 2;

@@ -1,0 +1,136 @@
+//! The comments at the head of a program: what a person at the machine must know before the start.
+
+use super::dialect::number;
+use super::machine::{Centre, Direction, Spindle, Tailstock};
+use super::skeleton::Skeleton;
+use super::surroundings::assumed_centre;
+
+/// Longest comment, so that a line stays below 80 characters.
+const LONGEST: usize = 72;
+
+fn mm(value: f64) -> String {
+    let text = number(value, 3);
+    text.strip_suffix('.').map(str::to_owned).unwrap_or(text)
+}
+
+impl Skeleton<'_> {
+    /// First lines, with the head.
+    pub(super) fn head(&self, title: &str, about: &[String], smallest_mm: f64) -> Vec<String> {
+        let d = self.dialect;
+        let mut texts = about.to_vec();
+        texts.extend(self.setup());
+        texts.extend(self.extent());
+        texts.extend(self.assumed(smallest_mm));
+        if d.changes_at_reference() {
+            texts.push("not verified on a control: run dry above the part first".to_owned());
+        }
+        let mut lines = d.start(self.settings.program, title);
+        let preparatory = lines.pop();
+        lines.extend(texts.iter().flat_map(|t| wrapped(t)).map(|t| d.comment(&t)));
+        lines.extend(preparatory);
+        lines
+    }
+
+    /// Zero point, tool, change position, start.
+    fn setup(&self) -> Vec<String> {
+        let (s, route) = (self.settings, &self.route);
+        let leading = match self.piece.direction {
+            Direction::TowardsChuck => "chuck",
+            Direction::TowardsTailstock => "tailstock",
+        };
+        let change = format!("X {} Z {}", mm(route.change.x_mm), mm(route.change.z_mm));
+        let spindle = match s.spindle {
+            Some(Spindle::M04) => "M04",
+            _ => "M03",
+        };
+        let mut texts = vec![
+            format!(
+                "X is a diameter, Z 0 the face that clamps the part, its end Z {}",
+                mm(self.piece.length_mm)
+            ),
+            format!("tool {} nose r {}, spindle {spindle}", s.tool, mm(route.nose_mm)),
+            format!("tool Z is set at the side of the nose towards the {leading}"),
+        ];
+        if self.dialect.changes_at_reference() {
+            texts.push(format!("change position: reference point G28, at or beyond {change}"));
+            texts.push("start: anywhere clear, first X then Z goes to the reference point".to_owned());
+        } else {
+            texts.push(format!("change position: {change}"));
+            texts.push("start: anywhere clear, offset of the tool in use active, X goes first".to_owned());
+        }
+        if let Some(taken) = s.wear_x.filter(|_| s.uses_wear_register(self.dialect)) {
+            let taken = if taken.diameter_per_unit() > 1.0 { "radius" } else { "diameter" };
+            texts.push(format!("wear offset {} is written here, X in {taken}", s.wear_offset));
+        }
+        texts
+    }
+
+    /// What is cut, and what is not.
+    fn extent(&self) -> Vec<String> {
+        let (s, route) = (self.settings, &self.route);
+        let cut = format!("cuts in feed from Z {} to Z {}", mm(route.z_first), mm(route.z_last));
+        let (least, full) = (mm(s.least_z_mm), mm(route.full_from_mm));
+        vec![cut, format!("stays uncut: Z 0 to {least}, nose fillet to Z {full}")]
+    }
+
+    /// What the machine's data do not state.
+    fn assumed(&self, smallest_mm: f64) -> Vec<String> {
+        let s = self.settings;
+        let mut texts = Vec::new();
+        let mut not_stated = |is: bool, text: String| {
+            if !is {
+                texts.push(format!("not stated: {text}"));
+            }
+        };
+        not_stated(s.change_position.is_some(), "change position, the place above is assumed".into());
+        not_stated(s.nose_radius_mm.is_some(), format!("nose radius, {} assumed", mm(self.route.nose_mm)));
+        not_stated(s.holder.is_some(), "tool holder, only the nose was checked".into());
+        not_stated(s.chuck.is_some(), "chuck and jaws, nothing moves behind Z 0".into());
+        let c: Centre = assumed_centre(self.piece, smallest_mm);
+        let centre = format!(
+            "tailstock, a centre of 60 deg is assumed, {} wide in the end face, growing to {}",
+            mm(c.hole_mm.floor()),
+            mm(c.body_mm)
+        );
+        not_stated(s.tailstock.is_some(), centre);
+        let rests = match self.piece.steady_z_mm[..] {
+            [] => "steady rests, none assumed".to_owned(),
+            _ => "steady rests, those of the run are assumed".to_owned(),
+        };
+        not_stated(s.steady_rests.is_some(), rests);
+        let park = "gauge head, park it away from part and tool";
+        not_stated(s.gauge_head.is_some(), park.into());
+        not_stated(s.travel.is_some(), "travel limits, not checked".into());
+        if s.tailstock == Some(Tailstock::Absent) {
+            texts.push("no tailstock: the room beyond the end face must be free".into());
+        }
+        texts
+    }
+
+    /// One sentence on what stays uncut, for a log.
+    pub(super) fn uncut(&self) -> String {
+        let (s, route) = (self.settings, &self.route);
+        format!(
+            "uncut: Z 0 to {} mm at the chuck (nc.least_z_mm), with the nose's fillet to Z {} mm",
+            mm(s.least_z_mm),
+            mm(route.full_from_mm)
+        )
+    }
+}
+
+/// A text in pieces that fit into comments.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().filter(|l| l.is_empty() || l.len() + 1 + word.len() <= LONGEST);
+        match line {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

@@ -1,0 +1,245 @@
+//! What stands around the part, and how the control reads offsets: the keys of `machine.toml` that have no default.
+//!
+//! Lengths are mm, X is a diameter, Z runs from the face that clamps the part (0) towards the tailstock. What is not
+//! stated here is taken on the safe side where it can be bounded, and named in the program's header.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Dialect, NcError, NcSettings};
+
+/// The way the tool travels while it cuts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// From the tailstock to the chuck.
+    #[default]
+    TowardsChuck,
+    /// From the chuck to the tailstock.
+    TowardsTailstock,
+}
+
+/// How the control takes X of a wear offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WearX {
+    /// 0.01 moves the tool so that the diameter changes by 0.01 mm.
+    Diameter,
+    /// 0.01 moves the tool by 0.01 mm: the diameter changes by 0.02 mm.
+    Radius,
+}
+
+impl WearX {
+    /// Change of the diameter for a register value of 1.
+    pub(super) fn diameter_per_unit(self) -> f64 {
+        match self {
+            Self::Diameter => 1.0,
+            Self::Radius => 2.0,
+        }
+    }
+}
+
+/// Which digits of a T word choose the geometry offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GeometryOffset {
+    /// Those of the tool: T0116 takes the geometry of tool 1 and the wear of offset 16.
+    ByTool,
+    /// Those of the offset: T0116 takes geometry and wear of offset 16.
+    ByOffset,
+}
+
+/// Sense in which the spindle turns for the cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Spindle {
+    /// M03.
+    M03,
+    /// M04.
+    M04,
+}
+
+/// Where tools are changed: position of the tip in the part's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChangePosition {
+    /// X, mm of diameter: clear of everything that stands around the part.
+    pub x_mm: f64,
+    /// Z, mm.
+    pub z_mm: f64,
+}
+
+/// Chuck and jaws.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Chuck {
+    /// Diameter that the chuck takes up behind Z = 0, mm.
+    pub diameter_mm: f64,
+    /// How far jaws or a clamp reach beyond Z = 0, mm.
+    #[serde(default)]
+    pub jaws_to_z_mm: f64,
+    /// Diameter that the jaws take up, mm; the chuck's by default.
+    #[serde(default)]
+    pub jaws_diameter_mm: Option<f64>,
+}
+
+/// What stands at the free end of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tailstock {
+    /// Nothing: the space beyond the end face is free.
+    #[serde(rename = "none")]
+    Absent,
+    /// A centre.
+    Centre(Centre),
+}
+
+/// A centre in the end face, and the quill that holds it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Centre {
+    /// Included angle of the point, degrees.
+    #[serde(default = "sixty")]
+    pub point_deg: f64,
+    /// Diameter of the point where it enters the end face, mm.
+    pub hole_mm: f64,
+    /// Largest diameter of the centre, mm.
+    pub body_mm: f64,
+    /// Diameter of the quill, mm.
+    pub quill_mm: f64,
+    /// Distance of the quill from the end face, mm.
+    pub quill_from_mm: f64,
+}
+
+fn sixty() -> f64 {
+    60.0
+}
+
+/// A steady rest, or anything else that takes up a length of the part.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// Where it begins, mm.
+    pub from_z_mm: f64,
+    /// Where it ends, mm.
+    pub to_z_mm: f64,
+    /// Diameter that it takes up, from the axis outwards, mm.
+    pub diameter_mm: f64,
+}
+
+/// Where the tip can travel, in the part's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Travel {
+    /// Least and largest X, mm of diameter.
+    pub x_mm: (f64, f64),
+    /// Least and largest Z, mm.
+    pub z_mm: (f64, f64),
+}
+
+/// The tool behind its nose, as a box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Holder {
+    /// How far it reaches from the programmed point towards the chuck, mm.
+    pub towards_chuck_mm: f64,
+    /// How far it reaches towards the tailstock, mm.
+    pub towards_tailstock_mm: f64,
+    /// Height above the tip where it begins, mm (radial).
+    pub above_mm: f64,
+}
+
+impl NcSettings {
+    /// Whether everything is stated that the control leaves open.
+    ///
+    /// # Errors
+    /// [`NcError::Unstated`] names each key and where the answer stands.
+    pub fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
+        let missing: Vec<&str> = [
+            self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
+            self.geometry_offset.is_none().then(|| dialect.look_up_geometry_offset()),
+            self.spindle.is_none().then(|| dialect.look_up_spindle()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        if dialect == Dialect::Linuxcnc || missing.is_empty() {
+            return Ok(());
+        }
+        Err(NcError::Unstated { dialect: dialect.as_str(), missing: missing.join("; ") })
+    }
+
+    /// Whether the mean of a correction goes into the wear register: where the register can be written and its number
+    /// does not choose the geometry, too.
+    pub fn uses_wear_register(&self, dialect: Dialect) -> bool {
+        dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
+    }
+
+    pub(super) fn validate_surroundings(&self) -> Result<(), NcError> {
+        let positive = |key, value: f64| {
+            super::require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
+        };
+        let finite = |key, value: f64| super::require(value.is_finite(), key, value, "a length in mm");
+        if let Some(r) = self.nose_radius_mm {
+            let right = "a radius of 0.05 to 10 mm";
+            super::require((0.05..=10.0).contains(&r), "nc.nose_radius_mm", r, right)?;
+        }
+        if let Some(change) = self.change_position {
+            positive("nc.change_position.x_mm", change.x_mm)?;
+            finite("nc.change_position.z_mm", change.z_mm)?;
+        }
+        if let Some(chuck) = self.chuck {
+            positive("nc.chuck.diameter_mm", chuck.diameter_mm)?;
+            positive("nc.chuck.jaws_diameter_mm", chuck.jaws_diameter_mm.unwrap_or(chuck.diameter_mm))?;
+            let jaws = chuck.jaws_to_z_mm;
+            super::require((0.0..1e4).contains(&jaws), "nc.chuck.jaws_to_z_mm", jaws, "0 mm or more")?;
+        }
+        if let Some(Tailstock::Centre(centre)) = self.tailstock {
+            centre.validate()?;
+        }
+        for rest in self.steady_rests.iter().flatten() {
+            rest.validate([
+                "nc.steady_rests.from_z_mm",
+                "nc.steady_rests.to_z_mm",
+                "nc.steady_rests.diameter_mm",
+            ])?;
+        }
+        if let Some(head) = self.gauge_head {
+            head.validate(["nc.gauge_head.from_z_mm", "nc.gauge_head.to_z_mm", "nc.gauge_head.diameter_mm"])?;
+        }
+        if let Some(travel) = self.travel {
+            for (key, (least, most)) in [("nc.travel.x_mm", travel.x_mm), ("nc.travel.z_mm", travel.z_mm)] {
+                super::require(most > least, key, least, "[least, largest], rising")?;
+            }
+        }
+        if let Some(holder) = self.holder {
+            finite("nc.holder.towards_chuck_mm", holder.towards_chuck_mm)?;
+            finite("nc.holder.towards_tailstock_mm", holder.towards_tailstock_mm)?;
+            super::require(holder.above_mm >= 0.0, "nc.holder.above_mm", holder.above_mm, "0 mm or more")?;
+        }
+        Ok(())
+    }
+}
+
+impl Obstacle {
+    fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), NcError> {
+        let (begin, end, across) = (self.from_z_mm, self.to_z_mm, self.diameter_mm);
+        super::require(begin.is_finite(), from, begin, "a length in mm")?;
+        super::require(end > begin && end.is_finite(), to, end, "a length above from_z_mm")?;
+        super::require(across > 0.0 && across.is_finite(), diameter, across, "a positive length in mm")
+    }
+}
+
+impl Centre {
+    fn validate(&self) -> Result<(), NcError> {
+        let right = "an angle of 20 to 120 degrees";
+        let angle = self.point_deg;
+        super::require((20.0..=120.0).contains(&angle), "nc.tailstock.centre.point_deg", angle, right)?;
+        let positive = |key, value: f64| {
+            super::require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
+        };
+        positive("nc.tailstock.centre.hole_mm", self.hole_mm)?;
+        positive("nc.tailstock.centre.quill_mm", self.quill_mm)?;
+        positive("nc.tailstock.centre.quill_from_mm", self.quill_from_mm)?;
+        let body = self.body_mm;
+        super::require(body >= self.hole_mm, "nc.tailstock.centre.body_mm", body, "at least hole_mm")
+    }
+}

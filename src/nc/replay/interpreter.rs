@@ -1,0 +1,502 @@
+//! Runs a program block by block, as its control would, and lists what happens.
+//!
+//! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43
+//! G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO,
+//! WHILE DO END, and LinuxCNC's `o` words. Everything else is refused: what is not understood cannot be vouched for.
+//! Positions are those of the programmed point of the nose, with the wear offset in force (X a diameter).
+
+use super::expression::{Reader, Variables};
+use super::flow::{Program, leading, o_word};
+use crate::nc::machine::{GeometryOffset, WearX};
+use crate::nc::{Dialect, NcSettings};
+
+/// A program that goes on after this many blocks is refused.
+const MOST_BLOCKS: usize = 5_000_000;
+
+/// Position of the programmed point: X mm of diameter, Z mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// X, mm of diameter.
+    pub x: f64,
+    /// Z, mm.
+    pub z: f64,
+}
+
+/// What a block does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Deed {
+    /// A straight move.
+    Move {
+        /// Where it begins.
+        from: Point,
+        /// Where it ends.
+        to: Point,
+        /// In rapid, not in feed.
+        rapid: bool,
+    },
+    /// Tool or offset are changed here.
+    ToolChange(Point),
+    /// The part is measured.
+    Measure(Point),
+    /// The program stops with an alarm.
+    Alarm(String),
+}
+
+/// A deed and the line that does it, from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Line, from 1.
+    pub block: usize,
+    /// What it does.
+    pub deed: Deed,
+}
+
+/// Where a program is refused: line from 1, and why.
+pub type Fault = (usize, String);
+
+/// What the control has before the program starts.
+pub struct Control<'a> {
+    /// The control.
+    pub dialect: Dialect,
+    /// How it reads offsets.
+    pub settings: &'a NcSettings,
+    /// Where the tip is.
+    pub start: Point,
+    /// Where G28 leads.
+    pub reference: Point,
+    /// Variables that are set already.
+    pub variables: Vec<(u32, f64)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    Rapid,
+    Feed,
+}
+
+/// Modal state; `None` is what the program has not said yet.
+#[derive(Clone, Debug, Default)]
+struct Modal {
+    motion: Option<Motion>,
+    /// Diameter of one unit of X.
+    x_unit: Option<f64>,
+    plane: bool,
+    millimetres: bool,
+    no_nose_compensation: bool,
+    absolute: bool,
+    feed_per_revolution: bool,
+    feed: Option<f64>,
+    speed: bool,
+    spindle: Option<u32>,
+    tool_selected: Option<u32>,
+    tool_called: bool,
+}
+
+/// A program being run.
+pub(super) struct Interpreter<'a> {
+    control: &'a Control<'a>,
+    program: &'a Program,
+    variables: Variables,
+    wear: std::collections::HashMap<u32, f64>,
+    /// Diameter that the wear offset in force adds to X.
+    shift: f64,
+    at: Point,
+    modal: Modal,
+    events: Vec<Event>,
+}
+
+/// What follows a block.
+enum Next {
+    Line,
+    Jump(usize),
+    End,
+}
+
+/// The numbers of a block by letter.
+#[derive(Default)]
+struct Words {
+    g: Vec<f64>,
+    m: Vec<u32>,
+    other: Vec<(char, f64)>,
+}
+
+impl Words {
+    fn get(&self, letter: char) -> Option<f64> {
+        self.other.iter().find(|w| w.0 == letter).map(|w| w.1)
+    }
+}
+
+impl<'a> Interpreter<'a> {
+    pub(super) fn new(program: &'a Program, control: &'a Control<'a>) -> Self {
+        let is_lathe_control = control.dialect != Dialect::Linuxcnc;
+        Self {
+            control,
+            program,
+            variables: control.variables.iter().copied().collect(),
+            wear: std::collections::HashMap::new(),
+            shift: 0.0,
+            at: control.start,
+            modal: Modal {
+                // system A: X and Z are absolute, X a diameter by parameter
+                x_unit: is_lathe_control.then_some(1.0),
+                absolute: is_lathe_control,
+                ..Modal::default()
+            },
+            events: Vec::new(),
+        }
+    }
+
+    /// Runs to the end.
+    pub(super) fn run(mut self) -> Result<Vec<Event>, Fault> {
+        let mut line = 0;
+        for _ in 0..MOST_BLOCKS {
+            if line >= self.program.lines.len() {
+                return Err((self.program.lines.len(), "the program ends without M02 or M30".into()));
+            }
+            match self.block(line).map_err(|why| (line + 1, why))? {
+                Next::Line => line += 1,
+                Next::Jump(to) => line = to,
+                Next::End => return Ok(self.events),
+            }
+        }
+        Err((line + 1, format!("the program goes on after {MOST_BLOCKS} blocks")))
+    }
+
+    fn happens(&mut self, line: usize, deed: Deed) {
+        self.events.push(Event { block: line + 1, deed });
+    }
+
+    fn block(&mut self, line: usize) -> Result<Next, String> {
+        let program = self.program;
+        let Some(read) = program.lines.get(line) else { return Ok(Next::End) };
+        if let Some(text) = &read.abort {
+            self.happens(line, Deed::Alarm(text.clone()));
+            return Ok(Next::End);
+        }
+        let text = read.text.as_str();
+        if text.is_empty() || text == "%" {
+            return Ok(Next::Line);
+        }
+        if let Some((label, rest)) = o_word(text) {
+            return self.o_block(line, label, rest);
+        }
+        if leading(text, 'O').is_some() {
+            return Ok(Next::Line);
+        }
+        let text = match leading(text, 'N') {
+            Some(_) => text[1..].trim_start_matches(|c: char| c.is_ascii_digit()).trim_start(),
+            None => text,
+        };
+        self.statement(line, text)
+    }
+
+    fn holds(&self, condition: &str) -> Result<(bool, String), String> {
+        let mut reader = Reader::new(condition, &self.variables);
+        let (value, _) = reader.value()?;
+        Ok((value != 0.0, reader.rest().to_owned()))
+    }
+
+    /// LinuxCNC's `if`, `else`, `endif`, `while`, `endwhile`.
+    fn o_block(&mut self, line: usize, label: u32, rest: &str) -> Result<Next, String> {
+        let lost = |what: &str| format!("o{label} has no {what}");
+        if self.control.dialect != Dialect::Linuxcnc {
+            return Err("o words are LinuxCNC's".into());
+        }
+        if let Some(condition) = rest.strip_prefix("IF") {
+            if self.holds(condition)?.0 {
+                return Ok(Next::Line);
+            }
+            let to = self.program.after(line, label, &["ELSE", "ENDIF"]).ok_or_else(|| lost("endif"))?;
+            return Ok(Next::Jump(to + 1));
+        }
+        if let Some(condition) = rest.strip_prefix("WHILE") {
+            let end = self.program.after(line, label, &["ENDWHILE"]).ok_or_else(|| lost("endwhile"))?;
+            return Ok(if self.holds(condition)?.0 { Next::Line } else { Next::Jump(end + 1) });
+        }
+        match rest {
+            "ELSE" => {
+                let end = self.program.after(line, label, &["ENDIF"]).ok_or_else(|| lost("endif"))?;
+                Ok(Next::Jump(end + 1))
+            }
+            "ENDIF" => Ok(Next::Line),
+            "ENDWHILE" => {
+                let start = self.program.before(line, label, &["WHILE"]).ok_or_else(|| lost("while"))?;
+                Ok(Next::Jump(start))
+            }
+            _ => Err(format!("{rest:?} is not understood")),
+        }
+    }
+
+    fn goto(&self, target: &str) -> Result<Next, String> {
+        let (number, _) = Reader::new(target, &self.variables).value()?;
+        let line = self.program.labels.get(&(number as u32)).copied();
+        line.map(Next::Jump).ok_or_else(|| format!("GOTO {number}: there is no N{number}"))
+    }
+
+    fn statement(&mut self, line: usize, text: &str) -> Result<Next, String> {
+        let is_macro_b = self.control.dialect != Dialect::Linuxcnc;
+        if let Some(assignment) = text.strip_prefix('#') {
+            return self.assign(line, assignment);
+        }
+        if is_macro_b && let Some(rest) = text.strip_prefix("IF") {
+            let (holds, rest) = self.holds(rest)?;
+            if let Some(target) = rest.strip_prefix("GOTO") {
+                return if holds { self.goto(target) } else { Ok(Next::Line) };
+            }
+            let then = rest.strip_prefix("THEN").ok_or("neither THEN nor GOTO follows the condition")?;
+            return if holds { self.statement(line, then.trim_start()) } else { Ok(Next::Line) };
+        }
+        if is_macro_b && let Some(target) = text.strip_prefix("GOTO") {
+            return self.goto(target);
+        }
+        if is_macro_b && let Some(rest) = text.strip_prefix("WHILE") {
+            let (holds, rest) = self.holds(rest)?;
+            let label = rest.strip_prefix("DO").ok_or("DO is missing after WHILE")?.trim();
+            let end = self.program.line_with(line, &format!("END{label}"), false);
+            let end = end.ok_or_else(|| format!("DO{label} has no END{label}"))?;
+            return Ok(if holds { Next::Line } else { Next::Jump(end + 1) });
+        }
+        if is_macro_b && let Some(label) = text.strip_prefix("END") {
+            let start = self.program.line_with(line, &format!("DO{}", label.trim()), true);
+            return start.map(Next::Jump).ok_or_else(|| format!("END{label} has no WHILE"));
+        }
+        let words = self.words(text)?;
+        self.obey(line, &words)
+    }
+
+    fn assign(&mut self, line: usize, text: &str) -> Result<Next, String> {
+        let mut reader = Reader::new(text, &self.variables);
+        let number = reader.index()?;
+        if !reader.takes("=") {
+            return Err("= is missing".into());
+        }
+        let value = reader.comparison()?;
+        if !reader.is_empty() {
+            return Err(format!("{:?} is left over", reader.rest()));
+        }
+        match (number, self.control.dialect) {
+            (3000, Dialect::Linuxcnc) => return Err("#3000 raises no alarm in LinuxCNC".into()),
+            (3000, _) => {
+                self.happens(line, Deed::Alarm(format!("{value}")));
+                return Ok(Next::End);
+            }
+            (1000.., _) => return Err(format!("#{number} is a system variable")),
+            _ => {}
+        }
+        self.variables.insert(number, value);
+        Ok(Next::Line)
+    }
+
+    fn words(&self, text: &str) -> Result<Words, String> {
+        let mut reader = Reader::new(text, &self.variables);
+        let mut words = Words::default();
+        while !reader.is_empty() {
+            let letter = reader.letter().ok_or_else(|| format!("{:?} is not understood", reader.rest()))?;
+            let (value, whole) = reader.value()?;
+            match letter {
+                'G' => words.g.push(value),
+                'M' if value.fract() == 0.0 && value >= 0.0 => words.m.push(value as u32),
+                'X' | 'Z' | 'U' | 'W' | 'F' if whole => {
+                    return Err(format!(
+                        "{letter}{value} has no decimal point: a control may take it in increments"
+                    ));
+                }
+                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' => {
+                    if words.get(letter).is_some() {
+                        return Err(format!("{letter} stands twice"));
+                    }
+                    words.other.push((letter, value));
+                }
+                _ => return Err(format!("{letter}{value} is not understood")),
+            }
+        }
+        Ok(words)
+    }
+
+    /// A block of words, in the order in which controls take them: settings, tool, spindle, motion, stop.
+    fn obey(&mut self, line: usize, words: &Words) -> Result<Next, String> {
+        let mut motion_only = true;
+        for &g in &words.g {
+            match self.prepare(line, g, words)? {
+                Some(next) => return Ok(next),
+                None => motion_only &= matches!(g as u32, 0 | 1),
+            }
+        }
+        if let Some(feed) = words.get('F') {
+            self.modal.feed = Some(feed);
+        }
+        self.tool(line, words)?;
+        if let Some(speed) = words.get('S') {
+            self.modal.speed |= speed > 0.0 && !words.g.contains(&50.0);
+        }
+        let mut end = false;
+        for &m in &words.m {
+            end |= self.miscellaneous(line, m)?;
+        }
+        let takes_axes = motion_only || !words.g.iter().any(|g| [10.0, 28.0, 50.0].contains(g));
+        if takes_axes {
+            self.travel(line, words)?;
+        }
+        Ok(if end { Next::End } else { Next::Line })
+    }
+
+    fn prepare(&mut self, line: usize, g: f64, words: &Words) -> Result<Option<Next>, String> {
+        let linuxcnc = self.control.dialect == Dialect::Linuxcnc;
+        let code = (g * 10.0).round() as u32;
+        match (code, linuxcnc) {
+            (0, _) => self.modal.motion = Some(Motion::Rapid),
+            (10, _) => self.modal.motion = Some(Motion::Feed),
+            (70, true) => self.modal.x_unit = Some(1.0),
+            (80, true) => self.modal.x_unit = Some(2.0),
+            (100, false) => self.write_offset(words)?,
+            (180, _) => self.modal.plane = true,
+            (210, _) => self.modal.millimetres = true,
+            (280, false) => self.to_reference(line, words)?,
+            (400, _) => self.modal.no_nose_compensation = true,
+            (430 | 490, true) => self.shift = 0.0,
+            (500, false) => {
+                if words.get('S').is_none_or(|s| s <= 0.0) || words.get('X').or(words.get('Z')).is_some() {
+                    return Err("G50 must limit the speed and nothing else".into());
+                }
+            }
+            (650, false) => return self.alarm(line, words).map(Some),
+            (800, true) => self.modal.motion = None,
+            (900, true) => self.modal.absolute = true,
+            (950, true) | (990, false) => self.modal.feed_per_revolution = true,
+            (960 | 970, _) => {}
+            _ => return Err(format!("G{g} is not understood")),
+        }
+        Ok(None)
+    }
+
+    fn alarm(&mut self, line: usize, words: &Words) -> Result<Next, String> {
+        if words.get('H') != Some(99.0) {
+            return Err("G65 is understood with H99 (alarm) alone".into());
+        }
+        self.happens(line, Deed::Alarm(format!("{}", words.get('P').unwrap_or_default())));
+        Ok(Next::End)
+    }
+
+    /// G10 P X: a wear offset, absolute.
+    fn write_offset(&mut self, words: &Words) -> Result<(), String> {
+        let number = words.get('P').filter(|p| (1.0..=99.0).contains(p)).ok_or("G10 needs P of 1 to 99")?;
+        let value = words.get('X').ok_or("G10 needs X")?;
+        if words.other.len() != 2 {
+            return Err("G10 is understood with P and X alone".into());
+        }
+        self.wear.insert(number as u32, value);
+        Ok(())
+    }
+
+    /// G28 U0. or W0.: the axes named go to the reference point in rapid.
+    fn to_reference(&mut self, line: usize, words: &Words) -> Result<(), String> {
+        if words.other.is_empty() || words.other.iter().any(|w| !(matches!(w.0, 'U' | 'W') && w.1 == 0.0)) {
+            return Err("G28 is understood with U0. or W0. alone: other words name a point on the way".into());
+        }
+        let reference = self.control.reference;
+        let to = Point {
+            x: if words.get('U').is_some() { reference.x } else { self.at.x },
+            z: if words.get('W').is_some() { reference.z } else { self.at.z },
+        };
+        self.go(line, to, true);
+        Ok(())
+    }
+
+    fn go(&mut self, line: usize, to: Point, rapid: bool) {
+        let from = std::mem::replace(&mut self.at, to);
+        if from != to {
+            self.happens(line, Deed::Move { from, to, rapid });
+        }
+    }
+
+    fn tool(&mut self, line: usize, words: &Words) -> Result<(), String> {
+        let Some(word) = words.get('T') else { return Ok(()) };
+        let settings = self.control.settings;
+        if self.control.dialect == Dialect::Linuxcnc {
+            self.modal.tool_selected = Some(word as u32);
+            return Ok(());
+        }
+        let (tool, offset) = (word as u32 / 100, word as u32 % 100);
+        if tool != settings.tool {
+            return Err(format!("T{word:04} calls tool {tool}, not tool {}", settings.tool));
+        }
+        if offset != 0 && offset != tool && settings.geometry_offset != Some(GeometryOffset::ByTool) {
+            return Err(format!("T{word:04} takes the geometry of offset {offset}, which is not the tool's"));
+        }
+        let unit = settings.wear_x.unwrap_or(WearX::Diameter).diameter_per_unit();
+        self.shift = self.wear.get(&offset).copied().unwrap_or(0.0) * unit;
+        self.modal.tool_called |= offset != 0;
+        self.happens(line, Deed::ToolChange(self.at));
+        Ok(())
+    }
+
+    /// Whether the program ends.
+    fn miscellaneous(&mut self, line: usize, m: u32) -> Result<bool, String> {
+        match m {
+            2 | 30 => return Ok(true),
+            3 | 4 => {
+                if !self.modal.speed {
+                    return Err("the spindle starts without a speed".into());
+                }
+                self.modal.spindle = Some(m);
+            }
+            5 => self.modal.spindle = None,
+            6 if self.control.dialect == Dialect::Linuxcnc => {
+                if self.modal.tool_selected != Some(self.control.settings.tool) {
+                    return Err(format!("M6 does not change to tool {}", self.control.settings.tool));
+                }
+                // LinuxCNC stops the spindle at a tool change
+                (self.modal.spindle, self.modal.tool_called) = (None, true);
+                self.happens(line, Deed::ToolChange(self.at));
+            }
+            _ if self.control.settings.remeasure.is_some_and(|r| r.m_code == m) => {
+                self.happens(line, Deed::Measure(self.at));
+            }
+            _ => return Err(format!("M{m:02} is not understood")),
+        }
+        Ok(false)
+    }
+
+    fn travel(&mut self, line: usize, words: &Words) -> Result<(), String> {
+        if words.get('U').or(words.get('W')).is_some() {
+            return Err("U and W are understood with G28 alone".into());
+        }
+        if words.get('X').or(words.get('Z')).is_none() {
+            return Ok(());
+        }
+        let m = &self.modal;
+        let unit =
+            m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
+        if !(m.plane && m.millimetres && m.no_nose_compensation) {
+            return Err("G18, G21 and G40 must come before the first move".into());
+        }
+        let motion = m.motion.ok_or("a position without G00 or G01")?;
+        if motion == Motion::Feed {
+            self.may_feed()?;
+        }
+        let to = Point {
+            x: words.get('X').map_or(self.at.x, |x| x * unit + self.shift),
+            z: words.get('Z').unwrap_or(self.at.z),
+        };
+        self.go(line, to, motion == Motion::Rapid);
+        Ok(())
+    }
+
+    fn may_feed(&self) -> Result<(), String> {
+        let m = &self.modal;
+        if !m.tool_called {
+            return Err("a feed before the tool is called".into());
+        }
+        if !(m.feed_per_revolution && m.feed.is_some_and(|f| f > 0.0 && f.is_finite())) {
+            return Err("a feed needs F above 0, per revolution".into());
+        }
+        let sense = match self.control.settings.spindle {
+            Some(crate::nc::Spindle::M04) => 4,
+            _ => 3,
+        };
+        if m.spindle != Some(sense) {
+            return Err(format!("a feed without the spindle turning (M{sense:02})"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,257 @@
+//! Judges what a program does: see the list in [`super`].
+
+use super::{Control, Convex, Deed, Event, Point, run};
+use crate::nc::machine::{ChangePosition, Travel};
+use crate::nc::{Dialect, NcError, NcSettings};
+
+/// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of diameter.
+const DEPTH_TOLERANCE_MM: f64 = 0.005;
+/// Positions that are the same, mm.
+const SAME_MM: f64 = 1e-6;
+/// Start positions beside the corners of solids stand off by this much, mm.
+const BESIDE_MM: f64 = 0.05;
+/// Lattice of start positions, along Z and along X.
+const LATTICE: (usize, usize) = (9, 6);
+
+/// Something that stands in the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Its name in a refusal.
+    pub what: &'static str,
+    /// Its outline, from the axis outwards.
+    pub shape: Convex,
+}
+
+/// What a program moves among.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    /// The control.
+    pub dialect: Dialect,
+    /// How it reads offsets.
+    pub settings: &'a NcSettings,
+    /// What must never be touched.
+    pub solids: Vec<Solid>,
+    /// The part before the pass: touched in feed alone.
+    pub stock: Vec<Solid>,
+    /// What a rapid must stay away from: the stock with half the clearance around it.
+    pub kept_clear: Vec<Convex>,
+    /// Outlines of the tool about the programmed point, (Z, radius).
+    pub tool: Vec<Convex>,
+    /// Where the tool is changed.
+    pub change: ChangePosition,
+    /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
+    pub commanded: Vec<(f64, f64)>,
+    /// Programmed Z between which the part must be cut.
+    pub cut_between: (f64, f64),
+    /// Where the tip can travel.
+    pub travel: Option<Travel>,
+    /// Variables that a run before left: they must not stop the program.
+    pub variables: Vec<(u32, f64)>,
+}
+
+/// Replays `text` from every clear start position.
+///
+/// # Errors
+/// [`NcError::Block`] with the first block that does what it must not.
+pub fn check(text: &str, scene: &Scene<'_>) -> Result<usize, NcError> {
+    let refused = |(block, what): (usize, String)| NcError::Block {
+        block,
+        text: text.lines().nth(block.saturating_sub(1)).unwrap_or_default().trim().to_owned(),
+        what,
+    };
+    let starts = scene.starts();
+    let mut first: Option<Vec<Event>> = None;
+    for &start in &starts {
+        let control = scene.control(start);
+        let events = run(text, &control).map_err(refused)?;
+        // once the tool is where another start has brought it, the rest is the same
+        let same = first.as_ref().map_or(0, |f| common_end(f, &events));
+        scene.judge(&events[..events.len() - same]).map_err(refused)?;
+        if first.is_none() {
+            let last = text.lines().count();
+            scene.covers(&events).map_err(|what| refused((last, what)))?;
+            first = Some(events);
+        }
+    }
+    match first {
+        Some(_) => Ok(starts.len()),
+        None => Err(NcError::Plan("no start position is clear of what stands around the part".into())),
+    }
+}
+
+fn common_end(a: &[Event], b: &[Event]) -> usize {
+    a.iter().rev().zip(b.iter().rev()).take_while(|(a, b)| a == b).count()
+}
+
+impl Scene<'_> {
+    /// What the control has when the program starts at `start`.
+    pub fn control(&self, start: Point) -> Control<'_> {
+        Control {
+            dialect: self.dialect,
+            settings: self.settings,
+            start,
+            reference: Point { x: self.change.x_mm, z: self.change.z_mm },
+            variables: self.variables.clone(),
+        }
+    }
+
+    /// Start positions that are clear of every solid: a lattice over the room between chuck and change position, and
+    /// places just beside the corners of the solids.
+    pub fn starts(&self) -> Vec<Point> {
+        let end = self.change.z_mm.max(self.cut_between.1);
+        let mut places = vec![Point { x: self.change.x_mm, z: self.change.z_mm }];
+        for i in 0..LATTICE.0 {
+            for j in 0..LATTICE.1 {
+                let (z, x) = (i as f64 / (LATTICE.0 - 1) as f64, j as f64 / (LATTICE.1 - 1) as f64);
+                places.push(Point { x: 1.5 * x * self.change.x_mm, z: 1.25 * z * end });
+            }
+        }
+        let ((left, bottom), (right, _)) = self.tool.first().map_or(((0.0, 0.0), (0.0, 0.0)), Convex::bounds);
+        for solid in self.solids.iter().chain(&self.stock) {
+            for &(z, r) in solid.shape.points().iter().filter(|p| p.0.abs() < 1e3 && p.1 < 1e3) {
+                let x = 2.0 * (r - bottom + BESIDE_MM);
+                places.push(Point { x, z });
+                places.push(Point { x: 2.0 * (r - bottom), z: z - right - BESIDE_MM });
+                places.push(Point { x: 2.0 * (r - bottom), z: z - left + BESIDE_MM });
+            }
+        }
+        // the reference point lies at the end of the travel
+        let most = if self.dialect.changes_at_reference() { self.change.x_mm } else { f64::INFINITY };
+        let reachable = |p: &Point| (0.0..=most).contains(&p.x) && self.travel.is_none_or(|t| within(&t, *p));
+        places.retain(|p| reachable(p) && self.is_clear(*p));
+        places
+    }
+
+    fn is_clear(&self, at: Point) -> bool {
+        let by = (at.z, 0.5 * at.x);
+        let free = |shape: &Convex| !self.tool.iter().any(|t| t.moved(by).meets(shape));
+        self.solids.iter().chain(&self.stock).all(|s| free(&s.shape))
+    }
+
+    fn judge(&self, events: &[Event]) -> Result<(), (usize, String)> {
+        for event in events {
+            let judged = match &event.deed {
+                Deed::Move { from, to, rapid } => self.judge_move(*from, *to, *rapid),
+                Deed::ToolChange(at) => self.only_at_change("the tool is changed", *at),
+                Deed::Measure(at) => self.only_at_change("the part is measured", *at),
+                Deed::Alarm(text) => Err(format!("the replay ends with the alarm {text}")),
+            };
+            judged.map_err(|what| (event.block, what))?;
+        }
+        Ok(())
+    }
+
+    fn only_at_change(&self, what: &str, at: Point) -> Result<(), String> {
+        let c = self.change;
+        if (at.x - c.x_mm).abs() < SAME_MM && (at.z - c.z_mm).abs() < SAME_MM {
+            return Ok(());
+        }
+        Err(format!(
+            "{what} at X {:.3} Z {:.3}, not at the change position X {:.3} Z {:.3}",
+            at.x, at.z, c.x_mm, c.z_mm
+        ))
+    }
+
+    fn judge_move(&self, from: Point, to: Point, rapid: bool) -> Result<(), String> {
+        let way = format!("from X {:.3} Z {:.3} to X {:.3} Z {:.3}", from.x, from.z, to.x, to.z);
+        if let Some(travel) = self.travel.filter(|t| !within(t, to)) {
+            return Err(format!(
+                "it leaves the travel (X {} to {}, Z {} to {}) {way}",
+                travel.x_mm.0, travel.x_mm.1, travel.z_mm.0, travel.z_mm.1
+            ));
+        }
+        let both = (from.x - to.x).abs() > SAME_MM && (from.z - to.z).abs() > SAME_MM;
+        if rapid && both && from.x.min(to.x) < self.change.x_mm {
+            return Err(format!("X and Z move in rapid together below the change position, {way}"));
+        }
+        let (a, b) = ((from.z, 0.5 * from.x), (to.z, 0.5 * to.x));
+        let swept: Vec<Convex> = self.tool.iter().map(|t| t.swept(a, b)).collect();
+        let touches = |shape: &Convex| swept.iter().any(|s| s.meets(shape));
+        let how = if rapid { "in rapid" } else { "in feed" };
+        if let Some(solid) = self.solids.iter().find(|s| touches(&s.shape)) {
+            return Err(format!("{how} the tool touches the {} {way}", solid.what));
+        }
+        if !rapid {
+            return self.not_too_deep(from, to);
+        }
+        if let Some(solid) = self.stock.iter().find(|s| touches(&s.shape)) {
+            return Err(format!("in rapid the tool touches the {} {way}", solid.what));
+        }
+        // a start beside the stock may lie within the clearance: leaving it radially is free
+        let leaves = !both && to.x > from.x;
+        if !leaves && self.kept_clear.iter().any(touches) {
+            return Err(format!("in rapid the tool comes closer to the stock than half the clearance {way}"));
+        }
+        Ok(())
+    }
+
+    /// Z at which commanded diameter or move bend, between `a` and `b`.
+    fn bends(&self, a: f64, b: f64) -> Vec<f64> {
+        let (low, high) = (a.min(b), a.max(b));
+        let first = self.commanded.partition_point(|p| p.0 < low);
+        let inside = self.commanded[first..].iter().map(|p| p.0).take_while(|z| *z <= high);
+        [low, high].into_iter().chain(inside).collect()
+    }
+
+    fn commanded_at(&self, z: f64) -> f64 {
+        let right = self.commanded.partition_point(|p| p.0 < z);
+        match (right.checked_sub(1).and_then(|i| self.commanded.get(i)), self.commanded.get(right)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (z - a.0) / (b.0 - a.0),
+            (Some(only), None) | (None, Some(only)) => only.1,
+            (None, None) => f64::INFINITY,
+        }
+    }
+
+    fn tolerance_mm(&self) -> f64 {
+        DEPTH_TOLERANCE_MM + self.settings.knot_tolerance_mm
+    }
+
+    fn not_too_deep(&self, from: Point, to: Point) -> Result<(), String> {
+        for z in self.bends(from.z, to.z) {
+            let (x, wanted) = (lowest_at(from, to, z), self.commanded_at(z));
+            if x < wanted - self.tolerance_mm() {
+                return Err(format!("at Z {z:.3} it cuts to X {x:.4}, below the commanded {wanted:.4}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether feeds at the commanded diameter cover the part.
+    fn covers(&self, events: &[Event]) -> Result<(), String> {
+        let mut cut: Vec<(f64, f64)> = Vec::new();
+        for event in events {
+            let Deed::Move { from, to, rapid: false } = &event.deed else { continue };
+            let on_size = |z: &f64| lowest_at(*from, *to, *z) <= self.commanded_at(*z) + self.tolerance_mm();
+            if self.bends(from.z, to.z).iter().all(on_size) {
+                cut.push((from.z.min(to.z), from.z.max(to.z)));
+            }
+        }
+        cut.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (begin, end) = self.cut_between;
+        let mut reached = begin;
+        for (from, to) in cut {
+            if from > reached + SAME_MM {
+                break;
+            }
+            reached = reached.max(to);
+        }
+        if reached + SAME_MM >= end {
+            return Ok(());
+        }
+        Err(format!("the part is not cut to size from Z {reached:.3} on, its end face lies at Z {end:.3}"))
+    }
+}
+
+/// The smaller X of a move at `z`.
+fn lowest_at(from: Point, to: Point, z: f64) -> f64 {
+    if (to.z - from.z).abs() < SAME_MM {
+        return from.x.min(to.x);
+    }
+    let share = ((z - from.z) / (to.z - from.z)).clamp(0.0, 1.0);
+    from.x + (to.x - from.x) * share
+}
+
+fn within(travel: &Travel, at: Point) -> bool {
+    let inside = |(least, most): (f64, f64), v: f64| (least - SAME_MM..=most + SAME_MM).contains(&v);
+    inside(travel.x_mm, at.x) && inside(travel.z_mm, at.z)
+}

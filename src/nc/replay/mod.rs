@@ -1,0 +1,30 @@
+//! Replays a finished program among the solids of the machine, before it is handed out.
+//!
+//! The text is read again by an [interpreter](interpreter) that shares nothing with the emitter, from every start position
+//! of a lattice and of the solids' corners that is clear; each move sweeps the nose's outline (and the holder's box, where
+//! it is stated) through the plane of the tool. A program passes where
+//!
+//! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the travel,
+//! - no rapid comes closer to the stock than half the clearance, and none moves X and Z together below the change position,
+//! - the tool is changed, and the part measured, at the change position alone,
+//! - no feed cuts below the commanded diameter,
+//! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
+
+mod convex;
+mod expression;
+mod flow;
+mod interpreter;
+mod judge;
+
+pub use convex::Convex;
+pub use interpreter::{Control, Deed, Event, Fault, Point};
+pub use judge::{Scene, Solid, check};
+
+/// Runs a program from one start position and lists what it does.
+///
+/// # Errors
+/// Line (from 1) and reason where it is not understood.
+pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
+    let program = flow::Program::new(text).map_err(|(line, why)| (line + 1, why))?;
+    interpreter::Interpreter::new(&program, control).run()
+}

@@ -1,0 +1,109 @@
+//! What every program has around its cut: head, guard, change position, tool, spindle, approach, retract, end.
+
+use super::dialect::{Dialect, number};
+use super::machine::{Spindle, WearX};
+use super::route::{Route, Workpiece};
+use super::{NcError, NcSettings};
+use crate::plan::CuttingData;
+
+/// Variable that remembers part and pass of the program that ran last: common, kept at power-off on a Fanuc.
+pub(super) const RAN_LAST: u32 = 820;
+
+/// A program without its cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skeleton<'a> {
+    pub(super) dialect: Dialect,
+    pub(super) settings: &'a NcSettings,
+    pub(super) piece: &'a Workpiece,
+    pub(super) route: Route,
+    pub(super) cutting: CuttingData,
+    pub(super) pass: u32,
+    /// What the wear register holds while the tool cuts, mm of diameter; 0 without one.
+    pub(super) wear_mm: f64,
+    pub(super) limits_mm: Option<(f64, f64)>,
+}
+
+impl Skeleton<'_> {
+    /// Part and pass as one number.
+    pub(super) fn identity(&self) -> String {
+        number(f64::from(self.settings.part_number) * 100.0 + f64::from(self.pass % 100), 0)
+    }
+
+    /// A program cuts a part's pass once.
+    pub(super) fn once(&self, text: &str) -> Vec<String> {
+        self.dialect.alarm_if(101, (&format!("#{RAN_LAST}"), "EQ", &self.identity()), text)
+    }
+
+    fn register(&self) -> Option<WearX> {
+        let taken = self.settings.wear_x.unwrap_or(WearX::Diameter);
+        self.settings.uses_wear_register(self.dialect).then_some(taken)
+    }
+
+    /// Number of the offset that the T word calls.
+    fn offset(&self) -> u32 {
+        if self.register().is_some() { self.settings.wear_offset } else { self.settings.tool }
+    }
+
+    /// To the change position, tool, spindle, and down to the clear diameter above the first point of the cut.
+    pub(super) fn approach(&self) -> Vec<String> {
+        let (d, s, route) = (self.dialect, self.settings, &self.route);
+        let mut lines = d.to_change(route.change);
+        if let Some(taken) = self.register() {
+            let value = number(self.wear_mm / taken.diameter_per_unit(), d.x_decimals());
+            lines.push(d.comment("mean correction, absolute: a second run does not add to it"));
+            lines.push(format!("G10 P{} X{value}", s.wear_offset));
+        }
+        lines.extend(d.tool(s.tool, self.offset()));
+        let sense = s.spindle.unwrap_or(Spindle::M03);
+        lines.extend(d.spindle(self.cutting.speed_m_per_min, s.speed_limit_per_min, sense));
+        lines.extend(d.approach(route.change, route.z_first, route.clear_mm));
+        lines
+    }
+
+    /// Blocks of a cut through `points` (X as it stands in the program, Z), entered and left radially in feed.
+    pub(super) fn cut(&self, points: &[(String, f64)]) -> Vec<String> {
+        let feed = number(self.cutting.feed_mm_per_rev, 4);
+        let mut lines = Vec::with_capacity(points.len() + 1);
+        for (i, (x, z)) in points.iter().enumerate() {
+            lines.push(match i {
+                0 => format!("G01 X{x} F{feed}"),
+                _ => format!("X{x} Z{}", number(*z, 4)),
+            });
+        }
+        lines.push(format!("X{}", number(self.route.clear_mm, 3)));
+        lines
+    }
+
+    /// Back to the change position; there the offset is cancelled and, on request, the part measured.
+    pub(super) fn after(&self) -> Vec<String> {
+        let (d, s) = (self.dialect, self.settings);
+        let mut lines = d.to_change(self.route.change);
+        lines.push(format!("#{RAN_LAST}={}", self.identity()));
+        if self.register().is_some() {
+            lines.push(format!("T{:02}00", s.tool));
+            lines.push(format!("G10 P{} X0.", s.wear_offset));
+        }
+        if let (Some(measure), Some((low, high))) = (s.remeasure, self.limits_mm) {
+            lines.push(format!("M{:02}", measure.m_code));
+            let smallest = format!("#{}", measure.smallest_variable);
+            let largest = format!("#{}", measure.largest_variable);
+            lines.extend(d.alarm_if(106, (&smallest, "LT", &number(low, 4)), "PART UNDERSIZE"));
+            lines.extend(d.alarm_if(107, (&largest, "GT", &number(high, 4)), "PART OVERSIZE"));
+        }
+        lines.extend(d.end());
+        lines
+    }
+}
+
+/// Checks what every form needs before a line is written.
+pub(super) fn check(
+    settings: &NcSettings,
+    piece: &Workpiece,
+    nominal_mm: f64,
+    dialect: Dialect,
+) -> Result<Route, NcError> {
+    settings.validate()?;
+    settings.check_stated(dialect)?;
+    piece.check(nominal_mm)?;
+    Route::new(piece, settings)
+}
