@@ -8,6 +8,7 @@ mod blur_share;
 pub mod budget;
 mod budget_conditions;
 mod calibration;
+mod calibration_error;
 mod caliper;
 mod censored;
 mod clipped;

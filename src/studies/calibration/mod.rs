@@ -4,12 +4,14 @@
 mod one_encoding;
 mod plan;
 mod simulated;
+mod words;
 
 use thiserror::Error;
 
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
+pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Encoding, Frame, FrameView};
 use crate::gauge::bench::{
@@ -456,67 +458,6 @@ fn judge(
     whole.push(known("certificate of the check pin", pin.certificate().u_mm()));
     let coverage_factor = whole.factor_or(None);
     Some(CheckPin { certificate: pin.certificate(), measured_mm, u_measured_mm, coverage_factor }.judge())
-}
-
-/// Which edge-spread function was fitted to the masters' edges, for people.
-pub fn edge_model_line(calibrated: &Calibrated) -> String {
-    let calibration = &calibrated.calibration;
-    let blur = calibration.bench.as_ref().map_or(f64::NAN, |b| b.sigma_px);
-    let table = calibration.edge_table.as_ref().map_or(String::new(), |t| {
-        let ends = (t.distance_um.first(), t.distance_um.last());
-        let (Some(low), Some(high)) = ends else { return String::new() };
-        format!(" of {} samples from {low:.2} to {high:.2} um", t.light.len())
-    });
-    let left_out = match calibrated.unlearnt_frames {
-        0 => String::new(),
-        n => format!("; {n} frame(s) that do not teach it were left out"),
-    };
-    let model = calibration.edge_model.as_deref().unwrap_or("unknown");
-    let what = match model {
-        "learnt" => "learnt, each frame's own",
-        other => other,
-    };
-    format!("edge model fitted: {what}{table}, blur {blur:.3} px{left_out}")
-}
-
-/// The adjusted parameters by name with unit and standard uncertainty, for reports.
-pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
-    let Some(bench) = &calibration.bench else { return Vec::new() };
-    let u = |i: usize| bench.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
-    let lens = &bench.lens;
-    let row = |name: &str, value: String, u: String| [name.to_owned(), value, u];
-    vec![
-        row(
-            "scale / (µm/px)",
-            format!("{:.6}", 1e3 * calibration.scale_mm_per_px),
-            format!("{:.6}", 1e3 * u(0)),
-        ),
-        row(
-            "offset of both edges / µm",
-            format!("{:.4}", 1e3 * calibration.offset_mm),
-            format!("{:.4}", 1e3 * u(1)),
-        ),
-        row(
-            "radial distortion at the corner / %",
-            format!("{:.5}", 1e2 * lens.radial),
-            format!("{:.5}", 1e2 * u(2)),
-        ),
-        row(
-            "change of scale with height / %",
-            format!("{:.5}", 1e2 * lens.keystone_across),
-            format!("{:.5}", 1e2 * u(3)),
-        ),
-        row(
-            "change of scale along the shaft / %",
-            format!("{:.5}", 1e2 * lens.keystone_along),
-            format!("{:.5}", 1e2 * u(4)),
-        ),
-        row(
-            "telecentricity / (ppm/mm)",
-            format!("{:.3}", 1e6 * lens.telecentricity_per_mm),
-            format!("{:.3}", 1e6 * u(5)),
-        ),
-    ]
 }
 
 #[cfg(test)]
