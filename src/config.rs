@@ -84,12 +84,7 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
         std::fs::File::open(&path)
             .map_err(|e| JobError::at(key, format!("{}: cannot be read: {e}", path.display())))
     };
-    if let Esf::Measured(measured) = &mut job.optics.esf
-        && let Some(name) = measured.file.clone()
-    {
-        let file = open("optics.esf.measured.file", &name)?;
-        measured.fill(file).map_err(crate::job::from_render)?;
-    }
+    read_measured_edge(&mut job.optics.esf, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {
             return Err(JobError::at("shaft.contour_file", "stands beside shaft.contour; give one of them"));
@@ -98,6 +93,20 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
         job.shaft.contour = read_contour(file).map_err(crate::job::from_render)?;
     }
     Ok(())
+}
+
+/// Reads the file of a measured edge, beside the config that names it; its samples take the name's place.
+///
+/// # Errors
+/// A file that cannot be read or holds no edge.
+pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), JobError> {
+    const KEY: &str = "optics.esf.measured.file";
+    let Esf::Measured(measured) = esf else { return Ok(()) };
+    let Some(name) = measured.file.clone() else { return Ok(()) };
+    let path = folder.join(&name);
+    let file = std::fs::File::open(&path)
+        .map_err(|e| JobError::at(KEY, format!("{}: cannot be read: {e}", path.display())))?;
+    measured.fill(file).map_err(crate::job::from_render)
 }
 
 /// Reads and checks the text of a config; `file` names it in errors.

@@ -3,6 +3,9 @@
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
+mod scan;
+mod workpiece;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -19,6 +22,7 @@ use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
+pub use scan::{MasterPin, Masters, Scan, StockScan};
 
 /// A setting that cannot be right, with the dotted key it stands under.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -47,7 +51,7 @@ pub struct Part {
     pub stock_diameter_mm: f64,
     /// Nominal diameter r(k) of every pass, mm, falling.
     pub nominal_diameter_mm: Vec<f64>,
-    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm.
+    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm; 0 unless set.
     pub aim_mm: f64,
     /// Length of a station, mm.
     pub station_mm: f64,
@@ -64,7 +68,7 @@ impl Default for Part {
             length_mm: 500.0,
             stock_diameter_mm: 27.0,
             nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
-            aim_mm: -0.0065,
+            aim_mm: 0.0,
             station_mm: 5.0,
             tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
             conformance_probability: PROBABILITY,
@@ -105,6 +109,20 @@ impl Part {
                 tolerance.nominal_mm
             ),
         ))
+    }
+
+    /// A word where the last pass aims at a limit of its tolerance: half of all parts would lie outside.
+    fn aims_at_a_limit(&self) -> Option<String> {
+        let (lower, upper) = self.tolerance?.limits_mm();
+        let aim = self.target_mm(self.passes() as u32);
+        let on_a_limit = (aim - lower).min(upper - aim).abs() < 1e-3 * (upper - lower);
+        on_a_limit.then(|| {
+            format!(
+                "the last pass aims at {aim:.4} mm, a limit of its tolerance ({lower:.4} to {upper:.4} mm): part.aim_mm = {:.4} would aim \
+                 at the middle",
+                self.aim_mm + 0.5 * (lower + upper) - aim
+            )
+        })
     }
 
     fn check(&self) -> Result<(), JobError> {
@@ -163,74 +181,6 @@ impl Part {
             ));
         }
         Ok(())
-    }
-}
-
-/// How the camera scans the part after a pass.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Scan {
-    /// Positions of the carriage along z; together their fields must cover the part.
-    pub fields: usize,
-    /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
-    pub angles: usize,
-    /// Whether the stock is scanned before the first pass. Its form is copied into the first pass in part: a controller
-    /// that has seen it need not guess what was copied and what is the shaft's own yielding.
-    pub stock: StockScan,
-}
-
-/// Whether the stock is scanned before the first pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StockScan {
-    /// Where the controller makes use of it: the model-based one.
-    #[default]
-    Auto,
-    /// Before every part.
-    Always,
-    /// Not at all.
-    Never,
-}
-
-impl Default for Scan {
-    fn default() -> Self {
-        Self { fields: 14, angles: 8, stock: StockScan::default() }
-    }
-}
-
-/// A master pin with its certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MasterPin {
-    /// Certified diameter at 20 °C, mm.
-    pub diameter_mm: f64,
-    /// Expanded uncertainty U of the certificate, mm.
-    pub expanded_u_mm: f64,
-    /// Coverage factor k of U.
-    #[serde(default = "two")]
-    pub coverage_factor: f64,
-}
-
-fn two() -> f64 {
-    2.0
-}
-
-/// How the gauge is calibrated at the start of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Masters {
-    /// Two or more pins of different diameter.
-    pub pins: Vec<MasterPin>,
-    /// Frames taken of each pin.
-    pub frames_each: usize,
-    /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0 for none.
-    pub check_frames: usize,
-}
-
-impl Default for Masters {
-    fn default() -> Self {
-        let pin = |diameter_mm| MasterPin { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
-        Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8, check_frames: 1 }
     }
 }
 
@@ -371,10 +321,11 @@ impl Job {
         }
     }
 
-    /// The controller's settings as a run uses them: the lower limit of size from the part's tolerance, where no other is
-    /// given.
+    /// The controller's settings as a run uses them: the workpiece of the model-based controller from the job, where
+    /// `[control.model]` does not give it, and the lower limit of size from the part's tolerance.
     pub fn run_control(&self) -> ControlSettings {
         let mut control = self.control.clone();
+        control.model = control.model.for_workpiece(&workpiece::workpiece(self).0);
         let lower = self.part.tolerance.map(|t| t.nominal_mm + t.lower_mm).filter(|l| *l > 0.0);
         control.guards.lower_limit_mm = control.guards.lower_limit_mm.or(lower);
         control
@@ -424,7 +375,15 @@ impl Job {
     /// # Errors
     /// The controller's reason.
     pub fn check_control(&self) -> Result<(), JobError> {
-        crate::control::build(&self.control, &self.part.station_z_mm()).map(drop).map_err(from_control)
+        crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
+    }
+
+    /// What a run should be warned of: a force that does not follow the material, an aim on a limit of size.
+    pub fn cautions(&self) -> Vec<String> {
+        let model =
+            self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();
+        let force = if model { workpiece::workpiece(self).1 } else { None };
+        force.into_iter().chain(self.part.aims_at_a_limit()).collect()
     }
 
     /// Checks every stage's settings and how they fit together.

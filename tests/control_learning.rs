@@ -89,7 +89,7 @@ fn disturbed_shafts(settings: &ControlSettings, random: bool) -> Vec<Vec<f64>> {
 /// A model whose C is wrong by 25 % and whose supports are twice as stiff as the plant's.
 fn wrong_model() -> ControlSettings {
     let mut wrong = settings(ControllerName::Model);
-    wrong.model.coefficient_n *= 1.25;
+    wrong.model.coefficient_n = Some(1.25 * wrong.model.workpiece().coefficient_n);
     wrong.model.chuck_n_per_um *= 2.0;
     wrong.model.tailstock_n_per_um *= 2.0;
     wrong

@@ -2,31 +2,42 @@
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use serde_json::json;
 
-use super::study_files::{ConfigText, json_text};
+use super::calibration_plan::{self, LoadedPlan};
+use super::esf_argument::{esf_model, needs_scale};
+use super::study_files::json_text;
 use super::{CommandResult, Failure, Outcome};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
+use crate::gauge::bench::Date;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
 use crate::source::{Channel, FileFrames, listing};
 use crate::studies::calibration::{
     CalibrateError, Calibrated, CalibrationPlan, PinPlan, Position, Recordings, SimulatedRecordings,
-    calibrate, parameter_table,
+    calibrate, edge_model_line, parameter_table, rough_um_per_px,
 };
 
 /// Arguments of `calibrate`.
 #[derive(Debug, clap::Args)]
 pub struct CalibrateArgs {
-    /// The calibration, as configs/calibrate.toml.
+    /// The calibration, as configs/calibrate.toml; or a job's config, whose bench is calibrated on its master pins, rendered.
     config: PathBuf,
     /// Where the calibration goes; its report goes beside it as .html.
     #[arg(long, value_name = "FILE.json")]
     out: PathBuf,
+    /// Edge-spread function that is fitted, in place of the file's [gauge.esf]: gaussian, learnt (each frame's own), a table
+    /// `distance_um,light` (.csv or .json) or the optics of a config (.toml). The calibration keeps it.
+    #[arg(long, value_name = "NAME|FILE")]
+    esf: Option<String>,
+    /// Day of the calibration that is made of a job's config, YYYY-MM-DD; today without it. A calibration's own file has its date.
+    #[arg(long, value_name = "DATE")]
+    date: Option<Date>,
     /// Where a [simulate] table's frames are rendered.
     #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
     backend: BackendChoice,
@@ -46,12 +57,12 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
             "--out {name}: must end in .json; the report goes beside it as .html"
         )));
     }
-    let text = ConfigText::read(&args.config)?;
-    let plan: CalibrationPlan = text.parse()?;
+    let today = args.date.unwrap_or_else(|| Date::of(SystemTime::now()));
+    let mut loaded = calibration_plan::load(&args.config, today)?;
     let claim = |path: &Path| OutputFile::claim(path, [args.config.clone()]);
     let (page_file, file) = (claim(&args.out.with_extension("html"))?, claim(&args.out)?);
-    let calibrated = make(&plan, &text, Some(&args.config), args.backend)?;
-    let page = report::calibration_report(&plan, &calibrated).map_err(Failure::fail)?;
+    let calibrated = make(&mut loaded, args.esf.as_deref(), args.backend)?;
+    let page = report::calibration_report(&loaded.plan, &calibrated).map_err(Failure::fail)?;
     page_file.write(page.as_bytes())?;
     let accepted = check(&calibrated.calibration);
     if accepted {
@@ -67,29 +78,45 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// Makes a plan's calibration from its folders (relative to the file `config`) or from rendered frames.
+/// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread function that the command line names
+/// in place of the plan's.
 ///
 /// # Errors
 /// As [`run`].
 pub fn make(
-    plan: &CalibrationPlan,
-    text: &ConfigText,
-    config: Option<&Path>,
+    loaded: &mut LoadedPlan,
+    esf: Option<&str>,
     backend: BackendChoice,
 ) -> Result<Calibrated, Failure> {
+    let LoadedPlan { plan, text, folder } = loaded;
     plan.validate().map_err(|e| text.refuse(e))?;
-    let calibrated = if plan.simulate.is_some() {
-        let renderer = Renderer::new(backend).map_err(Failure::fail)?;
-        let mut recordings = SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e))?;
-        calibrate(plan, &mut recordings)
-    } else {
-        let folder = config.and_then(Path::parent).unwrap_or(Path::new(".")).to_owned();
-        calibrate(plan, &mut RecordedFrames { folder, channel: plan.channel, said: HashSet::new() })
-    };
-    calibrated.map_err(|e| match e {
+    let failed = |e: CalibrateError| match e {
         CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
         other => Failure::fail(format!("{}: {other}", text.name)),
-    })
+    };
+    if plan.simulate.is_none() {
+        let mut recordings =
+            RecordedFrames { folder: folder.clone(), channel: plan.channel, said: HashSet::new() };
+        choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut recordings).map_err(failed))?;
+        return calibrate(plan, &mut recordings).map_err(failed);
+    }
+    let renderer = Renderer::new(backend).map_err(Failure::fail)?;
+    let rendered =
+        |plan: &CalibrationPlan| SimulatedRecordings::new(plan, &renderer).map_err(|e| text.refuse(e));
+    choose_edge(plan, esf, |plan| rough_um_per_px(plan, &mut rendered(plan)?).map_err(failed))?;
+    calibrate(plan, &mut rendered(plan)?).map_err(failed)
+}
+
+/// Puts the edge-spread function of the command line into a plan; a table in µm is read by the masters' own rough scale.
+fn choose_edge(
+    plan: &mut CalibrationPlan,
+    esf: Option<&str>,
+    um_per_px: impl FnOnce(&CalibrationPlan) -> Result<f64, Failure>,
+) -> Result<(), Failure> {
+    let Some(name) = esf else { return Ok(()) };
+    let scale = if needs_scale(name) { Some(um_per_px(plan)?) } else { None };
+    plan.gauge.esf = esf_model(name, scale)?;
+    Ok(())
 }
 
 fn check(calibration: &Calibration) -> bool {
@@ -113,6 +140,8 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
                 "birge_ratio": bench.birge_ratio,
                 "rms_residual_um": residual_um,
                 "check": bench.check,
+                "edge_model": calibration.edge_model,
+                "unlearnt_frames": calibrated.unlearnt_frames,
                 "misfit_chi2": calibration.misfit().map(|m| m.chi2),
                 "expires": bench.validity.expires(),
                 "sensor": bench.sensor.as_ref().map(|s| json!({
@@ -133,6 +162,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     for [name, value, u] in parameter_table(calibration) {
         say_line!("{name:<42} {value:>14} {u:>12}");
     }
+    say_line!("{}", edge_model_line(calibrated));
     if let Some(misfit) = calibration.misfit() {
         say_line!(
             "edge model misfits the masters' edges: chi2 {:.2} times the noise, {:.2} and {:.2} % of the contrast left; absorbed by the offset",

@@ -1,11 +1,10 @@
-//! `measure --esf`: the edge-spread function by its name or from a file.
+//! `--esf` of `measure` and `calibrate`: the edge-spread function by its name or from a file.
 
 use std::path::Path;
 
 use super::Failure;
-use crate::config;
-use crate::gauge::{EsfModel, EsfSamples};
-use crate::render::esf::{EsfTable, Extent};
+use super::optics::NominalOptics;
+use crate::gauge::{EdgeTable, EsfModel, EsfSamples};
 use crate::render::esf_families::MeasuredEdge;
 
 /// Steps of the table handed to the gauge, px.
@@ -15,7 +14,13 @@ const REACH_PX: f64 = 60.0;
 /// Distance from which ripples fade out, px: windows are 72 px long.
 const FADE_PX: f64 = 44.0;
 
-/// The model of `gaussian`, `learnt`, a CSV file `d_um,intensity`, or the `[optics]` of a config.
+/// Whether a model is in µm and needs a scale to be read by.
+pub fn needs_scale(text: &str) -> bool {
+    matches!(Path::new(text).extension().and_then(|e| e.to_str()), Some("csv" | "json"))
+}
+
+/// The model of `gaussian`, `learnt`, a table of distances in µm (.csv or .json, as `optics esf` prints them), or the `[optics]` of a
+/// config.
 ///
 /// # Errors
 /// Exit 2 for a name that is none, a file without a scale to read it by, or one that is no edge; 3 for one that cannot be read.
@@ -26,38 +31,62 @@ pub fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, Failure
         _ => {}
     }
     let path = Path::new(text);
+    let named = |e: &dyn std::fmt::Display| format!("--esf {text}: {e}");
+    let scale = || {
+        um_per_px.ok_or_else(|| {
+            Failure::refuse(named(&"its distances are in µm: give --calibration or --um-per-px"))
+        })
+    };
     match path.extension().and_then(|e| e.to_str()) {
-        Some("csv") => measured(path, um_per_px),
+        Some("csv") => measured(&text_of(path, text)?, scale()?).map_err(|e| Failure::refuse(named(&e))),
+        Some("json") => {
+            let table: EdgeTable = of_json(&text_of(path, text)?).map_err(|e| Failure::refuse(named(&e)))?;
+            let lines = table.distance_um.iter().zip(&table.light);
+            let csv = lines.fold(String::new(), |all, (d, l)| all + &format!("{d},{l}\n"));
+            measured(&csv, scale()?).map_err(|e| Failure::refuse(named(&e)))
+        }
         Some("toml") => of_config(path, um_per_px),
-        _ => Err(Failure::refuse(format!(
-            "--esf {text}: right would be gaussian, learnt, a .csv file d_um,intensity or a .toml config with [optics.esf]"
+        _ => Err(Failure::refuse(named(
+            &"right would be gaussian, learnt, a table distance_um,light (.csv or .json, as `optics esf` prints it) or a .toml config with [optics.esf]",
         ))),
     }
 }
 
-fn measured(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
-    let named = |e: &dyn std::fmt::Display| format!("--esf {}: {e}", path.display());
-    let um_per_px = um_per_px.ok_or_else(|| {
-        Failure::refuse(named(&"its distances are in µm: give --calibration or --um-per-px"))
-    })?;
-    let file = std::fs::File::open(path).map_err(|e| Failure::fail(named(&e)))?;
-    let edge = MeasuredEdge::read(file, false).map_err(|e| Failure::refuse(named(&e)))?;
-    let spread = edge.edge_spread().map_err(|e| Failure::refuse(named(&e)))?;
+fn text_of(path: &Path, name: &str) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|e| Failure::fail(format!("--esf {name}: {e}")))
+}
+
+/// The arrays `distance_um` and `light` of a JSON object, whatever else it holds.
+fn of_json(text: &str) -> Result<EdgeTable, String> {
+    #[derive(serde::Deserialize)]
+    struct Arrays {
+        distance_um: Vec<f64>,
+        light: Vec<f64>,
+    }
+    let Arrays { distance_um, light } = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    if distance_um.len() != light.len() {
+        let (n, m) = (distance_um.len(), light.len());
+        return Err(format!(
+            "{n} distances and {m} values of light; must be as many of the one as of the other"
+        ));
+    }
+    Ok(EdgeTable { distance_um, light })
+}
+
+fn measured(text: &str, um_per_px: f64) -> Result<EsfModel, String> {
+    let edge = MeasuredEdge::read(text.as_bytes(), false).map_err(|e| e.to_string())?;
+    let spread = edge.edge_spread().map_err(|e| e.to_string())?;
     let (from, to) = spread.range_um();
     Ok(sampled(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))
 }
 
-/// The family that a config renders with, in focus, at the scale given or the config's own.
+/// The family that a config renders with, in focus on the finished part, at the scale given or the config's own.
 fn of_config(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
-    let job = config::load(path).map_err(Failure::refused)?;
-    let own_um = job.camera.pixel_um / job.optics.magnification;
-    let pixel_mm = 1e-3 * um_per_px.unwrap_or(own_um);
-    let radius_mm = 0.5 * job.part.stock_diameter_mm;
-    let extent = Extent { pixel_mm, depth_mm: 0.0, radius_mm: (radius_mm, radius_mm) };
-    let table = EsfTable::new(&job.optics.esf, &job.optics, &extent).map_err(Failure::refuse)?;
-    let at = table.place(0.0, radius_mm, 0.0);
-    let reach = f64::from(table.reach) * table.scale_px;
-    Ok(sampled(-reach, reach, |d_px| table.light(&at, d_px)))
+    let nominal = NominalOptics::load(path)?;
+    let edge = nominal.edge(nominal.radius_mm, 0.0)?;
+    let um_per_px = um_per_px.unwrap_or(1e3 * nominal.pixel_mm);
+    let (from, to) = edge.range_um();
+    Ok(sampled(from / um_per_px, to / um_per_px, |d_px| edge.light(d_px * um_per_px)))
 }
 
 /// 1 up to [`FADE_PX`] into the light, 0 from [`REACH_PX`] on.

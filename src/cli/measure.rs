@@ -16,7 +16,7 @@ use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};
-use crate::gauge::bench::{Conditions, Date, ShaftRuns};
+use crate::gauge::bench::{Conditions, Date, GivenConditions, ShaftRuns};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
 use crate::gauge::stated::stated;
@@ -79,10 +79,10 @@ pub struct MeasureArgs {
     /// 4 at least for a shaft (a wire), 16 for a ring.
     #[arg(long, value_name = "PX", value_parser = positive_px)]
     min_diameter_px: Option<f64>,
-    /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a file `d_um,intensity` (.csv) or the
-    /// optics of a config (.toml).
-    #[arg(long, value_name = "NAME|FILE", default_value = "gaussian")]
-    esf: String,
+    /// Edge-spread function that is fitted: gaussian, learnt (from the first frame), a table `distance_um,light` (.csv or .json, as
+    /// `optics esf` prints it) or the optics of a config (.toml). Without it the calibration's, else gaussian.
+    #[arg(long, value_name = "NAME|FILE")]
+    esf: Option<String>,
     /// Threads (default: all cores).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -128,7 +128,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         return Err(Failure::refuse(format!("{name} needs millimetres: give --calibration or --um-per-px")));
     }
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
-    let esf = esf_model(&args.esf, calibration.as_ref().map(|c| 1e3 * c.scale_mm_per_px))?;
+    let esf = edge_model(args, calibration.as_ref())?;
     calibration.as_ref().map_or(Ok(()), |c| c.check_edge_model(&esf)).map_err(Failure::refuse)?;
     let mut settings = GaugeSettings { polarity, esf, ..GaugeSettings::default() };
     if args.shape == Shape::Shaft {
@@ -153,7 +153,11 @@ fn rings(
     conditions: &Conditions,
     paths: Vec<PathBuf>,
 ) -> CommandResult {
-    if args.edges.is_some() || args.bench.is_some() || args.vertical || args.esf != "gaussian" {
+    if args.edges.is_some()
+        || args.bench.is_some()
+        || args.vertical
+        || args.esf.as_deref().is_some_and(|e| e != "gaussian")
+    {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
     if let Some(name) = args.judge.needs_scale() {
@@ -179,6 +183,14 @@ fn rings(
     match first_error {
         Some(error) if frames.is_empty() => Err(Failure::fail(error)),
         _ => measure_ring::run(frames, &settings, calibration.map(|c| (c, conditions)), args.json),
+    }
+}
+
+/// The edge-spread function of the command line; without one, that of the masters' edges, else the Gaussian.
+fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
+    match &args.esf {
+        Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
+        None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
     }
 }
 
@@ -208,30 +220,34 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
 
 /// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
-    let known = calibration.map_or_else(Conditions::default, Calibration::conditions);
+    let known = match calibration {
+        Some(c) if c.leaves_conditions_open() => Conditions::unstated(),
+        Some(c) => c.conditions(),
+        None => Conditions::default(),
+    };
     let mut conditions = match &args.conditions {
         Some(path) => merged(&ConfigText::read(path)?, &known)?,
         None => known,
     };
-    conditions.temperature_c = args.part_temperature.unwrap_or(conditions.temperature_c);
+    if let Some(temperature_c) = args.part_temperature {
+        conditions = conditions.at(temperature_c);
+    }
     conditions.validate().map_err(Failure::refuse)?;
     Ok(conditions)
 }
 
 /// The calibration's conditions with the keys that a file gives in their place.
 fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> {
-    // First as it stands: an unknown key or a wrong type is told with its place.
-    text.parse::<Conditions>()?;
-    let given: toml::Table = text.parse()?;
-    let mut all = toml::Table::try_from(known).map_err(|e| text.refuse(e))?;
+    let given: GivenConditions = text.parse()?;
+    let named: toml::Table = text.parse()?;
+    let all = toml::Table::try_from(known).map_err(|e| text.refuse(e))?;
     let kept: Vec<String> = all
         .iter()
-        .filter(|(key, _)| !given.contains_key(*key))
+        .filter(|(key, _)| !named.contains_key(*key))
         .map(|(key, v)| format!("{key} = {v}"))
         .collect();
     tracing::info!("{}: kept of the calibration's conditions: {}", text.name, kept.join(", "));
-    all.extend(given);
-    all.try_into().map_err(|e| text.refuse(e))
+    Ok(given.over(known))
 }
 
 /// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.

@@ -128,14 +128,18 @@ fn local_columns(columns: usize) -> f64 {
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
-        budget.contributions.push(Contribution {
-            source: "scale and edge offset".to_owned(),
-            input: "not stated".to_owned(),
-            shape: Shape::Normal,
-            share: Share::Common,
-            freedom: None,
-            u_mm: 0.0,
-        });
+        // Without masters there is nothing that the part's edges or temperature could differ from: U is the image's alone.
+        let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
+        budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
+            Contribution {
+                source: source.to_owned(),
+                input: "not stated".to_owned(),
+                shape: Shape::Normal,
+                share: Share::Common,
+                freedom: None,
+                u_mm: 0.0,
+            }
+        }));
     }
     budget
 }

@@ -7,6 +7,7 @@
 mod output;
 
 mod calibrate;
+mod calibration_plan;
 mod demo;
 mod doctor;
 mod esf_argument;
@@ -23,11 +24,13 @@ mod measure_size;
 mod measure_statistics;
 mod measure_turn;
 mod nc;
+mod optics;
 mod optimize;
 mod process;
 mod record;
 mod render;
 mod render_bench;
+mod render_calibration;
 mod render_gallery;
 mod reproduce;
 mod reproduce_000;
@@ -124,6 +127,9 @@ enum Command {
     Doctor(doctor::DoctorArgs),
     /// Calibrate a bench: dark and flat fields, master pins, a check pin.
     Calibrate(calibrate::CalibrateArgs),
+    /// Show a config's optics.
+    #[command(subcommand)]
+    Optics(optics::OpticsCommand),
     /// Measure edges and diameters of frames in files.
     Measure(Box<measure::MeasureArgs>),
     /// Print the JSON Schema of a config file.
@@ -147,6 +153,7 @@ fn dispatch(command: &Command) -> CommandResult {
         Command::Render(args) => render::run(args),
         Command::Doctor(args) => doctor::run(args),
         Command::Calibrate(args) => calibrate::run(args),
+        Command::Optics(command) => optics::run(command),
         Command::Measure(args) => measure::run(args),
         Command::Schema => schema::run(),
         Command::Optimize(args) => optimize::run(args),

@@ -13,15 +13,17 @@ use crate::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Rend
 use crate::shaft::ProfileKnot;
 use crate::truth;
 
+use super::calibration_plan::is_plan;
 use super::frame_files::{FileFormat, encode, encode_mask, preview};
 use super::render_bench::bench;
 use super::render_gallery::gallery;
-use super::{CommandResult, Failure, Outcome};
+use super::study_files::ConfigText;
+use super::{CommandResult, Failure, Outcome, render_calibration};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The job whose shaft is drawn.
+    /// The job whose shaft is drawn, or a calibration with [simulate], whose fields and pins are.
     #[arg(required_unless_present = "gallery")]
     pub(super) config: Option<PathBuf>,
     /// Draw a frame of every kind and a contact sheet of all into a new folder; needs no config.
@@ -67,6 +69,9 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let Some(file) = &args.config else {
         return Err(Failure::refuse("a config or --gallery DIR is needed"));
     };
+    if is_plan(&ConfigText::read(file)?.text) {
+        return render_calibration::run(args, file);
+    }
     let job = config::load(file).map_err(Failure::refused)?;
     if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
         return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
@@ -132,6 +137,9 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     Ok(Outcome::Done)
 }
 
+/// Columns of `frames.csv`.
+pub(super) const FRAMES_HEADER: &str = "frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n";
+
 fn write_frames(
     args: &RenderArgs,
     job: &Job,
@@ -141,7 +149,7 @@ fn write_frames(
     count: usize,
 ) -> Result<(), Failure> {
     let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
-    let mut frames_csv = String::from("frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n");
+    let mut frames_csv = String::from(FRAMES_HEADER);
     let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
     let mut spare = None;
     for index in 0..count {
@@ -167,7 +175,7 @@ fn write_frames(
     put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
 }
 
-fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
+pub(super) fn describe(csv: &mut String, stem: &str, frame: &Frame, um_per_px: f64) {
     let meta = &frame.meta;
     let _ = writeln!(
         csv,

@@ -54,7 +54,7 @@ pub fn run(args: &RunArgs) -> CommandResult {
     let text = std::fs::read_to_string(&args.config)
         .map_err(|cause| Failure::refused(config::ConfigError::Read { path: args.config.clone(), cause }))?;
     let name = args.config.display().to_string();
-    let mut job = config::parse(&text, &name).map_err(Failure::refused)?;
+    let mut job = config::load(&args.config).map_err(Failure::refused)?;
     job.passes = args.passes.or(job.passes);
     job.control.controller = args.controller.unwrap_or(job.control.controller);
     job.seed = args.seed.unwrap_or(job.seed);
@@ -62,6 +62,7 @@ pub fn run(args: &RunArgs) -> CommandResult {
         .and_then(|()| job.check_coverage())
         .and_then(|()| job.check_control())
         .map_err(|e| Failure::refused(config::value_error(&text, &name, e)))?;
+    job.cautions().iter().for_each(|word| tracing::warn!("{name}: {word}"));
     let finished = execute(&job, &args.out, args.backend, !args.no_reference)?;
     if args.json {
         say_line!("{}", finished.to_json());

@@ -49,7 +49,7 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
     let names =
         if args.controllers.is_empty() { ControllerName::ALL.to_vec() } else { args.controllers.clone() };
     for controller in &names {
-        let mut settings = job.control.clone();
+        let mut settings = job.run_control();
         settings.controller = *controller;
         crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
     }

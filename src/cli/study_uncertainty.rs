@@ -1,15 +1,17 @@
 //! `shadowgauge study uncertainty`: Monte Carlo (JCGM 101) beside the GUM's law of propagation, for a bench and a part.
 
 use std::path::PathBuf;
+use std::time::SystemTime;
 
 use super::calibrate::make;
+use super::calibration_plan::{self, LoadedPlan};
 use super::study_files::{ConfigText, StudyFolder, json_text};
 use super::{CommandResult, Failure, Outcome};
+use crate::gauge::bench::Date;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
-use crate::studies::calibration::CalibrationPlan;
 use crate::studies::coverage::{Class, ClassFigures, class_figures};
 use crate::studies::uncertainty::{PartView, Trials, Uncertainty, uncertainty};
 
@@ -49,23 +51,31 @@ pub struct StudyUncertaintyArgs {
 /// # Errors
 /// Exit 2 for a config that is refused; 3 for frames and disks that fail.
 pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
-    let text = ConfigText::read_or(args.config.as_deref(), "built-in configs/calibrate.toml", PRESET)?;
-    let plan: CalibrationPlan = text.parse()?;
+    let mut loaded = match &args.config {
+        Some(path) => calibration_plan::load(path, Date::of(SystemTime::now()))?,
+        None => {
+            let name = "built-in configs/calibrate.toml".to_owned();
+            calibration_plan::of_text(ConfigText { text: PRESET.to_owned(), name }, PathBuf::new())?
+        }
+    };
     let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
-    let calibrated = make(&plan, &text, args.config.as_deref(), args.backend)?;
+    let calibrated = make(&mut loaded, None, args.backend)?;
+    let LoadedPlan { plan, .. } = &loaded;
     let calibration = &calibrated.calibration;
     let ends = plan.masters.iter().map(|m| m.diameter_mm);
     let (low, high) = ends.fold((f64::INFINITY, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
     let diameter_mm = args.diameter_mm.unwrap_or(0.5 * (low + high));
-    if !(diameter_mm > 0.0 && diameter_mm < 2.0 * high) {
-        return Err(Failure::refuse(format!(
-            "--diameter-mm {diameter_mm}: must be above 0 and below twice the largest master"
-        )));
-    }
-    let width_px = (diameter_mm - calibration.offset_mm) / calibration.scale_mm_per_px;
-    let part = PartView { column_px: 0.0, rows_px: (-0.5 * width_px, 0.5 * width_px), u_width_px: 0.003 };
+    let part = calibrated
+        .reading
+        .as_ref()
+        .and_then(|like| PartView::of_diameter(diameter_mm, like, calibration, &plan.conditions))
+        .ok_or_else(|| {
+            Failure::refuse(format!(
+                "--diameter-mm {diameter_mm}: must be above 0 and fit the calibrated field"
+            ))
+        })?;
     let trials = args.trials.map_or(Trials::Adaptive(2_000_000), |n| Trials::Fixed(n as usize));
-    let result = uncertainty(calibration, &calibrated.adjustment, part, &plan.conditions, trials, args.seed)
+    let result = uncertainty(calibration, &calibrated.adjustment, &part, &plan.conditions, trials, args.seed)
         .ok_or_else(|| Failure::fail("the masters determine no bench"))?;
     let scenes = match args.scenes {
         0 => None,

@@ -2,6 +2,7 @@
 
 use super::LoopError;
 use crate::cell::TurningCell;
+use crate::gauge::bench::Conditions;
 use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};
 use crate::job::Job;
 
@@ -19,7 +20,8 @@ pub(super) fn calibrate(
         measurements = masters(job, cell, &gauge, &mut MisfitLesson::default())?;
     }
     let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit);
-    Ok(calibration.with_edge_model(&gauge.settings().esf))
+    // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the process' own.
+    Ok(calibration.with_edge_model(&gauge.settings().esf).with_conditions(Conditions::default()))
 }
 
 /// Scans the masters.

@@ -9,6 +9,8 @@ use super::bench::{Along, Conditions, CovariancePart, LensModel};
 use super::block_scatter::FEW_COLUMNS;
 pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
+pub use super::budget_conditions::OF_CONDITIONS;
+use super::budget_conditions::{self, Row};
 use super::calibration::Calibration;
 use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
@@ -313,12 +315,19 @@ impl WidthReading {
         budget
     }
 
-    /// The row of edges whose place is unknown because their edge-spread function was learnt without masters.
+    /// The row of edges whose place is unknown because their edge-spread function was learnt and the masters' was not, or the other
+    /// way round.
     fn place(&self, calibration: &Calibration) -> Contribution {
         let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        let (source, input) = if calibration.is_learnt() {
+            let limit = self.figures.unlearnt_place_px();
+            ("place of edges not learnt, as the masters' were", format!("± {limit:.3} px of width"))
+        } else {
+            ("place of learnt edges, no masters", format!("0 to {limit:.3} px of width less"))
+        };
         Contribution {
-            source: "place of learnt edges, no masters".to_owned(),
-            input: format!("0 to {limit:.3} px of width less"),
+            source: source.to_owned(),
+            input,
             shape: Shape::Rectangular,
             share: Share::Common,
             freedom: None,
@@ -372,10 +381,14 @@ fn quantisation_share(edges: &FrameEdges) -> f64 {
     if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
 }
 
+/// Whether only limits are known of a source of the calibration.
+pub fn is_rectangular(source: &str) -> bool {
+    ["temperature", "expansion", "distortion", "telecentricity"].iter().any(|word| source.starts_with(word))
+}
+
 /// The row of one source of the calibration, by the diameter's derivatives.
 pub(super) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
-    let limits = ["temperature", "expansion", "distortion", "telecentricity"];
-    let rectangular = limits.iter().any(|word| part.source.starts_with(word));
+    let rectangular = is_rectangular(&part.source);
     Contribution {
         source: part.source.clone(),
         input: "calibration".to_owned(),
@@ -421,47 +434,9 @@ pub(super) fn add_conditions(
     conditions: &Conditions,
     at_t: f64,
 ) {
-    let (t, u_t) = calibration
-        .bench
-        .as_ref()
-        .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
-    let rows = [
-        (
-            "temperature of the part",
-            format!("{} ± {} °C", conditions.temperature_c, conditions.limit_temperature_k),
-            Shape::Rectangular,
-            conditions.u_temperature_mm(at_t),
-        ),
-        (
-            "expansion of the part",
-            format!(
-                "{} ± {} um/(m K)",
-                conditions.expansion_um_per_m_k, conditions.limit_expansion_um_per_m_k
-            ),
-            Shape::Rectangular,
-            conditions.u_expansion_mm(at_t),
-        ),
-        (
-            "focus: place of the axis x telecentricity",
-            format!("{} ± {} mm", conditions.axis_y_mm, conditions.limit_axis_y_mm),
-            Shape::Product { known: t.abs() / t.hypot(u_t).max(f64::MIN_POSITIVE) },
-            conditions.u_focus_mm(at_t, t, u_t),
-        ),
-        (
-            "edges unlike the masters' (finish, shape)",
-            format!("± {} um an edge", conditions.limit_edge_um),
-            Shape::Rectangular,
-            conditions.u_edges_mm(),
-        ),
-        (
-            "drift of the scale",
-            format!("± {} ppm", conditions.limit_drift_ppm),
-            Shape::Rectangular,
-            conditions.u_drift_mm(at_t),
-        ),
-    ];
-    for (source, input, shape, u_mm) in rows {
+    for Row { source, input, factor, u_mm } in budget_conditions::rows(calibration, conditions, at_t) {
         let source = source.to_owned();
+        let shape = factor.map_or(Shape::Rectangular, |known| Shape::Product { known });
         budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
     }
 }

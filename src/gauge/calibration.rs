@@ -11,19 +11,16 @@ use std::io::Read;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::bench::{Adjusted, BenchCalibration, Conditions};
+use super::calibration_error::LEAST_SPREAD_PX;
+pub use super::calibration_error::{CALIBRATION_VERSION, CalibrationError};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
 use super::edge_misfit::EdgeMisfit;
+use super::edge_table::EdgeTable;
 use super::edges::{FrameEdges, FrameFigures};
 use super::settings::EsfModel;
 use crate::frame::Encoding;
-
-/// Version of the file format.
-pub const CALIBRATION_VERSION: u32 = 1;
-/// Masters must differ by this much, px, for scale and offset to be told apart.
-const LEAST_SPREAD_PX: f64 = 8.0;
 
 /// What a master's certificate says.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -101,88 +98,6 @@ impl MasterFigure {
     }
 }
 
-/// Why there is no calibration.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum CalibrationError {
-    /// A certificate that says nothing.
-    #[error("master {master}: diameter, U and k of a certificate must be finite and above 0")]
-    Certificate {
-        /// Number of the master, from 1.
-        master: usize,
-    },
-    /// Too few masters.
-    #[error("{found} masters; scale and edge offset need two or more")]
-    TooFew {
-        /// Masters given.
-        found: usize,
-    },
-    /// Masters of one size.
-    #[error(
-        "the masters' shadows differ by {spread_px:.1} px; {LEAST_SPREAD_PX} px or more are needed to tell scale from edge offset"
-    )]
-    SameSize {
-        /// Largest minus smallest width, px.
-        spread_px: f64,
-    },
-    /// No frame shows the master.
-    #[error("no frame shows the master of {diameter_mm} mm with both edges")]
-    Unseen {
-        /// Certified diameter, mm.
-        diameter_mm: f64,
-    },
-    /// The file is no calibration.
-    #[error("not a calibration: {0}")]
-    Parse(#[from] serde_json::Error),
-    /// The file is of another version.
-    #[error("calibration version {found}; this program reads version {CALIBRATION_VERSION}")]
-    Version {
-        /// Version in the file.
-        found: u32,
-    },
-    /// Frames whose grey values were encoded otherwise than the masters'.
-    #[error(
-        "the file encodes its grey values otherwise than the calibration's frames: {found} here, which there {calibrated}; record as then, or calibrate anew"
-    )]
-    OtherEncoding {
-        /// The frame's encoding.
-        found: Encoding,
-        /// What is known of the masters'.
-        calibrated: String,
-    },
-    /// Edges of another model than the masters'.
-    #[error(
-        "the masters' edges were fitted by the edge-spread function {calibrated}, asked for is {asked}: measure as calibrated (--esf), or calibrate anew"
-    )]
-    OtherEdgeModel {
-        /// Name of the masters' model.
-        calibrated: String,
-        /// Name of the model asked for.
-        asked: &'static str,
-    },
-    /// The calibration belongs to other optics.
-    #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
-    OtherOptics {
-        /// Optics id in the file.
-        found: String,
-        /// Optics in use.
-        expected: String,
-    },
-    /// A condition that cannot be.
-    #[error("calibration key bench.{0}")]
-    Setting(String),
-    /// A number that cannot be.
-    #[error("calibration key {key} = {value} is impossible; right would be {right}")]
-    Value {
-        /// The key.
-        key: &'static str,
-        /// The value.
-        value: f64,
-        /// What would be right.
-        right: &'static str,
-    },
-}
-
 /// Scale and edge offset with their covariance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -213,6 +128,12 @@ pub struct Calibration {
     /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Box<EdgeMisfit>>,
+    /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_table: Option<Box<EdgeTable>>,
+    /// Conditions of use that were known when it was made without a bench (a run's own); none where nobody stated them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<Box<Conditions>>,
 }
 
 impl Calibration {
@@ -255,6 +176,8 @@ impl Calibration {
             bench: None,
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
             encoding: None,
         })
     }
@@ -272,6 +195,8 @@ impl Calibration {
             bench: Some(Box::new(bench)),
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
             encoding: None,
         }
     }
@@ -287,10 +212,22 @@ impl Calibration {
         self.misfit.as_deref()
     }
 
-    /// Names the edge-spread function that was fitted to the masters' edges.
+    /// Keeps the edge-spread function that was fitted to the masters' edges.
     #[must_use]
     pub fn with_edge_model(self, esf: &EsfModel) -> Self {
-        Self { edge_model: Some(esf.name().to_owned()), ..self }
+        let table = |samples| Box::new(EdgeTable::from_samples(samples, 1e3 * self.scale_mm_per_px));
+        let edge_table = if let EsfModel::Table(samples) = esf { Some(table(samples)) } else { None };
+        Self { edge_model: Some(esf.name().to_owned()), edge_table, ..self }
+    }
+
+    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does not say it in full.
+    pub fn edge_model(&self) -> Option<EsfModel> {
+        match (self.edge_model.as_deref(), &self.edge_table) {
+            (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
+            (Some("learnt"), _) => Some(EsfModel::Learnt {}),
+            (Some("table"), Some(table)) => Some(EsfModel::Table(table.samples(1e3 * self.scale_mm_per_px))),
+            _ => None,
+        }
     }
 
     /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
@@ -302,7 +239,15 @@ impl Calibration {
             Some(calibrated) if calibrated != esf.name() => {
                 Err(CalibrationError::OtherEdgeModel { calibrated: calibrated.clone(), asked: esf.name() })
             }
-            _ => Ok(()),
+            _ => match (&self.edge_table, esf) {
+                (Some(table), EsfModel::Table(asked))
+                    if !table
+                        .is_of_the_same_edge(&EdgeTable::from_samples(asked, 1e3 * self.scale_mm_per_px)) =>
+                {
+                    Err(CalibrationError::OtherEdgeTable)
+                }
+                _ => Ok(()),
+            },
         }
     }
 
@@ -327,9 +272,15 @@ impl Calibration {
         Err(CalibrationError::OtherEncoding { found, calibrated })
     }
 
-    /// Standard uncertainty of a width by the unknown place of learnt edges, px; none where the masters' edges were learnt, too.
+    /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
+    /// the other way round.
     pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
-        if self.edge_model.as_deref() == Some("learnt") { 0.0 } else { figures.u_place_px() }
+        if self.is_learnt() { figures.unlearnt_place_px() / 3.0_f64.sqrt() } else { figures.u_place_px() }
+    }
+
+    /// Whether the masters' edges were fitted by what their own frames teach.
+    pub(crate) fn is_learnt(&self) -> bool {
+        self.edge_model.as_deref() == Some("learnt")
     }
 
     /// Names the optics it belongs to.
@@ -350,6 +301,8 @@ impl Calibration {
             bench: None,
             misfit: None,
             edge_model: None,
+            edge_table: None,
+            conditions: None,
             encoding: None,
         }
     }
@@ -388,7 +341,9 @@ impl Calibration {
             let right = "shares of light from 0 to 1 that grow";
             return Err(CalibrationError::Value { key: "encoding.light_at_quarters", value, right });
         }
-        if let Some((key, value, right)) = calibration.misfit.as_ref().and_then(|m| m.impossible()) {
+        let misfit = calibration.misfit.as_ref().and_then(|m| m.impossible());
+        let table = calibration.edge_table.as_ref().and_then(|t| t.impossible());
+        if let Some((key, value, right)) = misfit.or(table) {
             return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_masters()?;
@@ -413,11 +368,10 @@ impl Calibration {
     }
 
     fn check_bench(&self) -> Result<(), CalibrationError> {
-        let Some(bench) = &self.bench else { return Ok(()) };
-        if let Some((key, value, right)) = bench.impossible() {
+        if let Some((key, value, right)) = self.bench.as_ref().and_then(|b| b.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
-        bench.conditions.validate().map_err(|e| CalibrationError::Setting(e.to_string()))
+        self.conditions().validate().map_err(|e| CalibrationError::Setting(e.to_string()))
     }
 
     /// Refuses frames of other optics.
@@ -468,9 +422,24 @@ impl Calibration {
         column_diameters(self, edges, conditions)
     }
 
-    /// Conditions of use that the calibration itself assumes.
+    /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
     pub fn conditions(&self) -> Conditions {
-        self.bench.as_ref().map_or_else(Conditions::default, |b| b.conditions)
+        match (&self.bench, &self.conditions) {
+            (Some(bench), _) => bench.conditions,
+            (None, Some(known)) => **known,
+            (None, None) => Conditions::default(),
+        }
+    }
+
+    /// Keeps the conditions of use of a calibration without a bench.
+    #[must_use]
+    pub fn with_conditions(self, conditions: Conditions) -> Self {
+        Self { conditions: Some(Box::new(conditions)), ..self }
+    }
+
+    /// Whether it was made on masters and says nothing of the conditions of use.
+    pub fn leaves_conditions_open(&self) -> bool {
+        self.bench.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 

@@ -29,7 +29,7 @@ const FEW: f64 = 30.0;
 
 impl Contribution {
     /// Its distribution, scaled to the diameter.
-    fn distribution(&self) -> Distribution {
+    pub fn distribution(&self) -> Distribution {
         match (self.shape, self.freedom) {
             (Shape::Rectangular, _) => Distribution::Rectangular { half: self.u_mm * 3.0_f64.sqrt() },
             (Shape::Product { known }, _) => Distribution::Product { u: self.u_mm, known },

@@ -61,6 +61,9 @@ impl Edge {
     }
 }
 
+/// Φ⁻¹(¾): from a quarter of a Gaussian edge's light to half of it, in σ.
+const QUARTER_TO_HALF: f64 = 0.674_489_75;
+
 /// What the gauge found out about the frame on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct FrameFigures {
@@ -96,6 +99,20 @@ impl FrameFigures {
     /// Variance of a width by rounding that repeats, px².
     pub(crate) fn rounding_variance(&self) -> f64 {
         self.rounding_px.iter().map(|u| u * u).sum()
+    }
+
+    /// Limit of a width's error where edges that could not be learnt were fitted by the Gaussian and the masters' were learnt, px: the
+    /// distance from a quarter of the light to half of it, 0.6745 σ, at each such edge.
+    pub fn unlearnt_place_px(&self) -> f64 {
+        let of = |side: usize| {
+            if self.unknown_place_px[side] == 0.0 { QUARTER_TO_HALF * self.sigma_px[side] } else { 0.0 }
+        };
+        of(0) + of(1)
+    }
+
+    /// Whether both edges were fitted by an edge-spread function learnt from the frame.
+    pub fn is_learnt(&self) -> bool {
+        self.unknown_place_px.iter().all(|p| *p > 0.0)
     }
 }
 

@@ -137,6 +137,11 @@ impl EdgeStream {
         Self { splits: false, ..self }
     }
 
+    /// The settings it measures by.
+    pub fn settings(&self) -> &GaugeSettings {
+        &self.settings
+    }
+
     /// Adds what the edges of the frame just measured leave of the edge model.
     pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
         for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {

@@ -18,7 +18,7 @@ use super::table::half;
 use super::window::Windows;
 
 /// Rows that an edge must travel over the frame for all phases to be seen often enough.
-pub(crate) const LEAST_TRAVEL: f64 = 1.5;
+pub const LEAST_TRAVEL: f64 = 1.5;
 /// Distance of the spline's knots, px: a quarter of the finest detail that a pixel's area lets through.
 const KNOT_PX: f64 = 0.25;
 /// Rows travelled over a segment of the smooth curve: two whole turns of the phase.

@@ -6,7 +6,9 @@ mod block_scatter;
 mod blur;
 mod blur_share;
 pub mod budget;
+mod budget_conditions;
 mod calibration;
+mod calibration_error;
 mod caliper;
 mod censored;
 mod clipped;
@@ -18,6 +20,7 @@ mod coverage;
 mod curvature;
 mod diameter;
 mod edge_misfit;
+mod edge_table;
 mod edges;
 mod esf;
 mod explain;
@@ -66,9 +69,11 @@ pub use calibration::{
 pub use caliper::{LargestCaliper, largest_caliper};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
+pub use edge_table::EdgeTable;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use finder::EdgeStream;
 pub use lanes::Lanes;
+pub use learn::LEAST_TRAVEL;
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings,

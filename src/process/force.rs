@@ -9,6 +9,9 @@ use super::material::Material;
 use super::settings::ToolSettings;
 use crate::plan::CuttingData;
 
+/// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of materials.
+pub const FITTED_TO: &str = "C45";
+
 /// The force law, `[process.force.power]` or `[process.force.kienzle]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -234,6 +237,20 @@ impl ForceLaw {
                 None => PowerLaw::default().at(cutting).scaled(0.0),
             },
         }
+    }
+
+    /// A word where the law was fitted to another material than is cut: Table 1 is of 45 steel, and its numbers do not follow
+    /// `process.material`; a coefficient of one's own is taken to be of one's own material.
+    pub fn of_another_material(&self, material: &Material) -> Option<String> {
+        let table_1 =
+            matches!(self, Self::Power(law) if law.coefficient_n == PowerLaw::table_1().coefficient_n);
+        (table_1 && material.name != FITTED_TO).then(|| {
+            format!(
+                "process.force.power is fitted to 45 steel ({FITTED_TO}) and does not follow process.material.name = {}: give its \
+                 coefficient_n, or take process.force.kienzle",
+                material.name
+            )
+        })
     }
 
     /// What lies outside the range of the data behind the law, in words; empty inside it. `depth_mm` from and to.

@@ -24,7 +24,7 @@ mod turning;
 pub use check::SettingsError;
 pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
-pub use force::{Components, DepthLaw, FittedRange, ForceLaw, PowerLaw};
+pub use force::{Components, DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
 pub use section::Section;
 pub use settings::{
     BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,

@@ -256,6 +256,7 @@ impl TurningProcess {
             1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
         let depths = [summary.min_depth_mm, summary.max_depth_mm];
         summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths, &self.settings.tool));
+        summary.notes.extend(self.settings.force.of_another_material(&self.material));
         self.diameter_mm = after;
         self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
         self.cuts += 1;

@@ -117,7 +117,7 @@ impl Optics {
     pub fn check(&self) -> Result<(), RenderError> {
         within("optics.magnification", self.magnification, 1e-3, 100.0)?;
         within("optics.defocus_na", self.defocus_na, 0.0, 1.0)?;
-        within("optics.telecentricity_mrad", self.telecentricity_mrad, -50.0, 50.0)?;
+        within("optics.telecentricity_mrad", self.telecentricity_mrad, -550.0, 550.0)?;
         if let Some(e) = self.entocentric {
             within("optics.entocentric.distance_mm", e.distance_mm, 1.0, 1e6)?;
             if self.telecentricity_mrad != 0.0 {

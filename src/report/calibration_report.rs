@@ -6,7 +6,7 @@ use super::plot::{Chart, Mark, Series};
 use crate::gauge::EdgeMisfit;
 use crate::gauge::bench::{BenchCalibration, Residual};
 use crate::gauge::stated::stated;
-use crate::studies::calibration::{Calibrated, CalibrationPlan, parameter_table};
+use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 
 /// The page of a calibration.
 ///
@@ -38,6 +38,7 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
         }
     ));
     residuals(&mut page, plan, &bench.residuals)?;
+    page.heading("Edge model").text(&format!("{}.", edge_model_line(calibrated)));
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
         page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm))
@@ -112,7 +113,6 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
 
 /// What the masters' edges leave of the edge model.
 fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportError> {
-    page.heading("Edge model");
     let Some(misfit) = misfit else {
         page.text("The edge model fits the masters' edges as well as their noise lets it be told.");
         return Ok(());

@@ -1,26 +1,72 @@
 //! The uncertainty of a diameter by the law of propagation and by Monte Carlo (JCGM 101) through the whole measurement:
 //! certificates, thermometers, every block of edges of every master's frame → adjustment of the bench → the part's edges,
-//! temperature, place and finish → diameter at 20 °C.
+//! temperature, place and finish → diameter at 20 °C. Its sources are the rows of `measure --budget`, by the same names.
 
 use serde::Serialize;
 
 use crate::gauge::Calibration;
-use crate::gauge::bench::{Adjustment, Conditions, LensModel, PARAMETERS, Solver, shared_source};
+use crate::gauge::bench::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
+use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
 };
 
-/// The part whose diameter is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The part whose diameter is looked at: a reading of it and the calibration that turns it into millimetres.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
-    /// Column from the frame's centre, px.
-    pub column_px: f64,
-    /// Rows of its edges from the frame's centre, px.
-    pub rows_px: (f64, f64),
-    /// Standard uncertainty of its width by noise and levels, px.
-    pub u_width_px: f64,
+    reading: WidthReading,
+    /// Its budget: the rows of the study.
+    budget: Budget,
 }
+
+impl PartView {
+    /// A part of a diameter at 20 °C in the middle of the field, its edges as quiet as `like`'s. The lens is inverted: its rows are
+    /// those at which the calibrated lens shows this diameter under the conditions.
+    ///
+    /// `None` for a calibration without a bench, and a part that does not fit the field.
+    pub fn of_diameter(
+        diameter_mm: f64,
+        like: &WidthReading,
+        calibration: &Calibration,
+        conditions: &Conditions,
+    ) -> Option<Self> {
+        let lens = &calibration.bench.as_ref()?.lens;
+        let middle = lens.centre_row_px;
+        let at = |half_px: f64| WidthReading {
+            column_px: lens.centre_column_px,
+            rows_px: (middle - half_px, middle + half_px),
+            chord: 1.0,
+            ..like.clone()
+        };
+        let found_mm = |half_px: f64| at(half_px).budget(calibration, conditions).diameter_mm;
+        // The diameter grows with the rows wherever a lens model of some per cent holds.
+        let (mut low, mut high) = (0.0, middle);
+        if !(found_mm(low) < diameter_mm && diameter_mm <= found_mm(high)) {
+            return None;
+        }
+        for _ in 0..BISECTIONS {
+            let half_px = 0.5 * (low + high);
+            if found_mm(half_px) < diameter_mm { low = half_px } else { high = half_px }
+        }
+        let reading = at(0.5 * (low + high));
+        let budget = reading.budget(calibration, conditions);
+        Some(Self { reading, budget })
+    }
+
+    /// The rows of `measure --budget` for it.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
+    }
+
+    /// Rows of its edges, px.
+    pub fn rows_px(&self) -> (f64, f64) {
+        self.reading.rows_px
+    }
+}
+
+/// Halvings of the rows' range: thousands of px end at 1e-14 px.
+const BISECTIONS: usize = 60;
 
 /// How many trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +112,12 @@ pub const PROBABILITY: f64 = 0.95;
 struct Model<'a> {
     solver: Solver<'a>,
     perfect: LensModel,
-    part: PartView,
+    reading: WidthReading,
     deviations: usize,
 }
 
-/// Inputs of the part behind those of the adjustment: width, T, α, y, edge, drift.
-const OF_PART: usize = 6;
+/// Inputs of the part behind those of the adjustment that do not simply add: T, α, y, edge, drift.
+const OF_PART: usize = 5;
 
 impl Model<'_> {
     fn value(&self, x: &[f64]) -> f64 {
@@ -84,48 +130,54 @@ impl Model<'_> {
             ..self.perfect
         };
         let p = &x[self.deviations..self.deviations + OF_PART];
-        let PartView { column_px, rows_px, .. } = self.part;
-        let width = lens.ideal(column_px, rows_px.1) - lens.ideal(column_px, rows_px.0) + p[0];
-        let at_t = s * (1.0 + 1e-6 * p[5]) * (1.0 + t * p[3]) * width + o + 2e-3 * p[4];
-        at_t / (1.0 + 1e-6 * p[2] * (p[1] - 20.0))
+        let r = &self.reading;
+        let along =
+            Along { mean_px: r.column_px - lens.centre_column_px, variance_px2: r.column_variance_px2 };
+        let (top, bottom) = (r.rows_px.0 - lens.centre_row_px, r.rows_px.1 - lens.centre_row_px);
+        let width = lens.ideal_mean(along, bottom) - lens.ideal_mean(along, top);
+        let added: f64 = x[self.deviations + OF_PART..].iter().sum();
+        let at_t = s * (1.0 + 1e-6 * p[4]) * (1.0 + t * p[2]) * width + o + 2e-3 * p[3] + added;
+        at_t / (1.0 + 1e-6 * p[1] * (p[0] - 20.0))
     }
 }
 
-fn inputs(adjustment: &Adjustment, scale: f64, part: &PartView, c: &Conditions) -> Vec<Input> {
+fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c: &Conditions) -> Vec<Input> {
+    let scale = calibration.scale_mm_per_px;
     let input = |name: String, estimate, distribution| Input { name, estimate, distribution };
-    let normal = |u| Distribution::Normal { u };
     let even = |half| Distribution::Rectangular { half };
-    let mut all: Vec<Input> = adjustment
-        .observations()
+    let sources = adjustment.input_sources();
+    let seen = adjustment.observations();
+    let mut all: Vec<Input> = seen
         .iter()
         .zip(adjustment.sigma_mm())
-        .map(|(o, sigma)| input("edges of the masters".to_owned(), 0.0, normal(sigma / (scale * o.chord))))
+        .zip(&sources)
+        .map(|((o, sigma), name)| {
+            input(name.clone(), 0.0, Distribution::Normal { u: sigma / (scale * o.chord) })
+        })
         .collect();
-    // Priors count in units of their standard uncertainties.
-    let limit = even(3.0_f64.sqrt());
-    for name in ["distortion", "keystone", "keystone", "telecentricity of the lens"] {
-        all.push(input(name.to_owned(), 0.0, limit));
-    }
-    for master in adjustment.masters() {
-        all.push(input(format!("certificate of {}", master.name), 0.0, normal(1.0)));
-    }
-    for name in adjustment.laboratories() {
-        all.push(input(shared_source(name), 0.0, normal(1.0)));
-    }
-    all.push(input("temperature of the masters".to_owned(), 0.0, limit));
-    all.push(input("expansion of the masters".to_owned(), 0.0, limit));
-    while all.len() < adjustment.inputs() {
-        all.push(input("levels of the masters' frames".to_owned(), 0.0, normal(1.0)));
-    }
+    // Priors count in units of their standard uncertainties; of a lens, temperature and expansion only limits are known.
+    all.extend(sources.into_iter().skip(seen.len()).map(|name| {
+        let limits = is_rectangular(&name);
+        let distribution = if limits { even(3.0_f64.sqrt()) } else { Distribution::Normal { u: 1.0 } };
+        input(name, 0.0, distribution)
+    }));
     let of_part = [
-        ("edges of the part", 0.0, normal(part.u_width_px)),
-        ("temperature of the part", c.temperature_c, even(c.limit_temperature_k)),
-        ("expansion of the part", c.expansion_um_per_m_k, even(c.limit_expansion_um_per_m_k)),
-        ("place of the part's axis", c.axis_y_mm, even(c.limit_axis_y_mm)),
-        ("edges unlike the masters'", 0.0, even(c.limit_edge_um)),
-        ("drift of the scale", 0.0, even(c.limit_drift_ppm)),
+        (c.temperature_c, even(c.limit_temperature_k)),
+        (c.expansion_um_per_m_k, even(c.limit_expansion_um_per_m_k)),
+        (c.axis_y_mm, even(c.limit_axis_y_mm)),
+        (0.0, even(c.limit_edge_um)),
+        (0.0, even(c.limit_drift_ppm)),
     ];
-    all.extend(of_part.map(|(name, estimate, distribution)| input(name.to_owned(), estimate, distribution)));
+    for (name, (estimate, distribution)) in OF_CONDITIONS.iter().zip(of_part) {
+        all.push(input((*name).to_owned(), estimate, distribution));
+    }
+    // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it stands.
+    let calibrated =
+        |source: &str| calibration.bench.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
+    let others = part.budget.contributions.iter();
+    for row in others.filter(|r| !calibrated(&r.source) && !OF_CONDITIONS.contains(&r.source.as_str())) {
+        all.push(input(row.source.clone(), 0.0, row.distribution()));
+    }
     all
 }
 
@@ -133,7 +185,7 @@ fn inputs(adjustment: &Adjustment, scale: f64, part: &PartView, c: &Conditions) 
 pub fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,
-    part: PartView,
+    part: &PartView,
     conditions: &Conditions,
     trials: Trials,
     seed: u64,
@@ -142,10 +194,10 @@ pub fn uncertainty(
     let model = Model {
         solver: adjustment.solver()?,
         perfect: LensModel::perfect(bench.rows, bench.columns),
-        part,
+        reading: part.reading.clone(),
         deviations: adjustment.inputs(),
     };
-    let inputs = inputs(adjustment, calibration.scale_mm_per_px, &part, conditions);
+    let inputs = inputs(adjustment, calibration, part, conditions);
     let value = |x: &[f64]| Some(model.value(x));
     let gum = law_of_propagation(&inputs, value)?;
     let monte_carlo = match trials {
@@ -160,14 +212,15 @@ pub fn uncertainty(
         y_mm: gum.y,
         u_mm: gum.u,
         interval_mm: gum.interval(PROBABILITY),
-        sources: sources(&inputs, &gum),
+        sources: sources(&inputs, &gum, &part.budget),
         monte_carlo,
         validation,
     })
 }
 
-/// Contributions of inputs of one name together.
-fn sources(inputs: &[Input], gum: &LawOfPropagation) -> Vec<Source> {
+/// Contributions of inputs of one name together. A row of the budget whose input has no term of first order (place of the axis x
+/// telecentricity, where that is about zero) is given as the budget has it.
+fn sources(inputs: &[Input], gum: &LawOfPropagation, budget: &Budget) -> Vec<Source> {
     let mut all: Vec<Source> = Vec::new();
     for (input, u) in inputs.iter().zip(&gum.contributions) {
         match all.iter_mut().find(|s| s.name == input.name) {
@@ -178,6 +231,13 @@ fn sources(inputs: &[Input], gum: &LawOfPropagation) -> Vec<Source> {
             None => all.push(Source { name: input.name.clone(), inputs: 1, u_um: 1e3 * u }),
         }
     }
+    for source in &mut all {
+        let row = budget.contributions.iter().find(|r| r.source == source.name);
+        if let Some(row) = row.filter(|r| matches!(r.shape, Shape::Product { .. })) {
+            source.u_um = source.u_um.max(1e3 * row.u_mm);
+        }
+    }
+    all.retain(|source| source.u_um > 0.0);
     all.sort_by(|a, b| b.u_um.total_cmp(&a.u_um));
     all
 }

@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use shadowgauge::gauge::bench::{
     Adjustment, Along, CertificateShare, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
-    Thermometer,
+    Thermometer, Unstated,
 };
 use shadowgauge::gauge::{CalibrationError, MasterCertificate};
 
@@ -64,6 +64,7 @@ fn observations(world: &World, diameters: &[f64; 2], rng: &mut Pcg64) -> Vec<Obs
                     axis_y_mm: y_mm,
                     u_width_px: 2.0_f64.sqrt() * world.noise_px.max(1e-5),
                     u_shared_px: 0.0,
+                    u_misfit_px: 0.0,
                 });
             }
             frame += 1;
@@ -77,6 +78,7 @@ const THERMOMETER: Thermometer = Thermometer {
     limit_temperature_k: 0.3,
     expansion_um_per_m_k: 11.5,
     limit_expansion_um_per_m_k: 1.0,
+    unstated: Unstated { temperature: false, expansion: false, edge: false },
 };
 
 fn world() -> World {
@@ -223,6 +225,46 @@ fn what_any_block_of_a_frame_shares_counts() {
     let early = u_of([0.05 * 6.0_f64.sqrt(), 0.0, 0.0, 0.0, 0.0, 0.0]);
     println!("{even} {late} {early} mm");
     assert!(even > 1e-4 && (late / even - 1.0).abs() < 1e-6 && (early / even - 1.0).abs() < 1e-6);
+}
+
+/// An edge model that is not the light's puts edges 0.05 px elsewhere 3 mm out of the plane, more on one side than on the other: the
+/// lens' parameters and their rows stay what they are, and a row of its own says it.
+#[test]
+fn a_wrong_edge_model_is_not_the_lens() {
+    let seen = |bias_px: [f64; 2]| {
+        let mut rng = Pcg64::seed_from_u64(7);
+        let mut seen = observations(&World { noise_px: 0.004, ..world() }, &[16.0, 26.0], &mut rng);
+        for o in &mut seen {
+            let bias = if o.axis_y_mm < 0.0 { bias_px[0] } else { bias_px[1] };
+            o.bottom_px += if o.axis_y_mm == 0.0 { 0.0 } else { bias };
+        }
+        let mut adjustment = adjust(seen, vec![master("A", 16.0, 2e-4), master("B", 26.0, 2e-4)]).unwrap();
+        adjustment.fit().unwrap()
+    };
+    let row = |found: &shadowgauge::gauge::bench::Adjusted, source: &str| {
+        let by: [f64; PARAMETERS] = [1300.0, 1.0, 50.0, 300.0, 100.0, 0.5 * 20.0];
+        found.parts.iter().filter(|p| p.source.contains(source)).map(|p| p.variance(&by).sqrt()).sum::<f64>()
+    };
+    let (right, wrong) = (seen([0.0; 2]), seen([0.05, 0.11]));
+    for k in 0..PARAMETERS {
+        println!("{k}: {:e} {:e}", right.parameters[k], wrong.parameters[k]);
+    }
+    // The telecentricity is told by the two diameters at one place: 0.06 px of difference stay out of it.
+    let t = |found: &shadowgauge::gauge::bench::Adjusted| found.lens.telecentricity_per_mm;
+    assert!((t(&wrong) - world().lens.telecentricity_per_mm).abs() < 1e-6, "{:e}", t(&wrong));
+    assert!((wrong.parameters[1] - right.parameters[1]).abs() < 1e-4);
+    for source in ["distortion and keystone", "telecentricity of the lens"] {
+        let (before, after) = (row(&right, source), row(&wrong, source));
+        assert!(after < 1.5 * before + 1e-6, "{source}: {before} {after} mm");
+    }
+    assert!(
+        wrong.birge_ratio < 1.3 && right.birge_ratio < 1.3,
+        "{} {}",
+        wrong.birge_ratio,
+        right.birge_ratio
+    );
+    assert!(wrong.parts.iter().any(|p| p.source.starts_with("misfit of the edge model")));
+    assert!(right.parts.iter().all(|p| !p.source.starts_with("misfit of the edge model")));
 }
 
 #[test]

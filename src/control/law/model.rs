@@ -19,7 +19,7 @@
 //! half-cut shaft, Euler-Bernoulli: both end up in s and c.
 
 use super::{Feedforward, Law, Proposal, Seen};
-use crate::control::ModelSettings;
+use crate::control::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
 
@@ -64,6 +64,7 @@ enum Before {
 #[derive(Clone, Debug)]
 pub(crate) struct ModelLaw {
     settings: ModelSettings,
+    workpiece: Workpiece,
     z_mm: Vec<f64>,
     stock_mm: Option<Vec<f64>>,
     passes: Vec<Pass>,
@@ -71,7 +72,9 @@ pub(crate) struct ModelLaw {
 
 impl ModelLaw {
     pub(crate) fn new(settings: &ModelSettings, station_z_mm: &[f64]) -> Self {
-        Self { settings: settings.clone(), z_mm: station_z_mm.to_vec(), stock_mm: None, passes: Vec::new() }
+        let workpiece = settings.workpiece();
+        let z_mm = station_z_mm.to_vec();
+        Self { settings: settings.clone(), workpiece, z_mm, stock_mm: None, passes: Vec::new() }
     }
 
     fn remember(&mut self, seen: &Seen<'_>) {
@@ -81,7 +84,7 @@ impl ModelLaw {
         let (before, before_mm) = match (index, last, &self.stock_mm) {
             (_, Some(last), _) => (Before::Measured, last),
             (0, None, Some(stock)) => (Before::Measured, stock.clone()),
-            (0, None, None) => (Before::Stock, vec![self.settings.stock_diameter_mm; after_mm.len()]),
+            (0, None, None) => (Before::Stock, vec![self.workpiece.stock_diameter_mm; after_mm.len()]),
             (_, None, _) => (Before::Nominal, vec![self.one_more(seen); after_mm.len()]),
         };
         let pushed = after_mm.iter().zip(seen.plan.commanded_mm()).map(|(d, b)| 0.5 * (d - b));
@@ -107,7 +110,7 @@ impl Law for ModelLaw {
 
     fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
         self.remember(seen);
-        let model = Model { settings: &self.settings, z_mm: &self.z_mm };
+        let model = Model { settings: &self.settings, workpiece: self.workpiece, z_mm: &self.z_mm };
         let rough = model.estimate(&self.passes, 0.0);
         let misfit = model.misfit(&rough, &self.passes);
         let theta = model.estimate(&self.passes, misfit);
@@ -148,7 +151,7 @@ impl ModelLaw {
 
     fn same_before(&self, seen: &Seen<'_>) -> f64 {
         let passes = f64::from(seen.plan.pass.max(1));
-        seen.plan.nominal_mm + (self.settings.stock_diameter_mm - seen.plan.nominal_mm) / passes
+        seen.plan.nominal_mm + (self.workpiece.stock_diameter_mm - seen.plan.nominal_mm) / passes
     }
 
     /// Where nothing is known of the next pass: it takes off as much as this one was to.
@@ -182,6 +185,7 @@ struct Cut<'a> {
 
 struct Model<'a> {
     settings: &'a ModelSettings,
+    workpiece: Workpiece,
     z_mm: &'a [f64],
 }
 
@@ -190,7 +194,7 @@ impl Model<'_> {
     fn prior(&self, passes: usize) -> Theta {
         let s = self.settings;
         let mut prior = vec![
-            s.u_ln_coefficient,
+            self.workpiece.u_ln_coefficient,
             s.u_ln_stiffness,
             s.u_ln_stiffness,
             s.u_stock_mean_mm,
@@ -208,17 +212,18 @@ impl Model<'_> {
         let s = self.settings;
         let supports = (s.chuck_n_per_um * 1e3 * theta[1].exp(), s.tailstock_n_per_um * 1e3 * theta[2].exp());
         let diameter = 0.5 * (cut.before_mm + cut.after_mm);
+        let w = &self.workpiece;
         let beam =
-            Beam { length_mm: s.length_mm, e_n_per_mm2: s.youngs_modulus_n_per_mm2, diameter_mm: diameter };
+            Beam { length_mm: w.length_mm, e_n_per_mm2: w.youngs_modulus_n_per_mm2, diameter_mm: diameter };
         theta[0].exp() * beam.compliance(self.z_mm[i], supports.0, supports.1)
     }
 
     fn force_n(&self, depth_mm: f64, cutting: &CuttingData) -> f64 {
-        let s = self.settings;
-        s.coefficient_n
-            * depth_mm.max(LEAST_DEPTH_MM).powf(s.depth_exponent)
-            * cutting.feed_mm_per_rev.powf(s.feed_exponent)
-            * cutting.speed_m_per_min.powf(s.speed_exponent)
+        let w = &self.workpiece;
+        w.coefficient_n
+            * depth_mm.max(LEAST_DEPTH_MM).powf(w.depth_exponent)
+            * cutting.feed_mm_per_rev.powf(w.feed_exponent)
+            * cutting.speed_m_per_min.powf(w.speed_exponent)
     }
 
     /// ŷ without c, mm of radius.
@@ -235,7 +240,7 @@ impl Model<'_> {
     /// g = 1/(1 + s·w·F′).
     fn gain(&self, theta: &Theta, i: usize, cut: &Cut<'_>) -> f64 {
         let depth = (0.5 * (cut.before_mm - cut.after_mm)).max(LEAST_DEPTH_MM);
-        let slope = self.settings.depth_exponent * self.force_n(depth, cut.cutting) / depth;
+        let slope = self.workpiece.depth_exponent * self.force_n(depth, cut.cutting) / depth;
         1.0 / (1.0 + self.yields(theta, i, cut) * slope)
     }
 
@@ -381,9 +386,10 @@ impl Beam {
 
 /// Smallest plant gain of the model as configured, for a depth of cut and cutting data.
 pub(crate) fn nominal_gain(settings: &ModelSettings, depth_mm: f64, cutting: &CuttingData) -> f64 {
-    let z_mm: Vec<f64> = (0..=100).map(|i| settings.length_mm * f64::from(i) / 100.0).collect();
-    let model = Model { settings, z_mm: &z_mm };
-    let d = settings.stock_diameter_mm;
+    let workpiece = settings.workpiece();
+    let z_mm: Vec<f64> = (0..=100).map(|i| workpiece.length_mm * f64::from(i) / 100.0).collect();
+    let model = Model { settings, workpiece, z_mm: &z_mm };
+    let d = workpiece.stock_diameter_mm;
     let cut = Cut { before_mm: d, after_mm: d - 2.0 * depth_mm, cutting };
     (0..z_mm.len()).map(|i| model.gain(&Theta::zeros(SHARED), i, &cut)).fold(1.0, f64::min)
 }

@@ -8,7 +8,7 @@ mod run_to_run;
 
 pub use guards::{GuardSettings, OnAlarm};
 pub use lsq::{ApplyTo, Estimator, LsqSettings};
-pub use model::ModelSettings;
+pub use model::{ModelSettings, Workpiece};
 pub use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
 pub use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
 

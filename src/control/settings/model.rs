@@ -1,34 +1,84 @@
-//! `[control.model]`: what the model-based controller believes before it has measured anything.
+//! `[control.model]`: what the model-based controller assumes before it has measured anything.
+//!
+//! Length, diameter, material and force law describe the job's own part and follow from it where the table leaves them out
+//! ([`Workpiece`]); a controller that is built without a job falls back on the slender-shaft paper's part.
 
 use super::require;
 use crate::control::ControlError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Model-based controller: `[control.model]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ModelSettings {
-    /// Force law believed: radial force F = C·a_p^x·f^y·v^z in N; C.
+/// What the model-based controller takes from the job: the part before the tool and the force that it should take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workpiece {
+    /// C of F = C·a_p^x·f^y·v^z, N at 1 mm, 1 mm/r and 1 m/min.
     pub coefficient_n: f64,
-    /// Exponent of the depth of cut, 0 < x ≤ 2.
+    /// x.
     pub depth_exponent: f64,
-    /// Exponent of the feed.
+    /// y.
     pub feed_exponent: f64,
-    /// Exponent of the cutting speed.
+    /// z.
     pub speed_exponent: f64,
+    /// Standard uncertainty of ln C.
+    pub u_ln_coefficient: f64,
     /// Young's modulus, N/mm².
     pub youngs_modulus_n_per_mm2: f64,
     /// Chuck face to tailstock, mm.
     pub length_mm: f64,
     /// Diameter of the stock, mm.
     pub stock_diameter_mm: f64,
+}
+
+impl Default for Workpiece {
+    /// The force law is Table 1 of the slender-shaft paper (45 steel), the shaft its preset's.
+    fn default() -> Self {
+        Self {
+            coefficient_n: 4764.2,
+            depth_exponent: 0.901,
+            feed_exponent: 0.6,
+            speed_exponent: -0.3,
+            u_ln_coefficient: 0.3,
+            youngs_modulus_n_per_mm2: 2.1e5,
+            length_mm: 500.0,
+            stock_diameter_mm: 27.0,
+        }
+    }
+}
+
+/// Model-based controller: `[control.model]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ModelSettings {
+    /// Force law assumed: radial force F = C·a_p^x·f^y·v^z in N; C. Left out: that of the job's material, by its specific
+    /// cutting force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient_n: Option<f64>,
+    /// Exponent of the depth of cut, 0 < x ≤ 2. Left out: the job's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_exponent: Option<f64>,
+    /// Exponent of the feed. Left out: the job's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed_exponent: Option<f64>,
+    /// Exponent of the cutting speed. Left out: the job's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_exponent: Option<f64>,
+    /// Young's modulus, N/mm². Left out: that of the job's material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_n_per_mm2: Option<f64>,
+    /// Chuck face to tailstock, mm. Left out: the job's `part.length_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length_mm: Option<f64>,
+    /// Diameter of the stock, mm. Left out: the job's `part.stock_diameter_mm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stock_diameter_mm: Option<f64>,
     /// Radial stiffness of the chuck, N/µm.
     pub chuck_n_per_um: f64,
     /// Radial stiffness of the tailstock, N/µm.
     pub tailstock_n_per_um: f64,
-    /// Standard uncertainty of ln C: .3 stands for about ± 30 %.
-    pub u_ln_coefficient: f64,
+    /// Standard uncertainty of ln C: .3 stands for about ± 30 %. Left out: .3, and .7 for a material without a specific
+    /// cutting force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub u_ln_coefficient: Option<f64>,
     /// Standard uncertainty of the logarithm of both stiffnesses: .7 stands for about a factor of 2.
     pub u_ln_stiffness: f64,
     /// Standard uncertainty of the stock's mean diameter, mm.
@@ -50,19 +100,19 @@ pub struct ModelSettings {
 }
 
 impl Default for ModelSettings {
-    /// The force law is Table 1 of paper 003 (45 steel); the shaft is the preset's.
+    /// Length, diameter, material and force law are left to the job.
     fn default() -> Self {
         Self {
-            coefficient_n: 4764.2,
-            depth_exponent: 0.901,
-            feed_exponent: 0.6,
-            speed_exponent: -0.3,
-            youngs_modulus_n_per_mm2: 2.1e5,
-            length_mm: 500.0,
-            stock_diameter_mm: 27.0,
+            coefficient_n: None,
+            depth_exponent: None,
+            feed_exponent: None,
+            speed_exponent: None,
+            youngs_modulus_n_per_mm2: None,
+            length_mm: None,
+            stock_diameter_mm: None,
             chuck_n_per_um: 50.0,
             tailstock_n_per_um: 20.0,
-            u_ln_coefficient: 0.3,
+            u_ln_coefficient: None,
             u_ln_stiffness: 0.7,
             u_stock_mean_mm: 0.05,
             stock_form_mm: 0.05,
@@ -77,20 +127,52 @@ impl Default for ModelSettings {
 }
 
 impl ModelSettings {
+    /// The table with every key that it leaves out taken from a workpiece.
+    #[must_use]
+    pub fn for_workpiece(&self, w: &Workpiece) -> Self {
+        Self {
+            coefficient_n: self.coefficient_n.or(Some(w.coefficient_n)),
+            depth_exponent: self.depth_exponent.or(Some(w.depth_exponent)),
+            feed_exponent: self.feed_exponent.or(Some(w.feed_exponent)),
+            speed_exponent: self.speed_exponent.or(Some(w.speed_exponent)),
+            u_ln_coefficient: self.u_ln_coefficient.or(Some(w.u_ln_coefficient)),
+            youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.or(Some(w.youngs_modulus_n_per_mm2)),
+            length_mm: self.length_mm.or(Some(w.length_mm)),
+            stock_diameter_mm: self.stock_diameter_mm.or(Some(w.stock_diameter_mm)),
+            ..self.clone()
+        }
+    }
+
+    /// The workpiece assumed; keys left out are [`Workpiece::default`]'s.
+    pub fn workpiece(&self) -> Workpiece {
+        let w = Workpiece::default();
+        Workpiece {
+            coefficient_n: self.coefficient_n.unwrap_or(w.coefficient_n),
+            depth_exponent: self.depth_exponent.unwrap_or(w.depth_exponent),
+            feed_exponent: self.feed_exponent.unwrap_or(w.feed_exponent),
+            speed_exponent: self.speed_exponent.unwrap_or(w.speed_exponent),
+            u_ln_coefficient: self.u_ln_coefficient.unwrap_or(w.u_ln_coefficient),
+            youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.unwrap_or(w.youngs_modulus_n_per_mm2),
+            length_mm: self.length_mm.unwrap_or(w.length_mm),
+            stock_diameter_mm: self.stock_diameter_mm.unwrap_or(w.stock_diameter_mm),
+        }
+    }
+
     /// Checks the table.
     ///
     /// # Errors
     /// [`ControlError::Setting`] names the key.
     pub fn validate(&self) -> Result<(), ControlError> {
+        let w = self.workpiece();
         let positive = [
-            ("control.model.coefficient_n", self.coefficient_n),
-            ("control.model.depth_exponent", self.depth_exponent),
-            ("control.model.youngs_modulus_n_per_mm2", self.youngs_modulus_n_per_mm2),
-            ("control.model.length_mm", self.length_mm),
-            ("control.model.stock_diameter_mm", self.stock_diameter_mm),
+            ("control.model.coefficient_n", w.coefficient_n),
+            ("control.model.depth_exponent", w.depth_exponent),
+            ("control.model.youngs_modulus_n_per_mm2", w.youngs_modulus_n_per_mm2),
+            ("control.model.length_mm", w.length_mm),
+            ("control.model.stock_diameter_mm", w.stock_diameter_mm),
             ("control.model.chuck_n_per_um", self.chuck_n_per_um),
             ("control.model.tailstock_n_per_um", self.tailstock_n_per_um),
-            ("control.model.u_ln_coefficient", self.u_ln_coefficient),
+            ("control.model.u_ln_coefficient", w.u_ln_coefficient),
             ("control.model.u_ln_stiffness", self.u_ln_stiffness),
             ("control.model.u_stock_mean_mm", self.u_stock_mean_mm),
             ("control.model.stock_form_mm", self.stock_form_mm),
@@ -105,12 +187,12 @@ impl ModelSettings {
             require(value > 0.0 && !value.is_nan(), key, value, "a positive number")?;
         }
         for (key, value) in [
-            ("control.model.feed_exponent", self.feed_exponent),
-            ("control.model.speed_exponent", self.speed_exponent),
+            ("control.model.feed_exponent", w.feed_exponent),
+            ("control.model.speed_exponent", w.speed_exponent),
         ] {
             require(value.is_finite(), key, value, "a finite exponent")?;
         }
-        let x = self.depth_exponent;
+        let x = w.depth_exponent;
         require(x <= 2.0, "control.model.depth_exponent", x, "an exponent above 0 and at most 2")
     }
 }

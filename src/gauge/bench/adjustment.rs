@@ -3,30 +3,46 @@
 //! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
 //! certificate has for itself, an error γ_g that the certificates of one laboratory share (GUM F.1.2.3: a common standard makes them
 //! correlated, cov(D_p, D_q) = c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of
-//! a frame share.
+//! a frame share, and an error w_y that all frames out of the masters' plane by the same distance y share.
 //! The residual of an observation is
 //!
 //! ```text
-//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f]·χ + o − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
+//! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f + w_y]·χ + o − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
 //! ```
 //!
 //! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
 //! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
-//! Where the residuals scatter more than the edges' own uncertainties say, the latter are multiplied (Birge's ratio).
+//!
+//! An edge model that is not the light's own places edges wrongly by an amount that changes with focus. In the masters' plane the
+//! offset o has swallowed it; elsewhere it is w_y, known to what the edges' residuals may hide (their misfit) or, where that is more, to
+//! the root mean square of the w_y fitted freely, if these take away more of χ² than chance would ([`FALSE_ALARM`]). So the lens'
+//! parameters and their rows stay the lens': t is then told by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
+//! uncertainties say, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::super::calibration::{CalibrationError, MasterCertificate};
 use super::lens::{LensLimits, LensModel, PARAMETERS};
-use super::{Observation, SettingError};
+use super::{Observation, Thermometer};
 
 /// Masters' shadows must differ by this much, px, for scale and offset to be told apart.
 const LEAST_SPREAD_PX: f64 = 8.0;
 /// Gauss-Newton steps: the problem is linear to parts in 1e3.
 const STEPS: usize = 5;
+/// Probability that edges which misfit alike at every focus are taken for such that do not (F test).
+const FALSE_ALARM: f64 = 1e-3;
+/// Standard uncertainty of a w_y that is as good as free, px: an edge's blur.
+const FREE_PX: f64 = 2.0;
 /// Steps of [`Solver`].
 const CHORD_STEPS: usize = 3;
+
+/// Sources of the adjustment in budgets.
+const EDGES: &str = "masters' edges (noise, levels, repeatability)";
+const DISTORTION: &str = "distortion and keystone of the lens";
+const TELECENTRICITY: &str = "telecentricity of the lens";
+const MISFIT: &str = "misfit of the edge model out of the masters' plane";
 
 /// A master as the adjustment sees it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,57 +76,6 @@ impl MasterPrior {
     /// Standard uncertainty that the certificate has for itself, mm.
     fn u_own_mm(&self) -> f64 {
         (self.certificate.u_mm().powi(2) - self.u_common_mm().powi(2)).max(0.0).sqrt()
-    }
-}
-
-/// Temperature of the masters while they were recorded: one thermometer, one material.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Thermometer {
-    /// Temperature of the masters, °C. -50 ..= 400.
-    pub temperature_c: f64,
-    /// Limits of its error, ± K. 0 ..= 100.
-    pub limit_temperature_k: f64,
-    /// Coefficient of expansion of the masters, µm/(m·K). 0 ..= 100.
-    pub expansion_um_per_m_k: f64,
-    /// Limits of its error, ± µm/(m·K). 0 ..= 50.
-    pub limit_expansion_um_per_m_k: f64,
-}
-
-impl Default for Thermometer {
-    fn default() -> Self {
-        Self {
-            temperature_c: 20.0,
-            limit_temperature_k: 0.0,
-            expansion_um_per_m_k: 11.5,
-            limit_expansion_um_per_m_k: 0.0,
-        }
-    }
-}
-
-impl Thermometer {
-    /// Checks every range.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn validate(&self) -> Result<(), SettingError> {
-        let at = |key: &str, v, low, high, right| {
-            super::within(&format!("thermometer.{key}"), v, low, high, right)
-        };
-        at("temperature_c", self.temperature_c, -50.0, 400.0, "-50 to 400 °C")?;
-        at("limit_temperature_k", self.limit_temperature_k, 0.0, 100.0, "0 to 100 K")?;
-        at("expansion_um_per_m_k", self.expansion_um_per_m_k, 0.0, 100.0, "0 to 100 µm/(m K); steel 11.5")?;
-        at("limit_expansion_um_per_m_k", self.limit_expansion_um_per_m_k, 0.0, 50.0, "0 to 50 µm/(m K)")
-    }
-
-    /// Standard uncertainties of T and α, K and 1/K.
-    pub fn u(&self) -> [f64; 2] {
-        let root = 3.0_f64.sqrt();
-        [self.limit_temperature_k / root, 1e-6 * self.limit_expansion_um_per_m_k / root]
-    }
-
-    fn alpha(&self) -> f64 {
-        1e-6 * self.expansion_um_per_m_k
     }
 }
 
@@ -164,11 +129,27 @@ pub struct Adjustment {
     perfect: LensModel,
     u_lens: [f64; 4],
     frames: usize,
+    /// Distances from the masters' plane that share an error w_y, mm.
+    focus_mm: Vec<f64>,
     /// Own standard deviation of each observation's residual, mm.
     sigma: Vec<f64>,
     /// Step of each unknown that makes the normal equations dimensionless.
     unit: Vec<f64>,
     start: DVector<f64>,
+}
+
+/// Root of the mean of squares; 0 of none.
+fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = squares.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0_f64));
+    (sum / n.max(1.0)).sqrt()
+}
+
+/// Distances from the masters' plane at which something was seen, but for the least: what the offset swallows there.
+fn out_of_plane(observations: &[Observation]) -> Vec<f64> {
+    let mut all: Vec<f64> = observations.iter().map(|o| o.axis_y_mm).collect();
+    all.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.total_cmp(b)));
+    all.dedup();
+    all.split_off(all.len().min(1))
 }
 
 /// Solves an adjustment again and again for data that deviate a little: the normal equations stay those of its own data
@@ -244,6 +225,7 @@ impl Adjustment {
         let perfect = LensModel::perfect(size.0, size.1);
         let frames = observations.iter().map(|o| o.frame + 1).max().unwrap_or(0);
         let (laboratories, laboratory_of) = laboratories(&masters);
+        let focus_mm = out_of_plane(&observations);
         let mut adjustment = Self {
             laboratories,
             laboratory_of,
@@ -256,6 +238,7 @@ impl Adjustment {
             thermometer,
             perfect,
             frames,
+            focus_mm,
         };
         adjustment.unit = adjustment.units(scale);
         adjustment.start = DVector::zeros(adjustment.unit.len());
@@ -274,15 +257,20 @@ impl Adjustment {
         unit.extend(self.laboratories.iter().map(|_| 1.0));
         unit.extend([some(u_t), some(u_alpha)]);
         unit.extend((0..self.frames).map(|f| some(self.u_frame(f))));
+        unit.extend(self.focus_mm.iter().map(|y| some(self.u_focus(*y))));
         unit
     }
 
-    /// What the columns of a frame share, px: root mean square over its blocks. Levels are pooled over fewer columns than a frame
-    /// has, and one clean block does not vouch for the others.
+    /// What the columns of a frame share for themselves (levels), px: root mean square over its blocks. Levels are pooled over fewer
+    /// columns than a frame has, and one clean block does not vouch for the others.
     fn u_frame(&self, frame: usize) -> f64 {
         let of_frame = self.observations.iter().filter(|o| o.frame == frame);
-        let (sum, n) = of_frame.fold((0.0, 0.0), |(sum, n), o| (sum + o.u_shared_px.powi(2), n + 1.0_f64));
-        (sum / n.max(1.0)).sqrt()
+        root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))
+    }
+
+    /// What the misfit of the edge model states of the frames at a distance from the plane, px: root mean square over their blocks.
+    fn u_focus(&self, y_mm: f64) -> f64 {
+        root_mean(self.observations.iter().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
     }
 
     fn first_master(&self) -> usize {
@@ -314,8 +302,18 @@ impl Adjustment {
         self.thermal() + 2
     }
 
+    fn first_focus(&self) -> usize {
+        self.first_frame() + self.frames
+    }
+
+    /// Which w_y an observation has; none in the masters' plane.
+    fn focus_of(&self, o: &Observation) -> Option<usize> {
+        self.focus_mm.iter().position(|y| *y == o.axis_y_mm).map(|k| self.first_focus() + k)
+    }
+
     /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width (px), then one for
-    /// each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα, the frames' ε_f, in units of their standard uncertainties.
+    /// each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα, the frames' ε_f, the w_y, in units of their standard
+    /// uncertainties.
     pub fn inputs(&self) -> usize {
         self.observations.len() + self.unit.len() - 2
     }
@@ -358,12 +356,13 @@ impl Adjustment {
         let alpha = self.thermometer.alpha() + v(thermal + 1);
         let warm = 1.0 + alpha * (self.thermometer.temperature_c + v(thermal) - 20.0);
         let width = lens.ideal_mean(o.along(), o.bottom_px) - lens.ideal_mean(o.along(), o.top_px);
-        let seen = width + deviation_px + v(self.first_frame() + o.frame);
+        let focus = self.focus_of(o).map_or(0.0, v);
+        let seen = width + deviation_px + v(self.first_frame() + o.frame) + focus;
         v(0) * (1.0 + v(5) * o.axis_y_mm) * seen * o.chord + v(1) - self.true_diameter_mm(z, o.master) * warm
     }
 
     /// Derivatives of the residual by the unknowns in their units, as (index, value).
-    fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 11] {
+    fn row(&self, z: &DVector<f64>, lens: &LensModel, index: usize) -> [(usize, f64); 12] {
         let o = &self.observations[index];
         let v = |k: usize| z[k] * self.unit[k];
         let thermal = self.thermal();
@@ -388,6 +387,7 @@ impl Adjustment {
             (thermal + 1, -diameter * lag),
             (self.first_frame() + o.frame, scale * near),
             (laboratory, -c * (1.0 + alpha * lag)),
+            self.focus_of(o).map_or((0, 0.0), |k| (k, scale * near)),
         ];
         rows.map(|(k, value)| (k, value * self.unit[k]))
     }
@@ -449,6 +449,7 @@ impl Adjustment {
     /// Where the masters do not determine the bench.
     pub fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
         let undetermined = || CalibrationError::SameSize { spread_px: 0.0 };
+        self.look_for_misfit().ok_or_else(undetermined)?;
         let (z, _, _) = self.solve(None).ok_or_else(undetermined)?;
         let birge_ratio = self.birge_ratio(&z);
         if birge_ratio > 1.0 {
@@ -480,6 +481,30 @@ impl Adjustment {
         })
     }
 
+    /// Gives the w_y the standard uncertainty that the residuals tell.
+    fn look_for_misfit(&mut self) -> Option<()> {
+        let groups = self.focus_mm.len();
+        let (first, end) = (self.first_focus(), self.unit.len());
+        let stated = self.unit[first..end].to_vec();
+        let freedom = self.observations.len() as f64 - 2.0 - groups as f64;
+        if groups == 0 || freedom < 1.0 {
+            return Some(());
+        }
+        let (z, _, _) = self.solve(None)?;
+        let held = self.chi2(&z);
+        self.unit[first..end].fill(FREE_PX);
+        let (z, _, _) = self.solve(None)?;
+        let free = self.chi2(&z);
+        let f = (held - free) / groups as f64 / (free / freedom).max(1.0);
+        let limit = FisherSnedecor::new(groups as f64, freedom).ok()?.inverse_cdf(1.0 - FALSE_ALARM);
+        let square: f64 = (first..end).map(|k| (FREE_PX * z[k]).powi(2)).sum();
+        let u_px = if f > limit { (square / groups as f64).sqrt() } else { 0.0 };
+        for (unit, stated) in self.unit[first..end].iter_mut().zip(stated) {
+            *unit = stated.max(u_px);
+        }
+        Some(())
+    }
+
     fn without_nuisances(&self, z: &DVector<f64>) -> DVector<f64> {
         let mut bare = z.clone();
         bare.rows_mut(PARAMETERS, z.len() - PARAMETERS).fill(0.0);
@@ -488,13 +513,17 @@ impl Adjustment {
 
     /// √(χ²/ν) of the residuals and priors; χ² of all rows, freedom = rows − unknowns.
     fn birge_ratio(&self, z: &DVector<f64>) -> f64 {
+        let freedom = self.observations.len() as f64 - 2.0;
+        if freedom >= 1.0 { (self.chi2(z) / freedom).sqrt() } else { 1.0 }
+    }
+
+    /// χ² of all rows, observations and priors.
+    fn chi2(&self, z: &DVector<f64>) -> f64 {
         let lens = self.lens_of(z);
         let seen: f64 = (0..self.observations.len())
             .map(|i| (self.residual(z, &lens, i, 0.0) / self.sigma[i]).powi(2))
             .sum();
-        let priors: f64 = z.iter().skip(2).map(|v| v * v).sum();
-        let freedom = self.observations.len() as f64 - 2.0;
-        if freedom >= 1.0 { ((seen + priors) / freedom).sqrt() } else { 1.0 }
+        seen + z.iter().skip(2).map(|v| v * v).sum::<f64>()
     }
 
     /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no bench.
@@ -523,8 +552,8 @@ impl Adjustment {
             })
         };
         let frames = self.first_frame();
-        let edges = inverse * seen * inverse + of_priors(frames..self.unit.len());
-        let mut parts = vec![share("masters' edges (noise, levels, repeatability)", &edges)];
+        let edges = inverse * seen * inverse + of_priors(frames..self.first_focus());
+        let mut parts = vec![share(EDGES, &edges)];
         for (index, master) in self.masters.iter().enumerate() {
             let k = self.first_master() + index;
             parts.push(share(&format!("certificate of {}", master.name), &of_priors(k..k + 1)));
@@ -533,11 +562,28 @@ impl Adjustment {
             let k = self.first_laboratory() + index;
             parts.push(share(&shared_source(name), &of_priors(k..k + 1)));
         }
-        parts.push(share("temperature of the masters", &of_priors(self.thermal()..self.thermal() + 1)));
-        parts.push(share("expansion of the masters", &of_priors(self.thermal() + 1..frames)));
-        parts.push(share("distortion and keystone of the lens", &of_priors(2..5)));
-        parts.push(share("telecentricity of the lens", &of_priors(5..6)));
+        let [temperature, expansion] = self.thermometer.sources();
+        parts.push(share(temperature, &of_priors(self.thermal()..self.thermal() + 1)));
+        parts.push(share(expansion, &of_priors(self.thermal() + 1..frames)));
+        parts.push(share(DISTORTION, &of_priors(2..5)));
+        parts.push(share(TELECENTRICITY, &of_priors(5..6)));
+        if self.unit[self.first_focus()..].iter().any(|u| *u > 1e-12) {
+            parts.push(share(MISFIT, &of_priors(self.first_focus()..self.unit.len())));
+        }
         parts
+    }
+
+    /// The source of each of the [`Self::inputs`], by the name that it has in budgets.
+    pub fn input_sources(&self) -> Vec<String> {
+        let [temperature, expansion] = self.thermometer.sources();
+        let mut all = vec![EDGES.to_owned(); self.observations.len()];
+        all.extend([DISTORTION, DISTORTION, DISTORTION, TELECENTRICITY].map(str::to_owned));
+        all.extend(self.masters.iter().map(|m| format!("certificate of {}", m.name)));
+        all.extend(self.laboratories.iter().map(|name| shared_source(name)));
+        all.extend([temperature, expansion].map(str::to_owned));
+        all.resize(self.inputs() - self.focus_mm.len(), EDGES.to_owned());
+        all.resize(self.inputs(), MISFIT.to_owned());
+        all
     }
 }
 

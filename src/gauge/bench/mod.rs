@@ -7,25 +7,30 @@ mod check_pin;
 mod conditions;
 mod date;
 mod defects;
+mod finish;
 mod flat_field;
 mod impossible;
 mod lens;
 mod observation;
 mod response;
+mod thermometer;
+mod unstated;
 
 pub use adjustment::{
-    Adjusted, Adjustment, CertificateShare, CovariancePart, MasterPrior, Residual, Solver, Thermometer,
-    shared_source,
+    Adjusted, Adjustment, CertificateShare, CovariancePart, MasterPrior, Residual, Solver, shared_source,
 };
 pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use check_pin::{CheckPin, CheckResult};
-pub use conditions::Conditions;
+pub use conditions::{Conditions, GivenConditions};
 pub use date::Date;
 pub use defects::ShaftRuns;
+pub use finish::Finish;
 pub use flat_field::{FlatField, FlatFieldError};
 pub use lens::{Along, LensLimits, LensModel, PARAMETERS};
 pub use observation::{Observation, observe};
 pub use response::{NoResponse, Response, response};
+pub use thermometer::Thermometer;
+pub use unstated::Unstated;
 
 use thiserror::Error;
 

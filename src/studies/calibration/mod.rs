@@ -4,12 +4,14 @@
 mod one_encoding;
 mod plan;
 mod simulated;
+mod words;
 
 use thiserror::Error;
 
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
+pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Encoding, Frame, FrameView};
 use crate::gauge::bench::{
@@ -20,8 +22,8 @@ use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
 use crate::gauge::stated::stated;
 use crate::gauge::{
-    Calibration, CalibrationError, EdgeMisfit, EdgeStream, FrameEdges, Gauge, GaugeSettingsError,
-    MasterFigure, MisfitLesson,
+    Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
+    GaugeSettingsError, LEAST_TRAVEL, MasterFigure, MisfitLesson,
 };
 use crate::render::RenderError;
 
@@ -92,6 +94,24 @@ pub enum CalibrateError {
         /// The gauge's reason.
         why: String,
     },
+    /// A pin whose frames do not teach an edge-spread function.
+    #[error(
+        "{pin}: none of its {frames} frame(s) teaches the edge-spread function: each edge must travel {needed} rows or more along the frame, so \
+         that all sub-pixel phases show, and these travel {travel:.2}: lay the pin obliquely by {tilt_mrad:.1} mrad or more (limit_tilt_mrad \
+         where it is simulated), or calibrate with --esf gaussian or a file"
+    )]
+    Unlearnt {
+        /// Its name.
+        pin: String,
+        /// Its frames.
+        frames: usize,
+        /// Rows that an edge must travel.
+        needed: f64,
+        /// Most rows that one travels.
+        travel: f64,
+        /// Tilt that would do, mrad.
+        tilt_mrad: f64,
+    },
     /// Frames of different sizes.
     #[error(
         "{pin}: a frame of {found:?} rows x columns after frames of {expected:?}; one calibration is of one window"
@@ -116,14 +136,20 @@ pub struct Calibrated {
     pub calibration: Calibration,
     /// The adjustment behind it, for propagation of distributions.
     pub adjustment: Adjustment,
-    /// Budget of one of the masters' mean shadows, for people to read.
+    /// One of the masters' mean shadows.
+    pub reading: Option<WidthReading>,
+    /// Its budget, for people to read.
     pub example: Option<Budget>,
+    /// Frames left out because they did not teach their edge-spread function, where it was to be learnt.
+    pub unlearnt_frames: usize,
 }
 
 /// Edges of a pin's frames with where they were taken.
 struct PinEdges {
     edges: Vec<(FrameEdges, f64)>,
     size: (usize, usize),
+    /// Frames left out because they taught no edge-spread function.
+    unlearnt: usize,
 }
 
 /// Makes a calibration.
@@ -134,6 +160,7 @@ pub fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
 ) -> Result<Calibrated, CalibrateError> {
+    let plan = &plan.settled();
     plan.validate()?;
     let gauge = Gauge::new(plan.gauge.clone())?;
     let mut recordings = OneEncoding::new(recordings);
@@ -168,12 +195,38 @@ pub fn calibrate(
     if let Some(bench) = &mut calibration.bench {
         bench.check = check;
     }
-    let example = pins[masters / 2]
-        .edges
-        .first()
-        .and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()))
-        .map(|r| r.budget(&calibration, &plan.conditions));
-    Ok(Calibrated { calibration, adjustment, example })
+    let first = pins[masters / 2].edges.first();
+    let reading = first.and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()));
+    let example = reading.as_ref().map(|r| r.budget(&calibration, &plan.conditions));
+    let unlearnt_frames = pins.iter().map(|p| p.unlearnt).sum();
+    Ok(Calibrated { calibration, adjustment, reading, example, unlearnt_frames })
+}
+
+/// Scale from the smallest and the largest master by Gaussian edges, µm/px: good to parts in a thousand, before the edge-spread
+/// function that a file gives in µm can be fitted.
+///
+/// # Errors
+/// Frames that cannot be had or measured.
+pub fn rough_um_per_px(
+    plan: &CalibrationPlan,
+    recordings: &mut dyn Recordings,
+) -> Result<f64, CalibrateError> {
+    let plan = &plan.settled();
+    plan.validate()?;
+    let gauge = Gauge::new(GaugeSettings { esf: EsfModel::Gaussian {}, ..plan.gauge.clone() })?;
+    let by_size = |a: &(usize, &PinPlan), b: &(usize, &PinPlan)| a.1.diameter_mm.total_cmp(&b.1.diameter_mm);
+    let masters = || plan.masters.iter().enumerate();
+    let mut ends = Vec::new();
+    for (index, pin) in masters().min_by(by_size).into_iter().chain(masters().max_by(by_size)) {
+        let mut one = PinPlan { positions: pin.positions.clone(), ..pin.clone() };
+        one.positions.truncate(1);
+        let seen = pin_edges(&mut gauge.stream(), None, (index, &one), recordings, None)?;
+        let of_pin: Vec<FrameEdges> = seen.edges.into_iter().map(|(e, _)| e).collect();
+        ends.push(MasterFigure::from_edges(pin.certificate(), &of_pin)?);
+    }
+    let [small, large] = &ends[..] else { return Err(CalibrationError::TooFew { found: ends.len() }.into()) };
+    let travel_mm = large.certificate.diameter_mm - small.certificate.diameter_mm;
+    Ok(1e3 * travel_mm / (large.width_px - small.width_px))
 }
 
 /// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² + (c·y)² by least squares.
@@ -292,7 +345,8 @@ fn pin_edges(
     recordings: &mut dyn Recordings,
     mut lesson: Option<&mut MisfitLesson>,
 ) -> Result<PinEdges, CalibrateError> {
-    let (mut edges, mut size) = (Vec::new(), None);
+    let learns = stream.settings().esf == (EsfModel::Learnt {});
+    let (mut edges, mut size, mut unlearnt) = (Vec::new(), None, Vec::new());
     let mut why = "no frame arrived".to_owned();
     for position in &pin.positions {
         for frame in recordings.pin(index, pin, position)? {
@@ -308,6 +362,7 @@ fn pin_edges(
             }
             let mut seen = FrameEdges::default();
             match stream.measure(&view, &mut seen) {
+                Ok(()) if learns && !seen.figures.is_learnt() => unlearnt.push(travel(&seen)),
                 Ok(()) => {
                     if let Some(lesson) = &mut lesson {
                         stream.teach(lesson, &seen);
@@ -318,10 +373,27 @@ fn pin_edges(
             }
         }
     }
+    let pin = pin.name.clone();
     match size {
-        Some(size) if !edges.is_empty() => Ok(PinEdges { edges, size }),
-        _ => Err(CalibrateError::Pin { pin: pin.name.clone(), why }),
+        Some(size) if !edges.is_empty() => Ok(PinEdges { edges, size, unlearnt: unlearnt.len() }),
+        Some((_, columns)) if !unlearnt.is_empty() => Err(CalibrateError::Unlearnt {
+            pin,
+            frames: unlearnt.len(),
+            needed: LEAST_TRAVEL,
+            travel: unlearnt.into_iter().fold(0.0, f64::max),
+            tilt_mrad: 1e3 * LEAST_TRAVEL / columns as f64,
+        }),
+        _ => Err(CalibrateError::Pin { pin, why }),
     }
+}
+
+/// Rows that the edge which travels less goes along a frame.
+fn travel(edges: &FrameEdges) -> f64 {
+    let along = |line: &[Edge]| {
+        let rows = || line.iter().filter(|e| e.is_usable()).map(|e| e.row_px);
+        rows().fold(f64::NEG_INFINITY, f64::max) - rows().fold(f64::INFINITY, f64::min)
+    };
+    along(&edges.top).min(along(&edges.bottom)).max(0.0)
 }
 
 fn adjustment(
@@ -401,25 +473,6 @@ fn certificate_beside(pin: &PinPlan, measured: &[Budget]) -> (f64, f64) {
     let shared = shared.sqrt();
     let own = (certificate.powi(2) - common.u_mm.powi(2)).max(0.0).sqrt();
     (shared, own.hypot(shared - common.u_mm))
-}
-
-/// The adjusted parameters by name with unit and standard uncertainty, for reports.
-pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
-    let Some(bench) = &calibration.bench else { return Vec::new() };
-    let u = |i: usize| bench.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
-    let lens = &bench.lens;
-    let row = |name: &str, unit: f64, value: f64, index: usize| {
-        let [value, u] = stated(unit * value, unit * u(index));
-        [name.to_owned(), value, u]
-    };
-    vec![
-        row("scale / (µm/px)", 1e3, calibration.scale_mm_per_px, 0),
-        row("offset of both edges / µm", 1e3, calibration.offset_mm, 1),
-        row("radial distortion at the corner / %", 1e2, lens.radial, 2),
-        row("change of scale with height / %", 1e2, lens.keystone_across, 3),
-        row("change of scale along the shaft / %", 1e2, lens.keystone_along, 4),
-        row("telecentricity / (ppm/mm)", 1e6, lens.telecentricity_per_mm, 5),
-    ]
 }
 
 #[cfg(test)]

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::gauge::bench::{CertificateShare, Conditions, Date, LensLimits, SettingError, Thermometer};
 use crate::gauge::{GaugeSettings, MasterCertificate};
+use crate::job::{Job, MasterPin};
+use crate::render::contamination::Contamination;
+use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::source::Channel;
 
@@ -87,7 +90,8 @@ pub struct Fields {
     pub flats: Vec<FlatPlan>,
 }
 
-/// A bench to be rendered in place of recorded frames: what it really is, drawn by seed about these values.
+/// A bench to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
+/// file draws the same bench.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
@@ -95,6 +99,13 @@ pub struct SimulatedPlan {
     pub seed: u64,
     /// Frames of each position and exposure.
     pub frames_each: usize,
+    /// A job's config beside this file: its bench and seed, exactly as `render` and `run` draw them, in place of the tables below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub config: Option<PathBuf>,
+    /// Pins are laid obliquely in the image plane by up to this, mrad. 0 ..= 100.
+    pub limit_tilt_mrad: f64,
+    /// And off their heights by up to this, mm. 0 ..= 10.
+    pub limit_height_mm: f64,
     /// Camera geometry.
     pub camera: Camera,
     /// Lens.
@@ -103,8 +114,16 @@ pub struct SimulatedPlan {
     pub light: Light,
     /// Sensor.
     pub sensor: Sensor,
+    /// What moves during an exposure.
+    pub motion: Motion,
+    /// What soils the view.
+    pub contamination: Contamination,
     /// How far the true bench may lie from these values.
     pub departures: Departures,
+    /// Whether the lens is as the config says: a job's. Else its distortion, keystone and telecentricity are drawn within the
+    /// data sheet's limits about it.
+    #[serde(skip)]
+    pub lens_as_configured: bool,
 }
 
 impl Default for SimulatedPlan {
@@ -112,11 +131,17 @@ impl Default for SimulatedPlan {
         Self {
             seed: 1,
             frames_each: 2,
+            config: None,
+            limit_tilt_mrad: 0.3,
+            limit_height_mm: 0.02,
             camera: Camera::default(),
             optics: Optics::default(),
             light: Light::default(),
             sensor: Sensor::default(),
+            motion: Motion::default(),
+            contamination: Contamination::default(),
             departures: Departures::default(),
+            lens_as_configured: false,
         }
     }
 }
@@ -129,9 +154,53 @@ impl SimulatedPlan {
             optics: self.optics.clone(),
             light: self.light.clone(),
             sensor: self.sensor.clone(),
+            motion: self.motion.clone(),
+            contamination: self.contamination.clone(),
             departures: self.departures.clone(),
-            ..BenchSettings::default()
         }
+    }
+
+    /// The bench and seed of a job in place of its own.
+    #[must_use]
+    pub fn before_bench_of(&self, job: &Job) -> Self {
+        let BenchSettings { camera, optics, light, sensor, motion, contamination, departures } =
+            job.bench_settings();
+        Self {
+            seed: job.seed,
+            config: None,
+            camera,
+            optics,
+            light,
+            sensor,
+            motion,
+            contamination,
+            departures,
+            lens_as_configured: true,
+            ..self.clone()
+        }
+    }
+
+    /// Whether no table of a bench of its own is given.
+    pub fn has_no_bench(&self) -> bool {
+        self.bench() == BenchSettings::default()
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        if let Some(config) = &self.config {
+            let beside = "was not read: a calibration is loaded from a file to find the config it names";
+            return Err(PlanError::new("simulate.config", format!("{}: {beside}", config.display())));
+        }
+        self.bench().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
+        if !(1..=1000).contains(&self.frames_each) {
+            return Err(PlanError::new("simulate.frames_each", "must be 1 to 1000"));
+        }
+        if !(0.0..=100.0).contains(&self.limit_tilt_mrad) {
+            return Err(PlanError::new("simulate.limit_tilt_mrad", "must be 0 to 100 mrad"));
+        }
+        if !(0.0..=10.0).contains(&self.limit_height_mm) {
+            return Err(PlanError::new("simulate.limit_height_mm", "must be 0 to 10 mm"));
+        }
+        Ok(())
     }
 }
 
@@ -153,10 +222,10 @@ pub struct CalibrationPlan {
     #[serde(default)]
     pub lens: LensLimits,
     /// Temperature of the masters.
-    #[serde(default)]
+    #[serde(default = "Thermometer::unstated")]
     pub thermometer: Thermometer,
     /// Conditions of use that the calibration file carries along.
-    #[serde(default)]
+    #[serde(default = "Conditions::unstated")]
     pub conditions: Conditions,
     /// Dark and flat fields.
     #[serde(default)]
@@ -177,6 +246,48 @@ fn a_year() -> u32 {
 }
 
 impl CalibrationPlan {
+    /// The calibration of a job's own bench on its own master pins, each at three heights of the field.
+    pub fn of_job(job: &Job, date: Date) -> Self {
+        let pin = |(index, pin): (usize, &MasterPin)| {
+            let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
+            PinPlan {
+                name: format!("masters.pins[{index}], {} mm", pin.diameter_mm),
+                diameter_mm: pin.diameter_mm,
+                expanded_u_mm: pin.expanded_u_mm,
+                coverage_factor: pin.coverage_factor,
+                positions: [-room_mm, 0.0, room_mm]
+                    .map(|height_mm| Position { height_mm, ..Position::default() })
+                    .to_vec(),
+            }
+        };
+        let frames_each = job.masters.frames_each;
+        let simulate = SimulatedPlan { frames_each, ..SimulatedPlan::default() }.before_bench_of(job);
+        Self {
+            optics_id: job.name.clone(),
+            channel: None,
+            date,
+            valid_days: a_year(),
+            lens: LensLimits::default(),
+            thermometer: Thermometer::default(),
+            conditions: Conditions::default(),
+            fields: Fields::default(),
+            masters: job.masters.pins.iter().enumerate().map(pin).collect(),
+            check: None,
+            gauge: job.gauge.clone(),
+            simulate: Some(simulate),
+        }
+    }
+
+    /// The plan with what a rendered bench knows: temperature and finish are exact where `[simulate]` draws them and the plan
+    /// states nothing.
+    #[must_use]
+    pub fn settled(&self) -> Self {
+        if self.simulate.is_none() {
+            return self.clone();
+        }
+        Self { thermometer: self.thermometer.known(), conditions: self.conditions.known(), ..self.clone() }
+    }
+
     /// Checks what only shows when the keys meet.
     ///
     /// # Errors
@@ -231,13 +342,7 @@ impl CalibrationPlan {
                 ));
             }
         }
-        if let Some(simulate) = &self.simulate {
-            simulate.bench().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
-            if !(1..=1000).contains(&simulate.frames_each) {
-                return Err(PlanError::new("simulate.frames_each", "must be 1 to 1000"));
-            }
-        }
-        Ok(())
+        self.simulate.as_ref().map_or(Ok(()), SimulatedPlan::check)
     }
 
     fn check_pin(&self, key: &str, pin: &PinPlan) -> Result<(), PlanError> {

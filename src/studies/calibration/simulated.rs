@@ -5,12 +5,13 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::plan::{CalibrationPlan, PinPlan, Position};
+use super::plan::{CalibrationPlan, PinPlan, Position, SimulatedPlan};
 use super::{CalibrateError, Recordings};
-use crate::frame::Frame;
+use crate::frame::{Buffer, Frame, Roi};
 use crate::gauge::MasterCertificate;
-use crate::gauge::bench::{LensLimits, LensModel, Thermometer};
+use crate::gauge::bench::{LensLimits, Thermometer};
 use crate::render::lens::Distortion;
+use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};
 
@@ -66,6 +67,23 @@ impl<'a> SimulatedBench<'a> {
     /// # Errors
     /// Where the shaft cannot be drawn.
     pub fn frame(&mut self, laid: &Laid) -> Result<Frame, RenderError> {
+        self.numbered(laid, self.frame_id, true).inspect(|_| self.frame_id += 1)
+    }
+
+    /// Frame number `frame_id` of a shaft, with or without the sensor's temporal noise.
+    ///
+    /// # Errors
+    /// As [`Self::frame`].
+    pub fn numbered(&self, laid: &Laid, frame_id: u64, noise: bool) -> Result<Frame, RenderError> {
+        let request = FrameRequest { angle_deg: laid.angle_deg, noise, ..self.request(frame_id) };
+        self.renderer.render(&self.scene(laid)?, &request, None)
+    }
+
+    /// The scene of a shaft before the bench.
+    ///
+    /// # Errors
+    /// As [`Self::frame`].
+    pub fn scene(&self, laid: &Laid) -> Result<Scene, RenderError> {
         let growth = (1.0 + laid.expansion_per_k * (laid.temperature_c - 20.0))
             * (1.0 + self.telecentricity_per_mm * laid.y_mm);
         let mut shaft = laid.shaft.clone();
@@ -75,7 +93,7 @@ impl<'a> SimulatedBench<'a> {
         if laid.y_mm != 0.0 {
             shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm: laid.y_mm }];
         }
-        self.take(&self.bench, shaft, laid.angle_deg).inspect(|_| self.frame_id += 1)
+        Scene::new(&self.bench, shaft)
     }
 
     /// A frame without a part at a share of the light, 0 for a dark one.
@@ -83,25 +101,52 @@ impl<'a> SimulatedBench<'a> {
     /// # Errors
     /// Where it cannot be drawn.
     pub fn flat(&mut self, share: f64) -> Result<Frame, RenderError> {
-        let mut bench = self.bench.clone();
-        let black = bench.nominal.sensor.black_level_counts;
-        let level = black + share * (bench.nominal.light.bright_counts - black);
-        (bench.nominal.light.bright_counts, bench.nominal.light.shadow_counts) = (level, level);
-        let any = Shaft::cylinder(0.2 * bench.rows() as f64 * bench.pixel_mm);
-        self.take(&bench, any, 0.0).inspect(|_| self.frame_id += 1)
+        self.flat_numbered(share, self.frame_id).inspect(|_| self.frame_id += 1)
     }
 
-    fn take(&self, bench: &OpticalBench, shaft: Shaft, angle_deg: f64) -> Result<Frame, RenderError> {
-        let scene = Scene::new(bench, shaft)?;
-        let request = FrameRequest {
-            frame_id: self.frame_id,
-            t_ns: self.frame_id * 28_000_000,
-            angle_deg,
+    /// Each half of the field from a scene whose part stands in the other half: light, contamination and sensor are those of any
+    /// other frame.
+    fn flat_numbered(&self, share: f64, frame_id: u64) -> Result<Frame, RenderError> {
+        let mut bench = self.bench.clone();
+        let Sensor { black_level_counts: black, .. } = bench.nominal.sensor;
+        let light = &mut bench.nominal.light;
+        let bright = light.bright_in(&bench.nominal.sensor, bench.electrons_per_count);
+        light.bright_counts = black + share * (bright - black);
+        light.shadow_counts = black + share * (light.shadow_counts - black);
+        light.bright_photons = None;
+        let (rows, columns) = (bench.rows() as u32, bench.columns() as u32);
+        let half = |upper: bool| {
+            let field_mm = f64::from(rows) * bench.pixel_mm;
+            let x_mm = if upper { -0.25 } else { 0.25 } * field_mm;
+            let mut thin = Shaft::cylinder(0.02 * field_mm);
+            thin.pose = Pose { x_mm, ..Pose::default() };
+            let (row, end) = if upper { (0, rows / 2) } else { (rows / 2, rows) };
+            let roi = Some(Roi { row, column: 0, rows: end - row, columns });
+            let request = FrameRequest { roi, ..self.request(frame_id) };
+            self.renderer.render(&Scene::new(&bench, thin)?, &request, None)
+        };
+        let (above, below) = (half(true)?, half(false)?);
+        let meta = above.meta.clone();
+        let format = above.view().format();
+        let whole = match (above.into_buffer(), below.into_buffer()) {
+            (Buffer::U8(a), Buffer::U8(b)) => Buffer::U8([a, b].concat()),
+            (Buffer::U16(a), Buffer::U16(b)) => Buffer::U16([a, b].concat()),
+            (Buffer::F32(a), Buffer::F32(b)) => Buffer::F32([a, b].concat()),
+            // Both come from one renderer in one format.
+            (a, _) => a,
+        };
+        Frame::new(whole, format, rows as usize, columns as usize, meta)
+            .map_err(|e| RenderError::Field { what: e.to_string() })
+    }
+
+    fn request(&self, frame_id: u64) -> FrameRequest {
+        FrameRequest {
+            frame_id,
+            t_ns: frame_id * 28_000_000,
             noise: true,
             seed: self.seed,
             ..FrameRequest::default()
-        };
-        self.renderer.render(&scene, &request, None)
+        }
     }
 }
 
@@ -145,13 +190,42 @@ fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
     distortion.p2 -= 1e-2 * limits.keystone_percent * draws.even() / 2.0;
 }
 
-/// Frames of a plan's pins on a simulated bench.
+impl SimulatedPlan {
+    /// The bench as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
+    /// telecentricity lie within the data sheet's limits about the config's, unless the config itself is the truth.
+    ///
+    /// # Errors
+    /// A bench that cannot be.
+    fn true_bench(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalBench, RenderError> {
+        let mut settings = self.bench();
+        if self.lens_as_configured {
+            return OpticalBench::resolve(&settings, self.seed);
+        }
+        distort(&mut settings.optics.distortion, lens, self.seed);
+        let even = draws.even();
+        if settings.optics.entocentric.is_none() {
+            let angle_mrad = 1e3 * (lens.telecentricity_deg.to_radians().tan() * even).atan();
+            settings.optics.telecentricity_mrad += angle_mrad;
+        }
+        OpticalBench::resolve(&settings, self.seed)
+    }
+}
+
+/// A pin as it lay before the camera at one of its positions, frame by frame with the frames' numbers.
+struct Lying {
+    pin: usize,
+    position: Position,
+    frames: Vec<(Laid, u64)>,
+}
+
+/// Frames of a plan's pins on a simulated bench: recorded once, however often they are looked at.
 pub struct SimulatedRecordings<'a> {
     bench: SimulatedBench<'a>,
+    simulate: SimulatedPlan,
     draws: Draws,
-    frames_each: usize,
     true_mm: Vec<f64>,
     thermal: (f64, f64),
+    lying: Vec<Lying>,
 }
 
 impl<'a> SimulatedRecordings<'a> {
@@ -160,61 +234,69 @@ impl<'a> SimulatedRecordings<'a> {
     /// # Errors
     /// A bench that cannot be.
     pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
+        let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();
-        let mut settings = simulate.bench();
-        distort(&mut settings.optics.distortion, &plan.lens, simulate.seed);
-        let bench = OpticalBench::resolve(&settings, simulate.seed)?;
         let mut draws = Draws::new(simulate.seed);
-        let size = LensModel::perfect(bench.rows(), bench.columns());
-        let limit = 3.0_f64.sqrt() * plan.lens.u_parameters(size.half_diagonal_px * bench.pixel_mm)[3];
-        let telecentricity = limit * draws.even();
+        let bench = simulate.true_bench(&plan.lens, &mut draws)?;
         let thermal = draws.thermal(&plan.thermometer);
         let pins = plan.masters.iter().chain(&plan.check);
         let true_mm = pins.map(|p| draws.certified(&p.certificate())).collect();
-        Ok(Self {
-            bench: SimulatedBench::new(renderer, bench, telecentricity, simulate.seed),
-            draws,
-            frames_each: simulate.frames_each,
-            true_mm,
-            thermal,
-        })
+        let bench = SimulatedBench::new(renderer, bench, 0.0, simulate.seed);
+        Ok(Self { bench, simulate, draws, true_mm, thermal, lying: Vec::new() })
     }
 
     /// The bench, to be measured with.
     pub fn into_bench(self) -> SimulatedBench<'a> {
         self.bench
     }
-}
 
-impl Recordings for SimulatedRecordings<'_> {
-    fn pin(&mut self, index: usize, _: &PinPlan, position: &Position) -> Result<Vec<Frame>, CalibrateError> {
+    /// The bench.
+    pub fn bench(&self) -> &SimulatedBench<'a> {
+        &self.bench
+    }
+
+    /// How pin `index` (masters first, then the check pin) lies at a position, and the numbers of its frames.
+    pub fn laid(&mut self, index: usize, position: &Position) -> Vec<(Laid, u64)> {
+        if let Some(known) = self.lying.iter().find(|l| l.pin == index && l.position == *position) {
+            return known.frames.clone();
+        }
+        let SimulatedPlan { frames_each, limit_height_mm, limit_tilt_mrad, .. } = self.simulate;
         let mut frames = Vec::new();
-        for _ in 0..self.frames_each {
+        for _ in 0..frames_each {
             // Laid in by hand: a little oblique each time.
             let laid = Laid {
                 shaft: Shaft::cylinder(self.true_mm[index]),
                 temperature_c: self.thermal.0,
                 expansion_per_k: self.thermal.1,
-                height_mm: position.height_mm + 0.02 * self.draws.even(),
+                height_mm: position.height_mm + limit_height_mm * self.draws.even(),
                 y_mm: position.y_mm,
-                tilt_mrad: 0.3 * self.draws.even(),
+                tilt_mrad: limit_tilt_mrad * self.draws.even(),
                 angle_deg: 0.0,
             };
-            frames.push(self.bench.frame(&laid)?);
+            frames.push((laid, self.bench.frame_id));
+            self.bench.frame_id += 1;
         }
-        Ok(frames)
+        self.lying.push(Lying { pin: index, position: position.clone(), frames: frames.clone() });
+        frames
+    }
+}
+
+impl Recordings for SimulatedRecordings<'_> {
+    fn pin(&mut self, index: usize, _: &PinPlan, position: &Position) -> Result<Vec<Frame>, CalibrateError> {
+        let laid = self.laid(index, position);
+        laid.iter().map(|(laid, number)| Ok(self.bench.numbered(laid, *number, true)?)).collect()
     }
 
     fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
         if plan.fields.flats.is_empty() {
             return Ok(Vec::new());
         }
-        (0..self.frames_each.max(2)).map(|_| Ok(self.bench.flat(0.0)?)).collect()
+        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.bench.flat(0.0)?)).collect()
     }
 
     fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
         let most = plan.fields.flats.iter().map(|f| f.exposure).fold(0.0, f64::max);
         let share = plan.fields.flats[index].exposure / most.max(f64::MIN_POSITIVE);
-        (0..self.frames_each.max(2)).map(|_| Ok(self.bench.flat(share)?)).collect()
+        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.bench.flat(share)?)).collect()
     }
 }

@@ -1,0 +1,64 @@
+//! The plan of a calibration: from a file of its own, or from a job's config, whose bench and master pins it then is.
+
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use super::study_files::ConfigText;
+use crate::config;
+use crate::gauge::bench::Date;
+use crate::studies::calibration::CalibrationPlan;
+
+/// A plan with what its errors and its folders need.
+pub struct LoadedPlan {
+    /// The plan.
+    pub plan: CalibrationPlan,
+    /// Its text.
+    pub text: ConfigText,
+    /// The folder that its files stand in.
+    pub folder: PathBuf,
+}
+
+/// Keys that only a calibration's own file has.
+const OF_A_PLAN: [&str; 6] = ["optics_id", "simulate", "check", "fields", "thermometer", "valid_days"];
+
+/// Whether a text is a calibration's own file rather than a job's.
+pub fn is_plan(text: &str) -> bool {
+    let Ok(table) = text.parse::<toml::Table>() else { return false };
+    OF_A_PLAN.iter().any(|key| table.contains_key(*key))
+        || table.get("masters").is_some_and(toml::Value::is_array)
+}
+
+/// Reads the plan of a file; one made of a job is dated `today`.
+///
+/// # Errors
+/// Exit 2 for a text that is refused or names a file that cannot be read.
+pub fn load(path: &Path, today: Date) -> Result<LoadedPlan, Failure> {
+    let text = ConfigText::read(path)?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    if is_plan(&text.text) {
+        return of_text(text, folder);
+    }
+    let job = config::load(path).map_err(Failure::refused)?;
+    Ok(LoadedPlan { plan: CalibrationPlan::of_job(&job, today), text, folder })
+}
+
+/// Reads a plan's own text, whose files stand in `folder`.
+///
+/// # Errors
+/// As [`load`].
+pub fn of_text(text: ConfigText, folder: PathBuf) -> Result<LoadedPlan, Failure> {
+    let mut plan: CalibrationPlan = text.parse()?;
+    if let Some(simulate) = &mut plan.simulate {
+        if let Some(name) = simulate.config.take() {
+            if !simulate.has_no_bench() {
+                let beside = "stands beside tables of a bench; give one of them";
+                return Err(text.refuse(format!("simulate.config: {}: {beside}", name.display())));
+            }
+            let job = config::load(&folder.join(&name)).map_err(Failure::refused)?;
+            *simulate = simulate.before_bench_of(&job);
+        }
+        config::read_measured_edge(&mut simulate.optics.esf, &folder)
+            .map_err(|e| text.refuse(format!("simulate.{e}")))?;
+    }
+    Ok(LoadedPlan { plan: plan.settled(), text, folder })
+}

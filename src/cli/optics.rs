@@ -1,0 +1,232 @@
+//! `shadowgauge optics esf`: the edge-spread function of a config's optics as a table.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use serde_json::json;
+
+use super::calibration_plan::{self, is_plan};
+use super::study_files::ConfigText;
+use super::{CommandResult, Failure, Outcome};
+use crate::config;
+use crate::gauge::bench::Date;
+use crate::render::esf::{EsfTable, Extent};
+use crate::render::esf_families::EdgeSpread;
+use crate::render::settings::{BenchSettings, Esf, Optics};
+
+/// What `optics` shows.
+#[derive(Debug, clap::Subcommand)]
+pub enum OpticsCommand {
+    /// Light over the distance from the geometric edge, as `--esf FILE` reads it.
+    Esf(EsfArgs),
+}
+
+/// Arguments of `optics esf`.
+#[derive(Debug, clap::Args)]
+pub struct EsfArgs {
+    /// A job's config, or a calibration's with [simulate].
+    config: PathBuf,
+    /// Radius of the part, mm, which only a glancing reflection depends on; that of the finished part without it.
+    #[arg(long, value_name = "R", value_parser = length, allow_negative_numbers = true)]
+    radius_mm: Option<f64>,
+    /// Distance of the part's axis from the plane of focus, towards the camera, mm.
+    #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true)]
+    axis_y_mm: f64,
+    /// With the further blur (`extra_sigma_um`: aberration, sensor) of partially coherent light, as a gauge given CONFIG by --esf
+    /// fits it.
+    #[arg(long)]
+    with_blur: bool,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a radius above 0 in mm is needed, for instance 12.5".to_owned()),
+    }
+}
+
+/// Nominal optics of a config: what it says, without the departures that a seed draws.
+pub struct NominalOptics {
+    /// Lens and edge spread.
+    pub optics: Optics,
+    /// Nominal size of a pixel on the object, mm.
+    pub pixel_mm: f64,
+    /// Radius of the finished part, or of the middle of the masters, mm.
+    pub radius_mm: f64,
+}
+
+impl NominalOptics {
+    /// Of a job's config or of a calibration's with `[simulate]`.
+    ///
+    /// # Errors
+    /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no optics.
+    pub fn load(path: &Path) -> Result<Self, Failure> {
+        let of = |bench: BenchSettings, radius_mm| Self {
+            pixel_mm: bench.nominal_pixel_mm(),
+            optics: bench.optics,
+            radius_mm,
+        };
+        if !is_plan(&ConfigText::read(path)?.text) {
+            let job = config::load(path).map_err(Failure::refused)?;
+            let last = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
+            return Ok(of(job.bench_settings(), 0.5 * last));
+        }
+        let plan = calibration_plan::load(path, Date::of(SystemTime::now()))?.plan;
+        let Some(simulate) = &plan.simulate else {
+            let what =
+                "is the calibration of recorded frames and has no optics: give a job's config or [simulate]";
+            return Err(Failure::refuse(format!("{}: {what}", path.display())));
+        };
+        simulate
+            .bench()
+            .check()
+            .map_err(|e| Failure::refuse(format!("{}: simulate: {e}", path.display())))?;
+        let sum: f64 = plan.masters.iter().map(|m| 0.5 * m.diameter_mm).sum();
+        Ok(of(simulate.bench(), sum / plan.masters.len().max(1) as f64))
+    }
+
+    /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` before the plane of focus.
+    ///
+    /// # Errors
+    /// Exit 2 for optics whose table cannot be had.
+    pub fn edge(&self, radius_mm: f64, axis_y_mm: f64) -> Result<NominalEdge, Failure> {
+        let extent =
+            Extent { pixel_mm: self.pixel_mm, depth_mm: axis_y_mm.abs(), radius_mm: (radius_mm, radius_mm) };
+        let table = EsfTable::new(&self.optics.esf, &self.optics, &extent).map_err(Failure::refuse)?;
+        Ok(NominalEdge {
+            place: table.place(axis_y_mm, radius_mm, 0.0),
+            table,
+            pixel_um: 1e3 * self.pixel_mm,
+        })
+    }
+}
+
+/// An edge-spread function, light over distance.
+pub struct NominalEdge {
+    table: EsfTable,
+    place: crate::render::esf::TablePlace,
+    pixel_um: f64,
+}
+
+impl NominalEdge {
+    /// Light at a distance from the geometric edge into the light, µm on the object.
+    pub fn light(&self, distance_um: f64) -> f64 {
+        self.table.light(&self.place, distance_um / self.pixel_um)
+    }
+
+    /// From where to where it differs from shadow and light, µm on the object.
+    pub fn range_um(&self) -> (f64, f64) {
+        let stretched = self.place.scale_px / self.table.scale_px;
+        let all = self.table.sources().iter().map(EdgeSpread::range_um);
+        let (low, high) = all.fold((0.0_f64, 0.0_f64), |(l, h), (a, b)| (l.min(a), h.max(b)));
+        if low < high {
+            return (low * stretched, high * stretched);
+        }
+        let reach = f64::from(self.table.reach) * self.place.scale_px * self.pixel_um;
+        (-reach, reach)
+    }
+
+    /// Standard deviation of a Gaussian as sharp as its finest detail, µm on the object.
+    fn sharp_um(&self) -> f64 {
+        self.table.sharp_px * self.pixel_um * self.place.scale_px / self.table.scale_px
+    }
+
+    /// Distances and light, even steps with the geometric edge on one of them.
+    pub fn samples(&self) -> (Vec<f64>, Vec<f64>) {
+        let (low, high) = self.range_um();
+        let step = (self.sharp_um() / STEPS_PER_SHARP).max((high - low) / MOST_STEPS);
+        let (from, to) = ((low / step).floor() as i64, (high / step).ceil() as i64);
+        let distance_um: Vec<f64> = (from..=to).map(|k| k as f64 * step).collect();
+        let light = distance_um.iter().map(|d| self.light(*d)).collect();
+        (distance_um, light)
+    }
+}
+
+/// Samples in the standard deviation of the sharpest detail: a cubic between them errs by (1/16)⁴/384·max|F⁗| = 2e-8.
+const STEPS_PER_SHARP: f64 = 16.0;
+
+/// Most steps of a table; a laser's rings reach far.
+const MOST_STEPS: f64 = 20_000.0;
+
+/// Runs the command.
+///
+/// # Errors
+/// Exit 2 for a config or optics that are refused.
+pub fn run(command: &OpticsCommand) -> CommandResult {
+    let OpticsCommand::Esf(args) = command;
+    if !args.axis_y_mm.is_finite() {
+        return Err(Failure::refuse("--axis-y-mm: a finite distance in mm is needed"));
+    }
+    let mut nominal = NominalOptics::load(&args.config)?;
+    let left_out_um = if args.with_blur { 0.0 } else { take_extra_blur(&mut nominal.optics.esf) };
+    let radius_mm = args.radius_mm.unwrap_or(nominal.radius_mm);
+    let (distance_um, light) = nominal.edge(radius_mm, args.axis_y_mm)?.samples();
+    if args.json {
+        say_line!(
+            "{}",
+            json!({
+                "config": args.config.display().to_string(),
+                "optics": nominal.optics,
+                "radius_mm": radius_mm,
+                "axis_y_mm": args.axis_y_mm,
+                "um_per_px": 1e3 * nominal.pixel_mm,
+                "blur_left_out_um": left_out_um,
+                "distance_um": distance_um,
+                "light": light,
+            })
+        );
+        return Ok(Outcome::Done);
+    }
+    let mut text = header(args, &nominal, radius_mm, left_out_um)?;
+    for (d, l) in distance_um.iter().zip(&light) {
+        let _ = writeln!(text, "{d:.6},{l:.9}");
+    }
+    say!("{text}");
+    Ok(Outcome::Done)
+}
+
+/// Takes the further blur out of partially coherent light, µm on the object.
+fn take_extra_blur(esf: &mut Esf) -> f64 {
+    match esf {
+        Esf::PartiallyCoherent(p) => std::mem::take(&mut p.extra_sigma_um),
+        _ => 0.0,
+    }
+}
+
+/// What optics the table is of, as comment lines, and the names of its columns.
+fn header(
+    args: &EsfArgs,
+    nominal: &NominalOptics,
+    radius_mm: f64,
+    left_out_um: f64,
+) -> Result<String, Failure> {
+    let esf = serde_json::to_value(&nominal.optics.esf).map_err(Failure::fail)?;
+    let family = match &nominal.optics.esf {
+        // Its samples are what follows.
+        Esf::Measured(_) => "measured".to_owned(),
+        _ => esf.to_string(),
+    };
+    let mut text = format!("# edge-spread function of {}: {family}\n", args.config.display());
+    if let Some(reflection) = &nominal.optics.reflection {
+        let reflection = serde_json::to_string(reflection).map_err(Failure::fail)?;
+        let _ =
+            writeln!(text, "# with glancing reflection of a cylinder of radius {radius_mm} mm: {reflection}");
+    }
+    let _ = writeln!(
+        text,
+        "# axis {} mm before the plane of focus (defocus_na {}), {:.6} um on the object a pixel; nominal, departures not drawn",
+        args.axis_y_mm,
+        nominal.optics.defocus_na,
+        1e3 * nominal.pixel_mm
+    );
+    if left_out_um > 0.0 {
+        let _ = writeln!(text, "# without extra_sigma_um = {left_out_um}: --with-blur adds it");
+    }
+    text += "# distance_um: from the geometric edge into the light, on the object; light: share of the bright field, before the pixel\n";
+    text += "distance_um,light\n";
+    Ok(text)
+}

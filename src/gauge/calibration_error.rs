@@ -1,0 +1,97 @@
+//! Why there is no calibration, or none that fits.
+
+use thiserror::Error;
+
+use crate::frame::Encoding;
+
+/// Version of the file format.
+pub const CALIBRATION_VERSION: u32 = 1;
+/// Masters must differ by this much, px, for scale and offset to be told apart.
+pub(super) const LEAST_SPREAD_PX: f64 = 8.0;
+
+/// Why there is no calibration.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// A certificate that says nothing.
+    #[error("master {master}: diameter, U and k of a certificate must be finite and above 0")]
+    Certificate {
+        /// Number of the master, from 1.
+        master: usize,
+    },
+    /// Too few masters.
+    #[error("{found} masters; scale and edge offset need two or more")]
+    TooFew {
+        /// Masters given.
+        found: usize,
+    },
+    /// Masters of one size.
+    #[error(
+        "the masters' shadows differ by {spread_px:.1} px; {LEAST_SPREAD_PX} px or more are needed to tell scale from edge offset"
+    )]
+    SameSize {
+        /// Largest minus smallest width, px.
+        spread_px: f64,
+    },
+    /// No frame shows the master.
+    #[error("no frame shows the master of {diameter_mm} mm with both edges")]
+    Unseen {
+        /// Certified diameter, mm.
+        diameter_mm: f64,
+    },
+    /// The file is no calibration.
+    #[error("not a calibration: {0}")]
+    Parse(#[from] serde_json::Error),
+    /// The file is of another version.
+    #[error("calibration version {found}; this program reads version {CALIBRATION_VERSION}")]
+    Version {
+        /// Version in the file.
+        found: u32,
+    },
+    /// Frames whose grey values were encoded otherwise than the masters'.
+    #[error(
+        "the file encodes its grey values otherwise than the calibration's frames: {found} here, which there {calibrated}; record as then, or calibrate anew"
+    )]
+    OtherEncoding {
+        /// The frame's encoding.
+        found: Encoding,
+        /// What is known of the masters'.
+        calibrated: String,
+    },
+    /// Edges of another model than the masters'.
+    #[error(
+        "the masters' edges were fitted by the edge-spread function {calibrated}, asked for is {asked}: measure as calibrated (--esf), or calibrate anew"
+    )]
+    OtherEdgeModel {
+        /// Name of the masters' model.
+        calibrated: String,
+        /// Name of the model asked for.
+        asked: &'static str,
+    },
+    /// Another table than the masters'.
+    #[error(
+        "the masters' edges were fitted by another table of the edge-spread function than --esf gives: measure as calibrated (leave --esf out), or calibrate anew"
+    )]
+    OtherEdgeTable,
+    /// The calibration belongs to other optics.
+    #[error("the calibration is of optics {found:?}, the frames are of {expected:?}; calibrate these optics")]
+    OtherOptics {
+        /// Optics id in the file.
+        found: String,
+        /// Optics in use.
+        expected: String,
+    },
+    /// A condition that cannot be.
+    #[error("calibration key bench.{0}")]
+    Setting(String),
+    /// A number that cannot be.
+    #[error("calibration key {key} = {value} is impossible; right would be {right}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+}

@@ -1,0 +1,72 @@
+//! How the part is scanned, and the master pins that the gauge is calibrated on at the start of a run.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the camera scans the part after a pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scan {
+    /// Positions of the carriage along z; together their fields must cover the part.
+    pub fields: usize,
+    /// Spindle angles of every field, equally spaced over half a turn (a caliper diameter repeats after 180°).
+    pub angles: usize,
+    /// Whether the stock is scanned before the first pass. Its form is copied into the first pass in part: a controller
+    /// that has seen it need not guess what was copied and what is the shaft's own yielding.
+    pub stock: StockScan,
+}
+
+/// Whether the stock is scanned before the first pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StockScan {
+    /// Where the controller makes use of it: the model-based one.
+    #[default]
+    Auto,
+    /// Before every part.
+    Always,
+    /// Not at all.
+    Never,
+}
+
+impl Default for Scan {
+    fn default() -> Self {
+        Self { fields: 14, angles: 8, stock: StockScan::default() }
+    }
+}
+
+/// A master pin with its certificate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MasterPin {
+    /// Certified diameter at 20 °C, mm.
+    pub diameter_mm: f64,
+    /// Expanded uncertainty U of the certificate, mm.
+    pub expanded_u_mm: f64,
+    /// Coverage factor k of U.
+    #[serde(default = "two")]
+    pub coverage_factor: f64,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+/// How the gauge is calibrated at the start of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Masters {
+    /// Two or more pins of different diameter.
+    pub pins: Vec<MasterPin>,
+    /// Frames taken of each pin.
+    pub frames_each: usize,
+    /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0 for none.
+    pub check_frames: usize,
+}
+
+impl Default for Masters {
+    fn default() -> Self {
+        let pin = |diameter_mm| MasterPin { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
+        Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8, check_frames: 1 }
+    }
+}
