@@ -523,7 +523,7 @@ fn claim_edges(args: &MeasureArgs, path: &Path, images: &[PathBuf]) -> Result<Ou
     let tables =
         images.iter().flat_map(|image| image.ancestors().skip(1).take(2)).map(|f| f.join("frames.csv"));
     let named = [&args.calibration, &args.conditions].into_iter().flatten().cloned();
-    let esf = [PathBuf::from(&args.esf)];
+    let esf = args.esf.as_ref().map(PathBuf::from);
     let file = OutputFile::claim(path, images.iter().cloned().chain(tables).chain(named).chain(esf))?;
     if file.is_stdout() && args.json {
         return Err(Failure::refuse("--json and --edges both go to stdout; give --edges a file"));

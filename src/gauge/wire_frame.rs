@@ -62,6 +62,7 @@ pub(crate) fn measure<T: Sample>(
         snr,
         misfit,
         quantised: scale.floor > 0.0,
+        rounding_px: [0.0; 2],
     };
     let valid = out.valid();
     if valid < LEAST_VALID {

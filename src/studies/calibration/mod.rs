@@ -20,7 +20,6 @@ use crate::gauge::bench::{
 };
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
-use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
     GaugeSettingsError, LEAST_TRAVEL, MasterFigure, MisfitLesson,

@@ -255,6 +255,8 @@ impl CalibrationPlan {
                 diameter_mm: pin.diameter_mm,
                 expanded_u_mm: pin.expanded_u_mm,
                 coverage_factor: pin.coverage_factor,
+                certified_by: None,
+                common_expanded_u_mm: None,
                 positions: [-room_mm, 0.0, room_mm]
                     .map(|height_mm| Position { height_mm, ..Position::default() })
                     .to_vec(),
