@@ -173,9 +173,12 @@ fn linuxcnc_has_no_u_words_and_no_variable_3000() {
     }
 }
 
+/// Where a move ends, (x radius, z), and whether it is in rapid.
+type Move = ((f64, f64), bool);
+
 /// What LinuxCNC's interpreter prints of a program: its moves as ((x radius, z), in rapid), and all of it; `None`
 /// without it.
-fn interpret(program: &str) -> Option<(Vec<((f64, f64), bool)>, String)> {
+fn interpret(program: &str) -> Option<(Vec<Move>, String)> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("program.ngc");
     std::fs::write(&file, program).expect("written");
@@ -208,7 +211,7 @@ fn interpret(program: &str) -> Option<(Vec<((f64, f64), bool)>, String)> {
     Some((printed.lines().filter_map(moved).collect(), printed))
 }
 
-fn feeds(moves: &[((f64, f64), bool)]) -> Vec<(f64, f64)> {
+fn feeds(moves: &[Move]) -> Vec<(f64, f64)> {
     moves.iter().filter(|m| !m.1).map(|m| m.0).collect()
 }
 
@@ -238,7 +241,7 @@ fn rs274_prints_the_radius_that_was_intended() {
 }
 
 /// The moves of the replay as rs274 prints them, from its start in the origin.
-fn replayed(text: &str, settings: &NcSettings) -> Vec<((f64, f64), bool)> {
+fn replayed(text: &str, settings: &NcSettings) -> Vec<Move> {
     let origin = Point { x: 0.0, z: 0.0 };
     let variables = vec![(820, 0.0)];
     let control =

@@ -6,6 +6,9 @@ use std::collections::HashMap;
 /// Values of `#` variables; a variable that was never set has none.
 pub(super) type Variables = HashMap<u32, f64>;
 
+type Function = (&'static str, fn(f64) -> f64);
+type Comparison = (&'static str, fn(f64, f64) -> bool);
+
 /// Reads a block from left to right.
 pub(super) struct Reader<'a> {
     rest: &'a str,
@@ -81,7 +84,7 @@ impl<'a> Reader<'a> {
     }
 
     fn function(&mut self) -> Result<f64, String> {
-        let functions: [(&str, fn(f64) -> f64); 6] = [
+        let functions: [Function; 6] = [
             ("ABS", f64::abs),
             ("SQRT", f64::sqrt),
             ("ROUND", f64::round),
@@ -99,7 +102,7 @@ impl<'a> Reader<'a> {
 
     /// An expression without its brackets.
     pub(super) fn comparison(&mut self) -> Result<f64, String> {
-        let comparisons: [(&str, fn(f64, f64) -> bool); 6] = [
+        let comparisons: [Comparison; 6] = [
             ("EQ", |a, b| a == b),
             ("NE", |a, b| a != b),
             ("GT", |a, b| a > b),

@@ -351,7 +351,7 @@ impl<'a> Interpreter<'a> {
             (100, false) => self.write_offset(words)?,
             (180, _) => self.modal.plane = true,
             (210, _) => self.modal.millimetres = true,
-            (280, false) => self.to_reference(line, words)?,
+            (280, false) => self.go_to_reference(line, words)?,
             (400, _) => self.modal.no_nose_compensation = true,
             (430 | 490, true) => self.shift = 0.0,
             (500, false) => {
@@ -389,7 +389,7 @@ impl<'a> Interpreter<'a> {
     }
 
     /// G28 U0. or W0.: the axes named go to the reference point in rapid.
-    fn to_reference(&mut self, line: usize, words: &Words) -> Result<(), String> {
+    fn go_to_reference(&mut self, line: usize, words: &Words) -> Result<(), String> {
         if words.other.is_empty() || words.other.iter().any(|w| !(matches!(w.0, 'U' | 'W') && w.1 == 0.0)) {
             return Err("G28 is understood with U0. or W0. alone: other words name a point on the way".into());
         }
