@@ -7,7 +7,7 @@ use rand::SeedableRng as _;
 use rand_distr::Distribution as _;
 use serde_json::Value;
 
-use super::support::shadowgauge;
+use super::support::{said, shadowgauge};
 
 const COLUMNS: u32 = 192;
 
@@ -74,7 +74,7 @@ fn the_command_line_reads_drawings_and_names_what_it_cannot_judge() {
         ("60 ±0.5 (GN)", "--turn"),
     ] {
         let output = measure(&part, &["--tolerance", tolerance]);
-        let said = text(&output.stderr);
+        let said = said(&output);
         assert_eq!(output.status.code(), Some(2), "{tolerance}: {said}");
         assert!(said.contains(reason) && output.stdout.is_empty(), "{tolerance}: {said}");
     }
@@ -105,7 +105,7 @@ fn configs_read_the_same_texts() {
         ("{ nominal_mm = 1.0, upper_um = 10.0, lower_mm = -0.01 }", ["upper_mm", "unknown field"]),
     ] {
         let output = render(tolerance);
-        let said = text(&output.stderr);
+        let said = said(&output);
         assert_eq!(output.status.code(), Some(2), "{tolerance}: {said}");
         assert!(words.iter().all(|word| said.contains(word)), "{tolerance}: {said}");
     }

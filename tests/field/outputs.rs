@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use super::support::shadowgauge;
+use super::support::{said, shadowgauge};
 
 /// A dark bar of 30 rows on light, 80 × 120 px.
 fn picture(folder: &Path) -> PathBuf {
@@ -30,7 +30,7 @@ fn measure(picture: &Path, edges: &Path, more: &[&str]) -> Output {
 
 /// Exit code and words of a refusal.
 fn assert_ends(output: &Output, code: i32, word: &str) {
-    let said = text(&output.stderr);
+    let said = said(output);
     assert_eq!(output.status.code(), Some(code), "{said}");
     assert!(said.contains(word), "{said}");
 }
@@ -130,9 +130,9 @@ fn stdout_takes_one_output() {
     for name in ["-", "/dev/stdout", "/dev/fd/1"] {
         let output = measure(&picture, Path::new(name), &[]);
         assert_ends(&output, 0, "");
-        let said = text(&output.stdout);
-        assert_eq!(said.lines().count(), 81, "edges alone, no table: {said}");
-        assert!(said.starts_with(HEADER));
+        let edges = text(&output.stdout);
+        assert_eq!(edges.lines().count(), 81, "edges alone, no table: {edges}");
+        assert!(edges.starts_with(HEADER));
         assert_ends(&measure(&picture, Path::new(name), &["--json"]), 2, "stdout");
     }
     // The file that the shell gave stdout or stderr.
@@ -186,7 +186,6 @@ fn fillers(folder: &Path) -> Vec<(Vec<String>, &'static str)> {
         (words("render JOB --backend cpu"), "frames.csv"),
         (words("study stability"), "report.html"),
         (words("reproduce 000"), "report.html"),
-        (words("reproduce 003"), "report.html"),
     ]
 }
 
@@ -232,7 +231,7 @@ fn what_is_no_folder_is_no_place_for_one() {
     for words in commands {
         for out in [file.as_path(), Path::new("/dev/null"), Path::new("-")] {
             let output = fill(&words, out);
-            let said = text(&output.stderr);
+            let said = said(&output);
             assert_eq!(output.status.code(), Some(2), "{words:?} {}: {said}", out.display());
             assert!(
                 said.contains("folder") || said.contains("stdout"),

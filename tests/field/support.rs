@@ -30,6 +30,15 @@ where
     Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).output().expect("the program runs")
 }
 
+/// What a command says on stderr, without the line breaks and rulers of a narrow terminal.
+pub(crate) fn said(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr);
+    text.split(|c: char| c.is_whitespace() || c == '│')
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
 /// The document that `measure --json` prints for `file` at 1000 µm per pixel (millimetres read as pixels), with
 /// further `options`; panics with the program's own words where it refuses.
 pub(crate) fn measured(file: &Path, options: &[&str]) -> Value {
