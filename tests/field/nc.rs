@@ -10,7 +10,7 @@ fn job(station_mm: f64, more: &str) -> String {
         "name = \"short shaft\"\nseed = 7\n[part]\nlength_mm = 48.0\nstock_diameter_mm = 9.0\n\
          nominal_diameter_mm = [8.5, 8.0]\naim_mm = -0.005\nstation_mm = {station_mm}\n\
          [part.tolerance]\nnominal_mm = 8.0\nupper_mm = 0.0\nlower_mm = -0.009\n\
-         [scan]\nfields = 4\nangles = 4\n[masters]\nframes_each = 2\n\
+         [scan]\nfields = 4\nangles = 2\n[masters]\nframes_each = 1\n\
          [[masters.pins]]\ndiameter_mm = 7.0\nexpanded_u_mm = 0.0001\n\
          [[masters.pins]]\ndiameter_mm = 10.0\nexpanded_u_mm = 0.0001\n\
          [camera]\ncolumns = 320\nrows = 260\npixel_um = 10.0\n[optics]\nmagnification = 0.2\n\
