@@ -23,7 +23,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::super::calibration::{CalibrationError, MasterCertificate};
+use super::super::calibration::CalibrationError;
+use super::certificates::{MasterPrior, laboratories, shared_source};
 use super::lens::{LensLimits, LensModel, PARAMETERS};
 use super::{Observation, Thermometer};
 
@@ -43,41 +44,6 @@ const EDGES: &str = "masters' edges (noise, levels, repeatability)";
 const DISTORTION: &str = "distortion and keystone of the lens";
 const TELECENTRICITY: &str = "telecentricity of the lens";
 const MISFIT: &str = "misfit of the edge model out of the masters' plane";
-
-/// A master as the adjustment sees it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MasterPrior {
-    /// Its name in budgets and reports.
-    pub name: String,
-    /// Its certificate, at 20 °C.
-    pub certificate: MasterCertificate,
-    /// What it shares with the certificates of other masters; `None` where they are independent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub common: Option<CertificateShare>,
-}
-
-/// The part of a certificate's error that the certificates of one laboratory (one reference standard, one instrument) share.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CertificateShare {
-    /// Who or what they share it by.
-    pub certified_by: String,
-    /// Its standard uncertainty, mm; at most the certificate's.
-    pub u_mm: f64,
-}
-
-impl MasterPrior {
-    /// Standard uncertainty that the certificate shares with others, mm.
-    fn u_common_mm(&self) -> f64 {
-        self.common.as_ref().map_or(0.0, |c| c.u_mm)
-    }
-
-    /// Standard uncertainty that the certificate has for itself, mm.
-    fn u_own_mm(&self) -> f64 {
-        (self.certificate.u_mm().powi(2) - self.u_common_mm().powi(2)).max(0.0).sqrt()
-    }
-}
 
 /// A source's share of the parameters' covariance, in the order s, o, a, q, g, t (mm/px, mm, 1, 1, 1, 1/mm).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -585,22 +551,4 @@ impl Adjustment {
         all.resize(self.inputs(), MISFIT.to_owned());
         all
     }
-}
-
-/// Name of the part that the certificates of a laboratory share.
-pub fn shared_source(certified_by: &str) -> String {
-    format!("certificates of {certified_by}, what they share")
-}
-
-/// Laboratories in the order of the masters, and each master's one.
-fn laboratories(masters: &[MasterPrior]) -> (Vec<String>, Vec<Option<usize>>) {
-    let mut names: Vec<String> = Vec::new();
-    let mut index = |name: &String| {
-        names.iter().position(|n| n == name).unwrap_or_else(|| {
-            names.push(name.clone());
-            names.len() - 1
-        })
-    };
-    let of = masters.iter().map(|m| m.common.as_ref().map(|c| index(&c.certified_by))).collect();
-    (names, of)
 }

@@ -3,6 +3,7 @@
 
 mod adjustment;
 mod calibration;
+mod certificates;
 mod check_pin;
 mod conditions;
 mod date;
@@ -16,10 +17,9 @@ mod response;
 mod thermometer;
 mod unstated;
 
-pub use adjustment::{
-    Adjusted, Adjustment, CertificateShare, CovariancePart, MasterPrior, Residual, Solver, shared_source,
-};
+pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
 pub use calibration::{BenchCalibration, BenchError, Validity};
+pub use certificates::{CertificateShare, MasterPrior, shared_source};
 pub use check_pin::{CheckPin, CheckResult};
 pub use conditions::{Conditions, GivenConditions};
 pub use date::Date;
