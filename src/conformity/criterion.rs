@@ -49,7 +49,8 @@ impl SizeCriterion {
         match (sizes.as_slice(), section) {
             // A two-point size is one of a cross-section anyway.
             ([] | ["LP"], _) => Ok(Self::TwoPoint),
-            (["E"], false) => Ok(Self::Envelope),
+            // Two-point sizes are what it asks for at the lower limit anyway.
+            (["E"] | ["LP", "E"] | ["E", "LP"], false) => Ok(Self::Envelope),
             (["E"], true) => {
                 Err("(E) is a requirement over the length, ACS is one for any cross-section".to_owned())
             }
@@ -106,6 +107,7 @@ mod tests {
         assert_eq!(of(&[]), Ok(SizeCriterion::TwoPoint));
         assert_eq!(of(&["LP", "ACS"]), Ok(SizeCriterion::TwoPoint));
         assert_eq!(of(&["E"]), Ok(SizeCriterion::Envelope));
+        assert_eq!(of(&["LP", "E"]), Ok(SizeCriterion::Envelope));
         assert_eq!(of(&["GN"]), Ok(SizeCriterion::CircumscribedCylinder));
         assert_eq!(of(&["ACS", "GN"]), Ok(SizeCriterion::CircumscribedCircle));
         for word in [

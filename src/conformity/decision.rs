@@ -143,7 +143,8 @@ impl DecisionRule {
     /// Guard band on either side of a zone of this width, mm: readings farther inside are accepted. `None` where the zone accepts none.
     pub fn guard_mm(self, u_mm: f64, freedom: f64, width_mm: f64) -> Option<f64> {
         let accepted = |guard_mm: f64| {
-            Estimate { value_mm: guard_mm, u_mm, freedom }.within(0.0, width_mm) >= self.probability
+            // Far from the other limit the quantile's own rounding decides.
+            Estimate { value_mm: guard_mm, u_mm, freedom }.within(0.0, width_mm) >= self.probability - 1e-12
         };
         // One limit alone asks for less than both.
         let (mut less, mut more) = (quantile(self.probability, freedom).max(0.0) * u_mm, 0.5 * width_mm);

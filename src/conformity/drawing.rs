@@ -268,7 +268,8 @@ fn by_class(nominal: f64, rest: &str) -> Result<Deviations, Refusal> {
             unjudged(format!("/{} restricts it to a length anywhere on the feature", other.trim()))
         };
     }
-    if letters != small && (letters == letters.to_uppercase() && is_deviation(&small)) {
+    // Textbooks write "Js" for JS.
+    if letters.starts_with(|c: char| c.is_ascii_uppercase()) && is_deviation(&small) {
         return unjudged(format!(
             "{class} is the class of a hole, and a shaft's outside diameter is judged (a bore is measured by --shape ring, and not judged); a \
              shaft's letters are small"
@@ -466,6 +467,7 @@ mod tests {
         for (text, reason) in [
             ("25 H7", "class of a hole"),
             ("25 JS6", "class of a hole"),
+            ("25 Js7", "class of a hole"),
             ("25 H7/h6", "fit"),
             ("25 h6/H7", "fit"),
             ("25 h6 (GG)", "hollows"),

@@ -9,10 +9,10 @@ use serde_json::Value;
 
 use super::support::{said, shadowgauge};
 
-const COLUMNS: u32 = 192;
+pub(super) const COLUMNS: u32 = 192;
 
 /// A shaft of a diameter (px) whose axis stands at a height by column (px above the middle of the frame), blurred by 1 px, noise 1.
-fn draw(path: &Path, diameter: f64, seed: u64, height: impl Fn(f64) -> f64) {
+pub(super) fn draw(path: &Path, diameter: f64, seed: u64, height: impl Fn(f64) -> f64) {
     let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
     let noise = rand_distr::Normal::new(0.0, 1.0).unwrap();
     let (columns, rows) = (COLUMNS, 160);

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
+use super::conformity::{COLUMNS, draw};
 use super::support::{said, shadowgauge};
 
-/// A dark bar of 30 rows on light, 80 × 120 px.
+/// A shaft of 60 px.
 fn picture(folder: &Path) -> PathBuf {
     let path = folder.join("part.png");
-    let grey = |_, row: u32| image::Luma([if (45..75).contains(&row) { 20_u8 } else { 200 }]);
-    image::GrayImage::from_fn(80, 120, grey).save(&path).unwrap();
+    draw(&path, 60.0, 1, |_| 0.0);
     path
 }
 
@@ -131,7 +131,7 @@ fn stdout_takes_one_output() {
         let output = measure(&picture, Path::new(name), &[]);
         assert_ends(&output, 0, "");
         let edges = text(&output.stdout);
-        assert_eq!(edges.lines().count(), 81, "edges alone, no table: {edges}");
+        assert_eq!(edges.lines().count(), 1 + COLUMNS as usize, "edges alone, no table: {edges}");
         assert!(edges.starts_with(HEADER));
         assert_ends(&measure(&picture, Path::new(name), &["--json"]), 2, "stdout");
     }
