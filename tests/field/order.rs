@@ -76,13 +76,10 @@ fn the_collected_turn_is_read_in_order() {
     let output = run(&[&folder], &["--um-per-px", "1", "--turn", "--angle-step", "30", "--json"]);
     let document = json(&output);
     assert_eq!(names(&document)[..3], ["img0", "img1", "img2"]);
-    let text =
-        String::from_utf8(run(&[&folder], &["--um-per-px", "1", "--turn", "--angle-step", "30"]).stdout)
-            .unwrap();
     // GN - GX is 2.10 µm; in plain order 1.50.
-    let row = text.lines().find(|l| l.trim_start().starts_with("0.000")).unwrap();
-    let numbers: Vec<f64> = row.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    assert!((1e3 * (numbers[2] - numbers[3]) - 2.1).abs() < 0.03, "{row}");
+    let section = &document["turn"]["sections"][0];
+    let um = |key: &str| 1e3 * section[key].as_f64().unwrap_or_else(|| panic!("{key}: {section}"));
+    assert!((um("gn_mm") - um("gx_mm") - 2.1).abs() < 0.03, "{section}");
 }
 
 #[test]
