@@ -11,6 +11,8 @@ pub enum Reason {
     NoEdge,
     /// Only one edge of the shadow lies in the field.
     OneEdge,
+    /// The edge is steeper than is measured: a flank of a thread, a shoulder.
+    Steep,
     /// The step is too small against the noise.
     LowContrast,
     /// Part of the edge is clipped at the end of the grey scale (usable, larger uncertainty).
@@ -27,6 +29,8 @@ pub enum Reason {
     Contaminated,
     /// Rows or columns of the frame repeat each other: it was doubled, filled up or enlarged.
     Repeated,
+    /// Two shadows may be two parts or the walls of one, and which it is was not stated.
+    SeveralShadows,
     /// The frame could not be read.
     Unreadable,
     /// The frame is blurred otherwise than the masters were: out of focus, or the part moved.
@@ -45,6 +49,7 @@ impl Reason {
         match self {
             Self::NoEdge => "no_edge",
             Self::OneEdge => "one_edge",
+            Self::Steep => "steep",
             Self::LowContrast => "low_contrast",
             Self::Clipped => "clipped",
             Self::Saturated => "saturated",
@@ -53,6 +58,7 @@ impl Reason {
             Self::Border => "border",
             Self::Contaminated => "contaminated",
             Self::Repeated => "repeated",
+            Self::SeveralShadows => "several_shadows",
             Self::Unreadable => "unreadable",
             Self::Blurred => "blurred",
             Self::Implausible => "implausible",

@@ -8,10 +8,13 @@ use serde_json::{Value, json};
 
 use super::esf_argument::esf_model;
 use super::measure_bench;
+use super::measure_choice::ChoiceArgs;
+use super::measure_crests::{self, CrestStream};
 use super::measure_frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use super::measure_judge::{Follower, JudgeArgs, stated_budget};
 use super::measure_statistics::statistics_line;
 use super::measure_turn::turn_table;
+use super::measure_words::{judged_by, place, stretch_text};
 use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::files::OutputFile;
@@ -22,7 +25,7 @@ use crate::gauge::ring::RingSettings;
 use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
-    largest_caliper,
+    largest_caliper_over,
 };
 use crate::profile::Reason;
 
@@ -57,6 +60,8 @@ pub struct MeasureArgs {
     frames: FrameArgs,
     #[command(flatten)]
     judge: JudgeArgs,
+    #[command(flatten)]
+    choice: ChoiceArgs,
     /// Writes both edges of every column to this CSV file; `-` is stdout, in place of the table.
     #[arg(long, value_name = "FILE.csv")]
     edges: Option<PathBuf>,
@@ -113,6 +118,8 @@ struct Measured {
     stem: String,
     meta: FrameMeta,
     columns: usize,
+    /// Pitch of crests and roots, px, where the frame was measured as such.
+    pitch_px: Option<f64>,
     result: Result<FrameEdges, (Reason, String)>,
 }
 
@@ -130,7 +137,8 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
     let polarity = if args.bright_on_dark { Polarity::BrightOnDark } else { Polarity::DarkOnBright };
     let esf = edge_model(args, calibration.as_ref())?;
     calibration.as_ref().map_or(Ok(()), |c| c.check_edge_model(&esf)).map_err(Failure::refuse)?;
-    let mut settings = GaugeSettings { polarity, esf, ..GaugeSettings::default() };
+    let (which, rejection) = (args.choice.which(), args.choice.rejection());
+    let mut settings = GaugeSettings { polarity, esf, which, rejection, ..GaugeSettings::default() };
     if args.shape == Shape::Shaft {
         settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     }
@@ -160,7 +168,7 @@ fn rings(
     {
         return Err(Failure::refuse("--edges, --bench, --vertical and --esf belong to --shape shaft"));
     }
-    if let Some(name) = args.judge.needs_scale() {
+    if let Some(name) = args.judge.needs_scale().or(args.choice.given()) {
         return Err(Failure::refuse(format!("{name} belongs to --shape shaft")));
     }
     let mut settings = RingSettings { bright_on_dark: args.bright_on_dark, ..RingSettings::default() };
@@ -274,7 +282,7 @@ fn measure_all(
     let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
     let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
     let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
-    let mut stream = gauge.stream();
+    let mut stream = (gauge.stream(), CrestStream::new(gauge.settings()));
     let (mut results, mut frames) = (Vec::new(), Vec::new());
     while let Some((stem, read)) = source.next_frame() {
         let frame = read
@@ -291,7 +299,13 @@ fn measure_all(
             }
             Err(error) => {
                 let result = Err((Reason::Unreadable, error));
-                results.push(Measured { stem, meta: FrameMeta::default(), columns: 0, result });
+                results.push(Measured {
+                    stem,
+                    meta: FrameMeta::default(),
+                    columns: 0,
+                    pitch_px: None,
+                    result,
+                });
             }
         }
     }
@@ -313,9 +327,19 @@ fn measure_all(
     let mut out = serde_json::Map::new();
     let mut figures = Vec::new();
     for measured in &results {
-        let mut row = frame_figures(measured, calibration, &conditions);
+        let mut row = frame_figures(args, measured, calibration, &conditions);
+        let edges = measured.result.as_ref().ok();
+        if let (Some(edges), Some(row)) = (edges, row.as_object_mut()) {
+            args.choice.report(&measured.stem, edges, row);
+            if let Some(pitch_px) = measured.pitch_px {
+                measure_crests::report(&measured.stem, pitch_px, row);
+            }
+        }
         if let (Some(follower), Some(row)) = (&mut follower, row.as_object_mut()) {
-            follower.add(&measured.meta, measured.result.as_ref().ok(), row);
+            follower.add(&measured.meta, edges, row);
+            if edges.is_some_and(|edges| args.choice.is_ambiguous(edges)) {
+                follower.not_proven(row);
+            }
         }
         figures.push(row);
     }
@@ -350,7 +374,8 @@ fn print_budgets(
 ) {
     for measured in results {
         let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
-        if let Some(reading) = WidthReading::of_largest(edges, calibration) {
+        let least = args.judge.least_stretch(Some(calibration));
+        if let Some(reading) = WidthReading::of_largest(edges, calibration, least) {
             say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
             say!(
                 "{}",
@@ -366,20 +391,27 @@ fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {
 
 fn measure_one(
     args: &MeasureArgs,
-    stream: &mut EdgeStream,
+    (stream, crests): &mut (EdgeStream, CrestStream),
     stem: String,
     meta: FrameMeta,
     view: &FrameView<'_>,
 ) -> Measured {
     let mut edges = FrameEdges::default();
-    let result = match stream.measure(view, &mut edges) {
-        Ok(()) => {
+    let mut first = stream.measure(view, &mut edges).map(|()| edges);
+    let mut pitch_px = None;
+    if args.choice.tries_crests()
+        && let Some((edges, pitch)) = crests.measure(&first, view)
+    {
+        (first, pitch_px) = (Ok(edges), Some(pitch));
+    }
+    let result = match first {
+        Ok(mut edges) => {
             edges.place_windows(0.0, f64::from(args.rows_between));
             Ok(edges)
         }
         Err(refused) => Err((refused.reason, format!("frame {stem}: {refused}"))),
     };
-    Measured { stem, meta, columns: view.columns(), result }
+    Measured { stem, meta, columns: view.columns(), pitch_px, result }
 }
 
 /// Warns where an edge-spread function was to be learnt and could not be.
@@ -420,14 +452,20 @@ fn report_refusals(results: &[Measured]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Value {
+fn frame_figures(
+    args: &MeasureArgs,
+    measured: &Measured,
+    calibration: Option<&Calibration>,
+    conditions: &Conditions,
+) -> Value {
+    let least = args.judge.least_stretch(calibration);
     let mut flags = BTreeMap::<&str, usize>::new();
     let mut largest: Option<LargestCaliper> = None;
     let mut valid = 0;
     match &measured.result {
         Ok(edges) => {
             valid = edges.valid();
-            largest = largest_caliper(edges);
+            largest = largest_caliper_over(edges, least);
             for reason in (0..edges.columns()).filter_map(|c| column_reason(&edges.top[c], &edges.bottom[c]))
             {
                 *flags.entry(reason.as_str()).or_default() += 1;
@@ -438,7 +476,7 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         }
     }
     let in_mm = calibration.zip(measured.result.as_ref().ok()).and_then(|(calibration, edges)| {
-        let budget = WidthReading::of_largest(edges, calibration)?.budget(calibration, conditions);
+        let budget = WidthReading::of_largest(edges, calibration, least)?.budget(calibration, conditions);
         Some((budget.diameter_mm, budget.u_mm()))
     });
     let mut figures = json!({
@@ -451,6 +489,9 @@ fn frame_figures(measured: &Measured, calibration: Option<&Calibration>, conditi
         "u_max_mm": in_mm.map(|v| v.1),
         "flags": flags,
     });
+    if let Some(largest) = largest {
+        place((&measured.meta, measured.columns), &largest, calibration, &mut figures);
+    }
     if let Err((_, why)) = &measured.result {
         figures["warnings"] = json!([why]);
     }
@@ -463,32 +504,16 @@ fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
     gap.or_else(|| top.reason()).or_else(|| bottom.reason())
 }
 
-/// A frame's judgement and the value that it rests on.
-fn judged_by(figures: &Value) -> String {
-    let Some(judgement) = figures.get("judgement") else { return String::new() };
-    let judged = &figures["judged"];
-    let what = judged["what"].as_str().unwrap_or("frame");
-    match (judgement.as_str(), judged["d_mm"].as_f64()) {
-        (Some(judgement), Some(d_mm)) => {
-            let u_mm = judged["u_mm"].as_f64().unwrap_or(f64::NAN);
-            format!("{judgement} {what} {} mm", stated(d_mm, u_mm)[0])
-        }
-        _ => match judged["z_mm"].as_f64() {
-            Some(z_mm) => format!("- {what} at z {z_mm:.2} unmeasured"),
-            None => format!("- {what} unmeasured"),
-        },
-    }
-}
-
 fn print_table(figures: &[Value], bench: Option<&Value>) {
     say_line!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} flags",
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} flags",
         "frame",
         "columns",
         "valid",
         "max px",
         "max mm",
         "u mm",
+        "over columns",
         "judged by"
     );
     let of = |f: &Value, value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
@@ -502,13 +527,14 @@ fn print_table(figures: &[Value], bench: Option<&Value>) {
             flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
         });
         say_line!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:<28} {flags}",
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} {flags}",
             f["frame"].as_str().unwrap_or(""),
             f["columns"],
             f["valid"],
             max_px,
             max_mm,
             u_mm,
+            stretch_text(f),
             judged_by(f),
         );
     }

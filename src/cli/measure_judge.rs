@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::Failure;
+use super::measure_choice::add_warning;
 use super::measure_size::{common_mm, envelope, judge_turn, part_form};
 use super::measure_statistics::FrameMeans;
 use super::measure_turn::{scatter_word, turn_json};
@@ -13,7 +14,9 @@ use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::form::Cutoff;
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
 use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
-use crate::gauge::{Calibration, ColumnDiameters, FrameEdges, largest_caliper};
+use crate::gauge::{
+    Calibration, ColumnDiameters, FrameEdges, LEAST_STRETCH, LargestCaliper, largest_caliper_over,
+};
 use crate::profile::{Diameter, Reading, Reason};
 
 /// Columns of a local size that is judged where no stations are given: as many as the largest diameter is the median of.
@@ -38,6 +41,12 @@ pub struct JudgeArgs {
     /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
     station_mm: Option<f64>,
+    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far as noise lets a narrow one be told.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    stretch_columns: Option<u16>,
+    /// Least width of a stretch that counts for the largest diameter, mm along the axis.
+    #[arg(long, value_name = "MM", value_parser = length, conflicts_with = "stretch_columns")]
+    stretch_mm: Option<f64>,
     /// Averages successive frames: moving:N, median:N or recursive:W.
     #[arg(long, value_name = "HOW", value_parser = averaging)]
     average: Option<Averaging>,
@@ -94,6 +103,7 @@ impl JudgeArgs {
         [
             (self.tolerance.is_some(), "--tolerance"),
             (self.station_mm.is_some(), "--station-mm"),
+            (self.stretch_mm.is_some(), "--stretch-mm"),
             (self.average.is_some(), "--average"),
             (self.budget, "--budget"),
             (self.turn, "--turn"),
@@ -110,6 +120,16 @@ impl JudgeArgs {
     /// Whether blurred frames give diameters.
     pub fn accepts_blur(&self) -> bool {
         self.accept_blur
+    }
+
+    /// Least width of a stretch that counts for the largest diameter, columns.
+    pub fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
+        let columns = self.stretch_mm.zip(calibration).map(|(mm, c)| (mm / c.scale_mm_per_px).ceil());
+        match (self.stretch_columns, columns) {
+            (Some(columns), _) => usize::from(columns),
+            (None, Some(columns)) => columns.clamp(1.0, 1e6) as usize,
+            (None, None) => LEAST_STRETCH,
+        }
     }
 
     /// k, where it is given.
@@ -152,7 +172,8 @@ fn is_uncalibrated(calibration: &Calibration) -> bool {
 /// A frame's largest diameter.
 #[derive(Clone, Copy)]
 struct Largest {
-    end_on: bool,
+    /// Whether the part has this one size: chords of a disc and roots beneath crests are none.
+    alone: bool,
     z_mm: f64,
     diameter: Diameter,
     freedom: f64,
@@ -254,12 +275,13 @@ impl<'a> Follower<'a> {
         if let Some(step) = self.args.angle_step {
             meta.angle_deg = step * index as f64;
         }
-        let reading = WidthReading::of_largest(edges, self.calibration);
+        let least = self.args.least_stretch(Some(self.calibration));
+        let reading = WidthReading::of_largest(edges, self.calibration, least);
         let budget = reading.as_ref().map(|r| stated_budget(r, self.calibration, &self.conditions));
         if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
             let why = "its diameter or uncertainty is no number: it has no diameter";
             tracing::warn!("frame {}: {why}", meta.frame_id);
-            out.insert("warnings".to_owned(), json!([why]));
+            add_warning(out, why);
             self.give_no_diameter(Reason::Implausible, edges, out);
             return;
         }
@@ -285,7 +307,7 @@ impl<'a> Follower<'a> {
             put(out, "u_average_mm", d.u_mm());
         }
         let largest = reading.zip(budget).map(|(reading, budget)| Largest {
-            end_on: largest_caliper(edges).is_some_and(|largest| largest.end_on),
+            alone: largest_caliper_over(edges, least).is_some_and(|l: LargestCaliper| l.end_on || l.tangents),
             z_mm: diameters.z_mm(&meta, 0) + reading.column_px * diameters.pitch_mm,
             diameter: Diameter {
                 d_mm: budget.diameter_mm,
@@ -307,7 +329,7 @@ impl<'a> Follower<'a> {
         let bench = self.calibration.bench.as_ref();
         if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
             tracing::warn!("frame {}: {error}", meta.frame_id);
-            out.insert("warnings".to_owned(), json!([error.to_string()]));
+            add_warning(out, &error.to_string());
         }
     }
 
@@ -328,8 +350,8 @@ impl<'a> Follower<'a> {
         self.args.tolerance.is_some_and(two_point)
     }
 
-    /// What was not measured is not proven good.
-    fn not_proven(&mut self, out: &mut Map<String, Value>) {
+    /// What was not measured, or may be another part, is not proven good.
+    pub fn not_proven(&mut self, out: &mut Map<String, Value>) {
         if self.judge.is_some() {
             out.insert("judgement".to_owned(), Value::Null);
             self.worst = worse(self.worst, Judgement::HI);
@@ -393,7 +415,8 @@ impl<'a> Follower<'a> {
         out.insert("stations".to_owned(), rows.into());
     }
 
-    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none.
+    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none; crests that face roots have
+    /// the distance of their tangents.
     fn to_be_judged(
         &self,
         meta: &FrameMeta,
@@ -407,7 +430,7 @@ impl<'a> Follower<'a> {
             reading: Reading::Value(l.diameter),
             freedom: l.freedom,
         });
-        if largest.is_some_and(|l| l.end_on) {
+        if largest.is_some_and(|l| l.alone) {
             return Vec::from_iter(largest_value);
         }
         let (what, length) = match self.args.station_mm {

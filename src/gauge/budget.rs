@@ -6,13 +6,11 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::bench::{Along, Conditions, CovariancePart, LensModel};
-use super::block_scatter::FEW_COLUMNS;
 pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
 pub use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
 use super::calibration::Calibration;
-use super::caliper::{largest_caliper, largest_caliper_where};
 use super::column_means::ColumnMeans;
 use super::diameter::Pose;
 use super::edges::{FrameEdges, FrameFigures};
@@ -238,56 +236,6 @@ impl WidthReading {
         })
     }
 
-    /// The largest caliper diameter of a frame, as [`super::largest_caliper`] finds it, behind the lens of a calibration.
-    pub fn of_largest(edges: &FrameEdges, calibration: &Calibration) -> Option<Self> {
-        let largest = match &calibration.bench {
-            Some(bench) => largest_caliper_where(edges, |column, top_px, bottom_px| {
-                let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
-                row(bottom_px) - row(top_px)
-            }),
-            None => largest_caliper(edges),
-        }?;
-        let half = 0.5 * largest.diameter_px;
-        let near = largest.column_px.round().clamp(0.0, edges.columns() as f64 - 1.0) as usize;
-        let (from, to) = (near.saturating_sub(32), (near + 33).min(edges.columns()));
-        let used: Vec<usize> = (from..to).filter(|c| edges.width_px(*c).is_some()).collect();
-        if used.is_empty() {
-            return None;
-        }
-        let n = used.len() as f64;
-        let mean = |f: &dyn Fn(usize) -> f64| used.iter().map(|c| f(*c)).sum::<f64>() / n;
-        let square = |v: f32| f64::from(v).powi(2);
-        let middle = mean(&|c| 0.5 * (edges.top[c].row_px + edges.bottom[c].row_px));
-        let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
-        // Variance of a median over that of a mean; of a shaft's run every other column is read.
-        let read = if largest.end_on { n } else { 0.5 * n };
-        let noise = std::f64::consts::FRAC_PI_2 * own / read;
-        let own_u = largest.u_own_px.powi(2);
-        // Few columns scatter less than their noise by chance.
-        let noise = if used.len() < FEW_COLUMNS { noise } else { noise.min(own_u) };
-        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
-        let shared = (largest.u_px.powi(2) - own_u).max(0.0);
-        let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
-        let clipped = edges.clipped_variance().min(shared - misfit);
-        let rounding = edges.figures.rounding_variance().min(shared - misfit - clipped);
-        Some(Self {
-            column_px: largest.column_px,
-            column_variance_px2: 0.0,
-            rows_px: (middle - half, middle + half),
-            chord: 1.0,
-            u_noise_px: noise.sqrt(),
-            quantisation_share: quantisation_share(edges),
-            u_levels_px: (shared - misfit - clipped - rounding).max(0.0).sqrt(),
-            u_misfit_px: misfit.sqrt(),
-            u_clipped_px: clipped.sqrt(),
-            u_rounding_px: rounding.sqrt(),
-            u_blur_px,
-            u_sigma_px,
-            figures: edges.figures,
-            form: Scatter::Known { u_px: (own_u - noise).max(0.0).sqrt(), freedom: (read - 1.0).max(1.0) },
-        })
-    }
-
     /// The diameter at 20 °C and its budget.
     pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
         let scale = calibration.scale_mm_per_px;
@@ -375,7 +323,7 @@ impl WidthReading {
 }
 
 /// Share of quantisation, 1/12 count², in the noise variance at mid-edge.
-fn quantisation_share(edges: &FrameEdges) -> f64 {
+pub(super) fn quantisation_share(edges: &FrameEdges) -> f64 {
     let [dark, light] = edges.figures.noise;
     let mid = 0.5 * (dark * dark + light * light);
     if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }

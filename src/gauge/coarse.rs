@@ -1,16 +1,17 @@
 //! Where the part is: the largest shadow of a thinned image, then whole-pixel edges along its border.
 //!
 //! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at the level that
-//! separates its grey values best (Otsu), and its largest connected shadow is the part. Specks of dirt, holes and
+//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of several: [`super::shadows`]). Specks of dirt, holes and
 //! neighbours that peep in at the border are other components and never seen again. Where one level does not separate
 //! light from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column cuts the part in
 //! two, the part is the largest shadow that stands between light in its own columns ([`super::valleys`]).
 
 use wide::f32x4;
 
-use super::components::{Components, Span};
+use super::components::Span;
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
+use super::shadows::{Grid, NoShadow, Shadows, ShadowsSeen};
 use super::valleys::{Bridged, Valleys, median_down};
 use crate::profile::Reason;
 
@@ -28,6 +29,9 @@ const WHOLE: f64 = 0.98;
 /// the search by two levels found: a speck in a field whose part reaches beyond the border is no part.
 const LEAST_BETWEEN: f64 = 0.25;
 const MORE: f64 = 1.02;
+/// Columns in which light inside the shadow is looked for, and rows beside its edges that blur may light.
+const LOOKED_AT: usize = 32;
+const EDGE: usize = 8;
 
 /// Rows that the shadow itself is looked for inside a stretch of dimmed light.
 const INWARDS: usize = 256;
@@ -43,12 +47,18 @@ pub(crate) struct Coarse {
     /// Last shadow row of each column.
     pub(crate) bottom: Vec<CoarseEdge>,
     thinned: Thinned,
-    components: Components,
+    /// Which shadow is the part, and what else there is.
+    pub(crate) shadows: Shadows,
     spans: Vec<Span>,
     valleys: Valleys,
     widths: Vec<i32>,
     /// What the search by two levels found, while valleys are looked for.
     spare: [Vec<CoarseEdge>; 2],
+}
+
+/// Whether a search found two shadows of which either may be the part.
+fn is_several(found: &Result<(), NoShadow>) -> bool {
+    found.as_ref().is_err_and(|none| none.reason == Reason::SeveralShadows)
 }
 
 /// The thinned image: one cell stands for `row_step` rows x `column_step` columns.
@@ -96,12 +106,16 @@ impl Coarse {
         &mut self,
         plane: &Plane<'_, T>,
         settings: &GaugeSettings,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), NoShadow> {
         self.thinned.fill(plane, settings.min_diameter_px);
         let by_levels = self.find_by_levels(plane, settings);
         let seen = self.pairs();
         if by_levels.is_ok() && seen as f64 >= WHOLE * plane.columns as f64 {
             return Ok(());
+        }
+        // A choice among several shadows stands: between light lies one wall as well as one part.
+        if settings.which.is_some() || self.shadows.seen.joined > 1 || is_several(&by_levels) {
+            return by_levels;
         }
         let [top, bottom] = &mut self.spare;
         std::mem::swap(top, &mut self.top);
@@ -122,16 +136,24 @@ impl Coarse {
         &mut self,
         plane: &Plane<'_, T>,
         settings: &GaugeSettings,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), NoShadow> {
+        self.shadows.seen = ShadowsSeen::one();
         self.top.clear();
         self.bottom.clear();
         let thinned = &self.thinned;
         let levels = separate(&thinned.values).ok_or(Reason::LowContrast)?;
-        if !self.components.largest(&thinned.values, thinned.columns, levels.threshold, &mut self.spans) {
-            return Err(Reason::NoEdge);
-        }
+        let grid = Grid {
+            values: &thinned.values,
+            columns: thinned.columns,
+            row_step: thinned.row_step,
+            threshold: levels.threshold,
+            min_diameter_px: settings.min_diameter_px,
+        };
+        self.shadows.choose(&grid, settings.which, &mut self.spans)?;
         self.refine_all(plane, settings.min_diameter_px, |_| levels.shadow);
-        self.explain().map_or(Ok(()), Err)
+        let inside_px = self.light_inside(plane, levels.threshold);
+        self.shadows.add_light_inside(inside_px);
+        self.explain().map_or(Ok(()), |reason| Err(reason.into()))
     }
 
     /// Finds the largest shadow between light of any level; no column has both edges where there is none.
@@ -140,7 +162,7 @@ impl Coarse {
         self.bottom.clear();
         let thinned = &self.thinned;
         self.valleys.find(&thinned.values, thinned.columns, Bridged::Yes);
-        if self.components.largest(&self.valleys.shares, thinned.columns, 0.5, &mut self.spans) {
+        if self.shadows.largest(&self.valleys.shares, thinned.columns, &mut self.spans) {
             self.valleys.set_levels(&thinned.values, &self.spans);
             let levels = std::mem::take(&mut self.valleys.shadow);
             self.refine_all(plane, settings.min_diameter_px, |cell| levels[cell]);
@@ -169,6 +191,25 @@ impl Coarse {
     /// Columns with both edges.
     fn pairs(&self) -> usize {
         self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_ok() && b.is_ok()).count()
+    }
+
+    /// Light inside the shadow that the thinned image may be too coarse to show, px: its mean thickness where most of the columns looked at
+    /// have some, else 0.
+    fn light_inside<T: Sample>(&self, plane: &Plane<'_, T>, threshold: f32) -> f64 {
+        let (mut lit, mut looked, mut sum) = (0, 0, 0.0);
+        for column in (0..plane.columns).step_by(plane.columns.div_ceil(LOOKED_AT)) {
+            let (Ok(top), Ok(bottom)) = (self.top[column], self.bottom[column]) else { continue };
+            looked += 1;
+            let (mut longest, mut run) = (0, 0);
+            for row in top.max(0) as usize + EDGE..(bottom.max(0) as usize).saturating_sub(EDGE) {
+                run = if plane.at(row, column) >= threshold { run + 1 } else { 0 };
+                longest = longest.max(run);
+            }
+            if longest >= 2 {
+                (lit, sum) = (lit + 1, sum + f64::from(longest));
+            }
+        }
+        if 2 * lit > looked { sum / f64::from(lit) } else { 0.0 }
     }
 
     /// Why no column has both edges, if so.

@@ -1,4 +1,4 @@
-//! The largest dark area of a grid: four-connected components joined run by run, in memory that a stream keeps.
+//! The dark areas of a grid: four-connected components joined run by run, in memory that a stream keeps.
 
 /// Dark cells of one row side by side: `from..to`.
 #[derive(Clone, Copy, Debug)]
@@ -14,28 +14,54 @@ pub(crate) struct Components {
     runs: Vec<Run>,
     /// A run of the same component with a smaller index, or the run itself.
     parent: Vec<u32>,
-    cells: Vec<u32>,
+    /// Place of the area that begins with a run.
+    areas: Vec<u32>,
 }
 
 /// First and last dark row of a column of the grid.
 pub(crate) type Span = Option<(usize, usize)>;
 
+/// A connected dark area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Area {
+    /// First run of the component: its name.
+    pub(crate) root: u32,
+    /// Cells in it.
+    pub(crate) cells: u32,
+    /// First and last row.
+    pub(crate) rows: (u32, u32),
+    /// First column and the one after the last.
+    pub(crate) columns: (u32, u32),
+}
+
 impl Components {
-    /// Writes the span of the largest component below `threshold` in each of the grid's columns; of two as large the one met first.
-    /// False where nothing is dark.
-    pub(crate) fn largest(
-        &mut self,
-        values: &[f32],
-        columns: usize,
-        threshold: f32,
-        spans: &mut Vec<Span>,
-    ) -> bool {
+    /// Finds the areas below `threshold`, in the order in which their first runs are met; empty where nothing is dark.
+    pub(crate) fn find(&mut self, values: &[f32], columns: usize, threshold: f32, areas: &mut Vec<Area>) {
         self.find_runs(values, columns, threshold);
-        let Some(largest) = self.largest_root() else { return false };
+        self.areas.clear();
+        self.areas.resize(self.runs.len(), u32::MAX);
+        areas.clear();
+        for index in 0..self.runs.len() {
+            let (run, root) = (self.runs[index], root(&mut self.parent, index as u32));
+            // The root is the first run of its component: its area is there before any other run asks for it.
+            if root as usize == index {
+                self.areas[index] = areas.len() as u32;
+                let (rows, columns) = ((run.row, run.row), (run.from, run.to));
+                areas.push(Area { root, cells: 0, rows, columns });
+            }
+            let area = &mut areas[self.areas[root as usize] as usize];
+            area.cells += run.to - run.from;
+            area.rows.1 = run.row;
+            area.columns = (area.columns.0.min(run.from), area.columns.1.max(run.to));
+        }
+    }
+
+    /// Writes the span of an area in each of the grid's columns.
+    pub(crate) fn spans(&mut self, area: &Area, columns: usize, spans: &mut Vec<Span>) {
         spans.clear();
         spans.resize(columns, None);
         for (index, run) in self.runs.iter().enumerate() {
-            if root(&mut self.parent, index as u32) != largest {
+            if root(&mut self.parent, index as u32) != area.root {
                 continue;
             }
             let row = run.row as usize;
@@ -43,7 +69,6 @@ impl Components {
                 *span = Some((span.map_or(row, |s| s.0), row));
             }
         }
-        true
     }
 
     fn find_runs(&mut self, values: &[f32], columns: usize, threshold: f32) {
@@ -80,16 +105,11 @@ impl Components {
             }
         }
     }
+}
 
-    fn largest_root(&mut self) -> Option<u32> {
-        self.cells.clear();
-        self.cells.resize(self.runs.len(), 0);
-        for (index, run) in self.runs.iter().enumerate() {
-            self.cells[root(&mut self.parent, index as u32) as usize] += run.to - run.from;
-        }
-        let most = self.cells.iter().max()?;
-        self.cells.iter().position(|cells| cells == most).map(|index| index as u32)
-    }
+/// The largest area; of two as large the one met first.
+pub(crate) fn largest(areas: &[Area]) -> Option<&Area> {
+    areas.iter().rev().max_by_key(|area| area.cells)
 }
 
 /// Root of a run, the path to it halved on the way.
@@ -113,9 +133,9 @@ mod tests {
         let values: Vec<f32> =
             grid.iter().flat_map(|row| row.chars().map(|c| if c == '#' { 0.0 } else { 1.0 })).collect();
         let (mut components, mut spans) = (Components::default(), Vec::new());
-        assert!(components.largest(&values, 6, 0.5, &mut spans));
+        assert!(largest_spans(&mut components, &values, 6, 0.5, &mut spans));
         assert_eq!(spans, [Some((0, 3)), Some((3, 3)), Some((3, 3)), Some((0, 3)), None, None]);
-        assert!(!components.largest(&[1.0; 12], 6, 0.5, &mut spans));
+        assert!(!largest_spans(&mut components, &[1.0; 12], 6, 0.5, &mut spans));
     }
 
     #[test]
@@ -130,9 +150,27 @@ mod tests {
                 })
                 .collect();
             let mut spans = Vec::new();
-            assert!(Components::default().largest(&values, columns, 0.55, &mut spans));
+            assert!(largest_spans(&mut Components::default(), &values, columns, 0.55, &mut spans));
             assert_eq!(spans, by_flood(&values, columns, 0.55));
         }
+    }
+
+    fn largest_spans(
+        components: &mut Components,
+        values: &[f32],
+        columns: usize,
+        threshold: f32,
+        spans: &mut Vec<Span>,
+    ) -> bool {
+        let mut areas = Vec::new();
+        components.find(values, columns, threshold, &mut areas);
+        assert_eq!(
+            areas.iter().map(|a| a.cells as usize).sum::<usize>(),
+            values.iter().filter(|v| **v < threshold).count()
+        );
+        let Some(area) = largest(&areas) else { return false };
+        components.spans(area, columns, spans);
+        true
     }
 
     fn by_flood(values: &[f32], columns: usize, threshold: f32) -> Vec<Span> {

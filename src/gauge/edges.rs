@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::shadows::ShadowsSeen;
 use crate::profile::Reason;
 
 /// Whether an edge may be used.
@@ -88,6 +89,8 @@ pub struct FrameFigures {
     /// Standard uncertainty of the upper and lower edge by rounding that repeats in neighbouring columns and in every frame, px: noise below
     /// half a count leaves some.
     pub rounding_px: [f64; 2],
+    /// Other shadows in the frame.
+    pub shadows: ShadowsSeen,
 }
 
 impl FrameFigures {

@@ -6,6 +6,7 @@ use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameRefused};
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
+use super::shadows::NoShadow;
 use crate::profile::Reason;
 
 /// Least size that a shadow is looked for at to say how large the largest one is, px.
@@ -19,6 +20,18 @@ const ONE_LEVEL: f64 = 12.0;
 /// A refusal.
 pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
     FrameRefused { reason, detail }
+}
+
+/// Why no shadow was chosen: what the choice says, else what the grey values do.
+pub(crate) fn no_shadow<T: Sample>(
+    plane: &Plane<'_, T>,
+    settings: &GaugeSettings,
+    none: NoShadow,
+) -> FrameRefused {
+    match none.detail {
+        Some(detail) => FrameRefused { reason: none.reason, detail },
+        None => no_part(plane, settings, none.reason),
+    }
 }
 
 /// The coarse search found no part.

@@ -277,7 +277,7 @@ impl EdgeStream {
         out: &mut FrameEdges,
     ) -> Result<bool, FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
-        found.map_err(|reason| explain::no_part(plane, &self.settings, reason))?;
+        found.map_err(|none| explain::no_shadow(plane, &self.settings, none))?;
         if let Some(lines) = repeated_lines(plane) {
             return Err(refused(Reason::Repeated, lines.to_string()));
         }
@@ -579,6 +579,7 @@ impl EdgeStream {
             misfit: self.misfit(),
             quantised: scene.rounding.step > 0.0,
             rounding_px: [0.0; 2],
+            shadows: self.coarse.shadows.seen,
         }
     }
 }

@@ -31,6 +31,7 @@ mod gate;
 mod grey_ends;
 mod grey_step;
 mod lanes;
+mod largest_reading;
 mod learn;
 mod levels;
 mod median;
@@ -51,9 +52,11 @@ pub mod stated;
 pub mod statistics;
 
 mod settings;
+mod shadows;
 mod shape_terms;
 mod side;
 mod station;
+mod stretch;
 mod stuck_rows;
 mod table;
 pub mod turn_form;
@@ -66,7 +69,7 @@ mod wire_frame;
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
-pub use caliper::{LargestCaliper, largest_caliper};
+pub use caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
 pub use diameter::{ColumnDiameters, Pose};
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
 pub use edge_table::EdgeTable;
@@ -76,10 +79,13 @@ pub use lanes::Lanes;
 pub use learn::LEAST_TRAVEL;
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
-    StationSettings,
+    StationSettings, Which,
 };
+pub use shadows::ShadowsSeen;
 pub(crate) use station::Seen;
 pub use station::StationAverager;
+pub use stretch::LEAST_STRETCH;
+pub use stretch::crests::crest_pitch_px;
 
 use crate::frame::FrameView;
 

@@ -14,6 +14,10 @@ pub struct GaugeSettings {
     pub polarity: Polarity,
     /// Smallest shadow taken for a part, px across; anything smaller is dirt. At least 4.
     pub min_diameter_px: f64,
+    /// Which of several shadows is the part; without it the largest, a bright line inside it spanned, and a frame in which two equal
+    /// shadows may be the walls of one tube refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub which: Option<Which>,
     /// Least contrast A/σ_n at mid-edge for which edges are measured. At least 4.
     pub min_snr: f64,
     /// Steepest edge measured, as |d row / d column|. Above 0, at most 3.
@@ -47,6 +51,7 @@ impl Default for GaugeSettings {
         Self {
             polarity: Polarity::DarkOnBright,
             min_diameter_px: 24.0,
+            which: None,
             min_snr: 6.0,
             max_slope: 1.0,
             residual_false_alarm: 1e-5,
@@ -72,6 +77,21 @@ pub enum Polarity {
     DarkOnBright,
     /// A lit part before a dark ground.
     BrightOnDark,
+}
+
+/// Which of several shadows is measured. All count that have both edges in the field, run along half of the largest one's columns or
+/// more, and are at least `min_diameter_px` thick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Which {
+    /// The one of the largest area; a bright line parts it from its other half.
+    Largest,
+    /// The one whose middle lies nearest to the middle of the field.
+    NearestCentre,
+    /// From the first edge of the first one to the last edge of the last one: the walls of a tube.
+    Outermost,
+    /// The n-th from the top. 1 or more.
+    Number(#[schemars(range(min = 1))] u16),
 }
 
 /// What becomes of columns whose edge noise and neighbours do not explain.
@@ -218,6 +238,13 @@ pub struct GaugeSettingsError {
 }
 
 impl GaugeSettings {
+    /// These settings for a part whose outline goes up and down by itself (threads, knurls): flanks to 71° are measured, and nothing is
+    /// refused for leaving its neighbours or the axis.
+    #[must_use]
+    pub fn for_crests(self) -> Self {
+        Self { rejection: Rejection::Off, max_slope: 3.0, outlier_px: 1e3, ..self }
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -236,6 +263,9 @@ impl GaugeSettings {
         }
         if let Blur::Given { sigma_px } = self.blur {
             within("blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
+        }
+        if let Some(Which::Number(number)) = self.which {
+            within("which.number", f64::from(number), 1.0, 65_535.0, "1 for the uppermost shadow, or more")?;
         }
         self.esf.validate()?;
         self.plausibility.validate()?;

@@ -228,7 +228,7 @@ impl SideState {
         slopes(&self.windows, &mut self.slope);
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
             if centre.is_ok() && !(f64::from(slope.abs()) <= max_slope) {
-                *centre = Err(Reason::NoEdge);
+                *centre = Err(Reason::Steep);
             }
         }
     }

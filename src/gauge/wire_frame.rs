@@ -63,6 +63,7 @@ pub(crate) fn measure<T: Sample>(
         misfit,
         quantised: scale.floor > 0.0,
         rounding_px: [0.0; 2],
+        shadows: coarse.shadows.seen,
     };
     let valid = out.valid();
     if valid < LEAST_VALID {
