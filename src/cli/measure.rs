@@ -339,6 +339,9 @@ fn measure_all(
             follower.add(&measured.meta, edges, row);
             if edges.is_some_and(|edges| args.choice.is_ambiguous(edges)) {
                 follower.not_proven(row);
+                if row.contains_key("judged") {
+                    row.insert("judged".to_owned(), json!({ "what": "frame", "flag": "several_shadows" }));
+                }
             }
         }
         figures.push(row);

@@ -31,9 +31,10 @@ impl CrestStream {
     ) -> Option<(FrameEdges, f64)> {
         let poor = match first {
             Ok(edges) => (edges.valid() as f64) < FEW * edges.columns() as f64 && is_crested(edges),
-            Err(refused) => {
-                matches!(refused.reason, Reason::NoEdge | Reason::Outlier | Reason::Steep | Reason::Residual)
-            }
+            Err(refused) => matches!(
+                refused.reason,
+                Reason::NoEdge | Reason::Outlier | Reason::Steep | Reason::Residual | Reason::Contaminated
+            ),
         };
         if !poor {
             return None;

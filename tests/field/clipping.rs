@@ -5,7 +5,7 @@ use rand_distr::{Distribution, Normal, Uniform};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::ring::{RingSettings, measure_ring};
-use shadowgauge::gauge::{EdgeState, FrameEdges, Gauge, GaugeSettings, largest_caliper};
+use shadowgauge::gauge::{EdgeState, FrameEdges, Gauge, GaugeSettings, largest_caliper_over};
 use shadowgauge::profile::Reason;
 use statrs::function::erf::erf;
 
@@ -156,7 +156,8 @@ fn edges(frame: &Frame) -> Result<FrameEdges, Reason> {
 
 /// Error of the diameter and its u, px, or nothing where the frame was refused.
 fn shaft_of(frame: &Frame) -> Option<(f64, f64)> {
-    let largest = largest_caliper(&edges(frame).ok()?)?;
+    // Over 65 columns and more: u is to change with the light, not with the stretch that is largest.
+    let largest = largest_caliper_over(&edges(frame).ok()?, 65)?;
     Some((largest.diameter_px - WIDTH, largest.u_px))
 }
 

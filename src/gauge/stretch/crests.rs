@@ -17,6 +17,8 @@ const SIGNIFICANT: f64 = 4.0;
 const LEAST_PX: f64 = 0.1;
 /// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it begins.
 const PITCHES: f64 = 2.5;
+/// Relative standard deviation of half a pitch of a thread or knurl: blocks of five columns leave 1.4 px of ten or more.
+const MOST_UNEVEN: f64 = 0.3;
 /// Shortest such stretch, columns.
 const SHORTEST: f64 = 65.0;
 
@@ -26,12 +28,14 @@ pub(crate) struct Crests {
     bottom: Line,
     /// Pitch, px.
     pub(crate) pitch_px: f64,
+    /// Relative standard deviation of half a pitch.
+    unevenness: f64,
     columns: usize,
 }
 
-/// Pitch of crests that face roots, px, where the frame shows such.
+/// Pitch of crests that face roots, px, where the frame shows such at even distances: dirt on both sides alternates, but not evenly.
 pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
-    Crests::find(edges).map(|crests| crests.pitch_px)
+    Crests::find(edges).filter(|crests| crests.unevenness <= MOST_UNEVEN).map(|crests| crests.pitch_px)
 }
 
 /// A side's heights above the axis as points of a line.
@@ -86,7 +90,7 @@ impl Crests {
     pub(crate) fn find(edges: &FrameEdges) -> Option<Self> {
         let (a, b) = (straight(&edges.top)?, straight(&edges.bottom)?);
         let axis = |x: f64| 0.5 * (a.0 + b.0 + (a.1 + b.1) * x);
-        let pitch_px = pitch(edges, axis)?;
+        let (pitch_px, unevenness) = pitch(edges, axis)?;
         // Roots and flanks tilt a side's own line where the field shows no whole number of pitches; its crests do not.
         let crest_slopes =
             crest_slope(&edges.top, -1.0, pitch_px).zip(crest_slope(&edges.bottom, 1.0, pitch_px));
@@ -96,6 +100,7 @@ impl Crests {
             top: heights(&edges.top, axis, -1.0),
             bottom: heights(&edges.bottom, axis, 1.0),
             pitch_px,
+            unevenness,
             columns: edges.columns(),
         })
     }
@@ -138,9 +143,9 @@ fn within(line: &Line, from: f64, length: f64) -> std::ops::Range<usize> {
     start..end.max(start)
 }
 
-/// Pitch of crests that face roots, px: twice the mean distance of the middle's changes of side.
-fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<f64> {
-    let (mut side, mut changes, mut first, mut last) = (0.0, 0_usize, None, 0.0);
+/// Pitch of crests that face roots, px: twice the mean distance of the middle's changes of side; with that distance's relative scatter.
+fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let (mut side, mut changes) = (0.0, Vec::new());
     let (mut square, mut count) = (0.0, 0.0);
     for from in (0..edges.columns()).step_by(BLOCK) {
         let (mut sum, mut variance, mut n) = (0.0, 0.0, 0.0);
@@ -164,16 +169,19 @@ fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<f64> {
         let now = mean.signum();
         if now != side {
             if side != 0.0 {
-                changes += 1;
-                last = from as f64;
-                first = first.or(Some(last));
+                changes.push(from as f64);
             }
             side = now;
         }
     }
     let amplitude = (2.0 * square / f64::max(count, 1.0)).sqrt();
-    let apart = last - first?;
-    (changes >= LEAST_CHANGES && amplitude >= LEAST_PX).then(|| 2.0 * apart / (changes - 1) as f64)
+    if changes.len() < LEAST_CHANGES || amplitude < LEAST_PX {
+        return None;
+    }
+    let n = (changes.len() - 1) as f64;
+    let half = (changes[changes.len() - 1] - changes[0]) / n;
+    let variance = changes.windows(2).map(|pair| (pair[1] - pair[0] - half).powi(2)).sum::<f64>() / n;
+    Some((2.0 * half, variance.sqrt() / half))
 }
 
 #[cfg(test)]
