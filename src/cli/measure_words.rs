@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::frame::FrameMeta;
+use crate::gauge::stated::stated;
 use crate::gauge::{Calibration, LargestCaliper};
 
 /// Where the largest diameter stands and over which stretch.

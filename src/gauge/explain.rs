@@ -22,6 +22,11 @@ pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
     FrameRefused { reason, detail }
 }
 
+/// No side of the shadow tells its levels.
+pub(crate) fn no_levels() -> FrameRefused {
+    refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
+}
+
 /// Why no shadow was chosen: what the choice says, else what the grey values do.
 pub(crate) fn no_shadow<T: Sample>(
     plane: &Plane<'_, T>,

@@ -12,7 +12,7 @@ use super::coarse::{Coarse, CoarseEdge};
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
-use super::explain::{self, refused};
+use super::explain::{self, no_levels, refused};
 use super::gate;
 use super::grey_step::grey_step;
 use super::noise::NoiseModel;
@@ -596,8 +596,4 @@ fn both<A: Send, B: Send>(
     } else {
         (a(), b())
     }
-}
-
-fn no_levels() -> FrameRefused {
-    refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
 }

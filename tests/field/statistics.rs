@@ -7,7 +7,7 @@ use serde_json::Value;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat, Pixels};
 use shadowgauge::gauge::bench::Conditions;
 use shadowgauge::gauge::budget::WidthReading;
-use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings};
+use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings, LEAST_STRETCH};
 use shadowgauge::profile::Reason;
 
 use crate::support::{measured, shadowgauge};
@@ -71,7 +71,7 @@ fn errors_over_u(scene: &Scene, columns: usize, seed: u64) -> Option<[f64; 3]> {
     let mean = calibration.diameters(&edges).mean(0..columns).value()?;
     Some([
         of(WidthReading::of_frame(&edges, 0..columns)?),
-        of(WidthReading::of_largest(&edges, &calibration)?),
+        of(WidthReading::of_largest(&edges, &calibration, LEAST_STRETCH)?),
         (mean.d_mm - scene.diameter()) / mean.u_mm(),
     ])
 }
