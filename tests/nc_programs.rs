@@ -184,8 +184,15 @@ fn interpret(program: &str) -> Option<(Vec<Move>, String)> {
     std::fs::write(&file, program).expect("written");
     let table = folder.path().join("tool.tbl");
     std::fs::write(&table, "T1 P1 X0 Z0\n").expect("written");
-    let run =
-        Command::new("rs274").arg("-t").arg(&table).arg("-g").arg(&file).current_dir(folder.path()).output();
+    // it maps ~/.tool.mmap: two at once in one home end with a bus error
+    let run = Command::new("rs274")
+        .env("HOME", folder.path())
+        .current_dir(folder.path())
+        .arg("-t")
+        .arg(&table)
+        .arg("-g")
+        .arg(&file)
+        .output();
     let output = match run {
         Ok(output) => output,
         Err(e) => {
