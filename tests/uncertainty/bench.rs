@@ -249,9 +249,9 @@ fn a_wrong_edge_model_is_not_the_lens() {
     for k in 0..PARAMETERS {
         println!("{k}: {:e} {:e}", right.parameters[k], wrong.parameters[k]);
     }
-    // The telecentricity is told by the two diameters at one place: 0.06 px of difference stay out of it.
+    // The telecentricity is told by the two diameters at one place, to 1.2e-6/mm under this noise: 0.06 px of difference would be 7e-6.
     let t = |found: &shadowgauge::gauge::bench::Adjusted| found.lens.telecentricity_per_mm;
-    assert!((t(&wrong) - world().lens.telecentricity_per_mm).abs() < 1e-6, "{:e}", t(&wrong));
+    assert!((t(&wrong) - world().lens.telecentricity_per_mm).abs() < 3e-6, "{:e}", t(&wrong));
     assert!((wrong.parameters[1] - right.parameters[1]).abs() < 1e-4);
     for source in ["distortion and keystone", "telecentricity of the lens"] {
         let (before, after) = (row(&right, source), row(&wrong, source));
