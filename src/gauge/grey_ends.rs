@@ -18,6 +18,8 @@ const AT_ONE: f64 = 0.015;
 const PILED: f64 = 1.5;
 /// Pixels expected beyond an end, none seen, that prove it: chance leaves none of ten once in 20 000.
 const EXPECTED: f64 = 10.0;
+/// Share of the pixels expected beyond an end that may be seen there: hot ones.
+const SEEN: f64 = 0.2;
 /// Pairs of pixels that tell a noise.
 const PAIRS: usize = 32;
 /// Most flat pixels looked at closely.
@@ -95,13 +97,15 @@ pub(crate) fn judge(
         return None;
     }
     let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
-    let at_end = count(end, f32::INFINITY);
+    let at_end = pool.iter().filter(|v| **v == end).count() as f64;
     let apart = (0.5 * noise).max(step);
     let before = count(end - apart as f32, end);
     // Of a Gaussian with this share above its last grey value, the share a step farther out.
     let share = (at_end / all).min(1.0 - 1.0 / all);
     let beyond = all * phi_cdf(-(inverse_tail(share) + apart / noise));
-    (at_end > PILED * before && beyond > EXPECTED).then_some((end, step))
+    // Hot pixels stand anywhere beyond, the other half of a bell right behind.
+    let behind = count(end, end + 2.0 * (noise as f32).max(apart as f32)) - at_end;
+    (at_end > PILED * before && beyond > EXPECTED && behind < SEEN * beyond).then_some((end, step))
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.

@@ -4,6 +4,8 @@
 #[derive(Clone, Debug)]
 pub(super) struct Level {
     base: Vec<f32>,
+    /// First and last column between which the knots lie; constant beyond.
+    range: (usize, usize),
     /// Values at the knots, counts.
     pub(super) knots: Vec<f64>,
     /// Standard uncertainty of a known curve's offset, counts; none where the level is free.
@@ -13,14 +15,19 @@ pub(super) struct Level {
 impl Level {
     /// A curve that is known but for a common offset of standard uncertainty `u`, counts.
     pub(super) fn known(curve: &[f32], u: f64) -> Self {
-        Self { base: curve.to_vec(), knots: vec![0.0], prior: Some(u.max(1e-9)) }
+        let range = (0, curve.len() - 1);
+        Self { base: curve.to_vec(), range, knots: vec![0.0], prior: Some(u.max(1e-9)) }
     }
 
-    /// Knots that the fit is to find, from a curve to start with.
-    pub(super) fn free(curve: &[f32], knots: usize) -> Self {
-        let last = curve.len() - 1;
-        let at = |k: usize| f64::from(curve[(k * last) / (knots - 1).max(1)]);
-        Self { base: vec![0.0; curve.len()], knots: (0..knots).map(at).collect(), prior: None }
+    /// Knots between two columns that the fit is to find, from a curve to start with.
+    pub(super) fn free(curve: &[f32], range: (usize, usize), knots: usize) -> Self {
+        let at = |k: usize| f64::from(curve[range.0 + k * (range.1 - range.0) / (knots - 1).max(1)]);
+        Self { base: vec![0.0; curve.len()], range, knots: (0..knots).map(at).collect(), prior: None }
+    }
+
+    /// The same level held at a value.
+    pub(super) fn held(&self, value: f64) -> Self {
+        Self::known(&vec![value as f32; self.base.len()], 1e-6)
     }
 
     /// The two knots around a column and the weight of the second.
@@ -29,7 +36,9 @@ impl Level {
         if spaces == 0 {
             return (0, 0, 0.0);
         }
-        let at = column as f64 * spaces as f64 / (self.base.len() - 1).max(1) as f64;
+        let (first, last) = self.range;
+        let along = column.clamp(first, last) - first;
+        let at = (along * spaces) as f64 / (last - first).max(1) as f64;
         let left = (at as usize).min(spaces - 1);
         (left, left + 1, at - left as f64)
     }
@@ -43,6 +52,6 @@ impl Level {
     /// The same level with more knots.
     pub(super) fn with_knots(&self, knots: usize) -> Self {
         let curve: Vec<f32> = (0..self.base.len()).map(|c| self.at(c) as f32).collect();
-        Self::free(&curve, knots)
+        Self::free(&curve, self.range, knots)
     }
 }

@@ -36,6 +36,10 @@ const AT_THE_BOUND: f64 = 0.98;
 const EXPLAINED: f64 = 1.2;
 /// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
 const MOST_SHOWN_PX: f64 = 1.0;
+/// χ² over its expectation beyond which no edge-spread function of the family fits.
+const MISFITTING: f64 = 2.0;
+/// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
+const HELD: (f64, f64) = (0.05, 0.5);
 /// Relative standard uncertainty of a blur that is given.
 const GIVEN_TO: f64 = 1e-3;
 
@@ -78,17 +82,17 @@ pub(crate) fn fit_side(
 ) -> Option<ClippedSide> {
     let columns = windows.centre.len();
     let fitted = fit_joint(windows, slope, start);
-    let Some((joint, settled)) = fitted else {
+    let Some((joint, settled, held)) = fitted else {
         let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
         return None;
     };
     // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
-    let hidden = (settled.misfit - EXPLAINED).max(0.0) / settled.misfit;
+    let hidden = if held > 0.0 { 0.0 } else { (settled.misfit - EXPLAINED).max(0.0) / settled.misfit };
     let (mut variance, mut usable) = (0.0, 0.0);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
-            Ok(_) => fit_column(windows, &joint, &settled, column, *slope, hidden),
+            Ok(_) => fit_column(windows, &joint, &settled, column, *slope, (hidden, held)),
             Err(reason) => (Edge::gap(reason), 0.0),
         };
         if edge.is_usable() {
@@ -105,7 +109,11 @@ pub(crate) fn fit_side(
     })
 }
 
-fn fit_joint<'a>(windows: &Windows, slope: &[f32], start: &ClippedStart<'a>) -> Option<(Joint<'a>, Settled)> {
+fn fit_joint<'a>(
+    windows: &Windows,
+    slope: &[f32],
+    start: &ClippedStart<'a>,
+) -> Option<(Joint<'a>, Settled, f64)> {
     let able: Vec<usize> = (0..windows.centre.len())
         .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
         .collect();
@@ -123,7 +131,7 @@ fn fit_joint<'a>(windows: &Windows, slope: &[f32], start: &ClippedStart<'a>) -> 
     let known = |curve: &LevelCurve, clipped: bool, knots: usize, beyond: f64| match clipped {
         true => {
             let from: Vec<f32> = curve.level.iter().map(|l| l + beyond as f32).collect();
-            Level::free(&from, knots)
+            Level::free(&from, (able[0], able[able.len() - 1]), knots)
         }
         false => Level::known(&curve.level, f64::from(mean(&curve.uncertainty))),
     };
@@ -173,12 +181,42 @@ fn fit_joint<'a>(windows: &Windows, slope: &[f32], start: &ClippedStart<'a>) -> 
         *place = at.map_or(*place, |(x, _)| x);
     }
     let settled = best.settle(windows, slope, seen)?;
+    if settled.misfit > MISFITTING {
+        return hold(best, windows, slope, seen);
+    }
     let bound = |level: &Level, end: f64| {
         level.prior.is_none()
             && level.knots.iter().any(|knot| (knot - end).abs() > AT_THE_BOUND * (BRIGHTEST - 1.0) * seen)
     };
     let beyond = bound(&best.dark, ends.low) || bound(&best.light, ends.high);
-    (!beyond).then_some((best, settled))
+    (!beyond).then_some((best, settled, 0.0))
+}
+
+/// Where no edge-spread function of the family fits, the flank does not state the light: it is held a little beyond the end, and what the
+/// edges move by farther beyond is their common uncertainty, px (the value taken stands at one end of a rectangle; √2 for both edges).
+fn hold<'a>(
+    joint: Joint<'a>,
+    windows: &Windows,
+    slope: &[f32],
+    seen: f64,
+) -> Option<(Joint<'a>, Settled, f64)> {
+    let ends = joint.likelihood.ends;
+    let at = |beyond: f64| -> Option<(Joint<'a>, Settled)> {
+        let mut held = joint.clone();
+        held.likelihood.terms = Default::default();
+        for (level, end, sign) in [(&mut held.dark, ends.low, -1.0), (&mut held.light, ends.high, 1.0)] {
+            if level.prior.is_none() {
+                *level = level.held(end + sign * beyond * seen);
+            }
+        }
+        let settled = held.settle(windows, slope, seen)?;
+        Some((held, settled))
+    };
+    let (near, settled) = at(HELD.0)?;
+    let (far, _) = at(HELD.1)?;
+    let mean = |places: &[f64]| places.iter().sum::<f64>() / places.len().max(1) as f64;
+    let moved = (mean(&far.places) - mean(&near.places)).abs();
+    Some((near, settled, moved * (2.0_f64 / 3.0).sqrt()))
 }
 
 fn price(settled: &Settled, knots: usize) -> f64 {
@@ -202,7 +240,7 @@ fn fit_column(
     settled: &Settled,
     column: usize,
     slope: f32,
-    hidden: f64,
+    (hidden, held): (f64, f64),
 ) -> (Edge, f64) {
     let at = joint.column(column, slope);
     let start = f64::from(windows.start[column]);
@@ -221,6 +259,7 @@ fn fit_column(
     let (all, known_shape) = joint.shared(settled, column, &score);
     let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
     let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
+    let model = if held > 0.0 { held * held } else { model };
     let edge = Edge {
         row_px: windows.row(column, x as f32),
         u_own_px: (1.0 / own).sqrt() as f32,

@@ -24,6 +24,12 @@ const SIGMA: usize = 6;
 const HUBER: f64 = 3.0;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
 const CHI2_GATE: f64 = 4.0;
+/// Error of the model taken with the noise where all of the light is clipped, as a share of the contrast. Its level is then
+/// extrapolated from the edge's own shape, and no lens's edge is Gaussian to better than about 2 %: without this the quiet
+/// shadow's foot alone would decide on level, blur and so position.
+const CLIPPED_MODEL: f64 = 0.02;
+/// Share of flat pixels at an end from which on nothing else states their level.
+const ALL_CLIPPED: f64 = 0.9;
 /// Contrast is looked for up to this multiple of what is seen of it.
 const MOST_CONTRAST: f64 = 4.0;
 type Vector<const P: usize> = SVector<f64, P>;
@@ -194,9 +200,16 @@ impl<const P: usize> State<P> {
             let separated = self.clipped.as_ref().map(|c| &c.separated);
             let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift, separated);
             let variance = self.variance.at(light);
+            if P == POOLED
+                && let Some(Clipped { ends, .. }) = self.clipped
+                && (pixel.value >= ends.high && value >= pixel.value
+                    || pixel.value <= ends.low && value <= pixel.value)
+            {
+                continue;
+            }
             let (mut residual, mut information, mut between, mut expected) =
                 (pixel.value - value, 1.0, true, 1.0);
-            if let Some(clipped) = &self.clipped {
+            if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
                 let censored = Censored::new(pixel.value, value, variance.sqrt(), clipped.ends);
                 residual = censored.residual * variance.sqrt();
                 (information, between, expected) =
@@ -236,7 +249,7 @@ impl<const P: usize> State<P> {
         let scale = (POOLED..P).fold(scale, |scale, k| scale.min(tame(full[k], 2.0 * AMPLITUDE)));
         let change = full * scale;
         self.pooled += change;
-        if let Some(clipped) = &self.clipped {
+        if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
             self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, MOST_CONTRAST * clipped.seen);
         }
         self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
@@ -277,7 +290,9 @@ impl<const P: usize> State<P> {
         let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
         // Where the light is clipped the pixels left are the ones that read too low.
         let light = if counts[2] >= 100 && ends.high.is_infinite() { light } else { 2.0 * middle - dark };
-        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
+        let of_model = P == POOLED && self.clipped.is_some();
+        let model = if of_model { (CLIPPED_MODEL * self.pooled[3]).powi(2) } else { 0.0 };
+        self.variance = Variance([dark + model, middle + model, light.max(0.5 * middle) + model]);
     }
 
     /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the shadow share, px: `lever` is the shift's
@@ -363,7 +378,20 @@ pub(super) fn fit_edge(
     outlier_sigmas: f64,
     ends: Option<Ends>,
 ) -> Result<EdgeFit, String> {
+    let share_at_ends = |ends: Ends| {
+        let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
+        let share = |flat: &dyn Fn(&EdgePixel) -> bool, at: &dyn Fn(&EdgePixel) -> bool| {
+            let all = || band.sectors.iter().flatten().filter(|p| flat(p));
+            all().filter(|p| at(p)).count() as f64 / all().count().max(1) as f64
+        };
+        let light = share(&|p| p.distance > 0.7 * reach, &|p| p.value >= ends.high);
+        let dark = share(&|p| p.distance < -0.7 * reach, &|p| p.value <= ends.low);
+        light.max(dark)
+    };
     match ends {
+        Some(clipped) if share_at_ends(clipped) > ALL_CLIPPED => {
+            settle(State::<POOLED>::start(band, least_variance, ends), band, outlier_sigmas)
+        }
         None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas),
         Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas),
     }
@@ -396,7 +424,8 @@ fn settle<const P: usize>(
             state.judge(band, outlier_sigmas);
         }
     }
-    if let Some(clipped) = &state.clipped
+    if P == SHAPED
+        && let Some(clipped) = &state.clipped
         && state.pooled[3] > 0.98 * MOST_CONTRAST * clipped.seen
     {
         return Err("saturated: light or shadow is clipped at the end of the grey scale, and the flank does not state how far beyond it lies; expose less".to_owned());
