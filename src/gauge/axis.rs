@@ -10,7 +10,7 @@ mod hills;
 
 use nalgebra::{Matrix3, Vector3};
 
-use self::hills::{HILLS, Hill, noise_of_block};
+use self::hills::{HILLS, Hill};
 use super::edges::{Edge, EdgeState};
 use super::median::{BLOCK, LANES, medians};
 use crate::profile::Reason;
@@ -130,9 +130,9 @@ fn refuse_once(
     }
     let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
-    let mut any = scratch.mark(column_sd, block_sd);
+    let mut any = scratch.mark((column_sd, block_sd), (&*top, &*bottom));
     if !calm {
-        any |= scratch.mark_local(&axis, (column_sd, noise_of_block(top, bottom)), dirty);
+        any |= scratch.mark_local(&axis, (column_sd, dirty), (&*top, &*bottom));
     }
     if !any && usable == top.len() {
         return 0.0;
@@ -158,6 +158,15 @@ fn refuse_all(line: &mut [Edge]) -> f64 {
         edge.state = EdgeState::Gap(Reason::Contaminated);
     }
     1.0
+}
+
+/// Root mean square of the noise that the edges of some columns state of their middle, px.
+fn own_noise((top, bottom): (&[Edge], &[Edge]), columns: std::ops::Range<usize>) -> f64 {
+    let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
+    let pairs = top[columns.clone()].iter().zip(&bottom[columns]);
+    let usable = pairs.filter(|(t, b)| t.is_usable() && b.is_usable());
+    let (sum, count) = usable.fold((0.0, 0.0_f64), |(sum, n), (t, b)| (sum + own(t) + own(b), n + 1.0));
+    (0.25 * sum / count.max(1.0)).sqrt()
 }
 
 /// Medians of eight whole blocks; `None` where a value is missing.
@@ -441,8 +450,9 @@ impl AxisScratch {
         (column_sd, block_sd.max(column_sd * MEDIAN_OF_BLOCK))
     }
 
-    /// Marks what departs, and what belongs to it; gives whether anything does.
-    fn mark(&mut self, column_sd: f64, block_sd: f64) -> bool {
+    /// Marks what departs, and what belongs to it; gives whether anything does. Where light falls off along the shaft, edges in its dim
+    /// part scatter by more than the field does: what their own noise makes is no departure.
+    fn mark(&mut self, (column_sd, block_sd): (f64, f64), edges: (&[Edge], &[Edge])) -> bool {
         let columns = self.departures.len();
         let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
         let block_limit = (BLOCK_LIMIT * block_sd).max(FLOOR_PX) as f32;
@@ -456,14 +466,21 @@ impl AxisScratch {
                 (sum, count) = (sum + d, count + 1.0);
                 (least, most) = (least.min(*d), most.max(*d));
             }
-            if sum.abs() > block_limit * count && count >= 4.0 {
-                self.refused[index * BLOCK..index * BLOCK + chunk.len()].fill(true);
+            let whole = sum.abs() > block_limit * count && count >= 4.0;
+            if !whole && most.max(-least) <= column_limit {
+                continue;
+            }
+            let place = index * BLOCK..index * BLOCK + chunk.len();
+            let own = own_noise(edges, place.clone()) as f32;
+            if whole && sum.abs() > BLOCK_LIMIT as f32 * own * count.sqrt() {
+                self.refused[place].fill(true);
                 any = true;
-            } else if most.max(-least) > column_limit {
-                for (k, d) in chunk.iter().enumerate() {
-                    self.refused[index * BLOCK + k] |= d.abs() > column_limit;
-                }
-                any = true;
+                continue;
+            }
+            let limit = column_limit.max(COLUMN_LIMIT as f32 * own);
+            for (refused, d) in self.refused[place].iter_mut().zip(chunk) {
+                *refused |= d.abs() > limit;
+                any |= *refused;
             }
         }
         if any {

@@ -89,6 +89,18 @@ impl Coarse {
         Some(Found { width_px, share: coarse.pairs() as f64 / plane.columns as f64 })
     }
 
+    /// Median distance of the edges from the border of a field of so many rows, px, at the side where it is smaller.
+    pub(crate) fn nearest_to_border(&self, rows: usize) -> Option<f64> {
+        let median = |line: &[CoarseEdge], distance: &dyn Fn(i32) -> i32| {
+            let mut all: Vec<i32> = line.iter().flatten().map(|row| distance(*row)).collect();
+            all.sort_unstable();
+            all.get(all.len() / 2).map(|px| f64::from(*px))
+        };
+        let above = median(&self.top, &|row| row)?;
+        let below = median(&self.bottom, &|row| rows as i32 - 1 - row)?;
+        Some(above.min(below))
+    }
+
     /// Median width of the columns with both edges, px.
     pub(crate) fn median_width(&mut self) -> Option<f64> {
         self.widths.clear();

@@ -39,6 +39,16 @@ pub(crate) fn no_shadow<T: Sample>(
     }
 }
 
+/// A frame of too few rows or columns.
+pub(crate) fn too_small((rows, columns): (usize, usize), (least, narrowest): (usize, usize)) -> FrameRefused {
+    refused(
+        Reason::NoEdge,
+        format!(
+            "{rows} rows x {columns} columns; at least {least} x {narrowest} are needed to tell levels and noise"
+        ),
+    )
+}
+
 /// The coarse search found no part.
 pub(crate) fn no_part<T: Sample>(
     plane: &Plane<'_, T>,

@@ -35,6 +35,9 @@ const LEFT: f32 = 0.35;
 const PLAIN: f32 = 6.0;
 /// Least factor of the contrast that a pixel of a window is divided by: farther into the shadow no light is left.
 const LEAST_FACTOR: f32 = 0.25;
+/// Least change that is taken out, as a share of the contrast: ripples and tails of an edge-spread function change by 2 % beyond a
+/// window, and less than that moves an edge by some thousandths of a pixel, which are stated.
+const LEAST_LEVELLED: f32 = 0.03;
 /// Most change that is taken out, as a share of the contrast: more is not light that falls off but a cloud or another part.
 const MOST_CHANGE: f32 = 0.5;
 
@@ -42,6 +45,13 @@ const MOST_CHANGE: f32 = 0.5;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Falloff {
     tiles: Vec<Change>,
+    /// Whether the change was taken out of the windows.
+    levelled: bool,
+}
+
+/// Columns of a tile.
+fn tile_columns(tile: usize, windows: &Windows) -> std::ops::Range<usize> {
+    tile * TILE..((tile + 1) * TILE).min(windows.centre.len())
 }
 
 /// Change of the light beside a tile of columns.
@@ -53,8 +63,8 @@ struct Change {
     scatter: f32,
     /// Columns looked at.
     columns: u32,
-    /// Whether it was taken out of the windows.
-    levelled: bool,
+    /// What is taken out of the windows, counts.
+    taken: f32,
 }
 
 /// Distance of the flat end's middle from that of the far pixels, px.
@@ -66,6 +76,7 @@ impl Falloff {
     /// Looks at the light beyond the windows of a side.
     pub(crate) fn look<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
         self.tiles.clear();
+        self.levelled = false;
         let down = windows.side == Side::Bottom;
         let ahead = (windows.width - 1 + BEYOND - half(windows.width)) as i32 * windows.side.sign();
         for (tile, centres) in windows.centre.chunks(TILE).enumerate() {
@@ -85,32 +96,60 @@ impl Falloff {
         }
     }
 
-    /// Takes the change out of the windows of the tiles where it is plain. Their flat ends stay as they are.
-    pub(crate) fn level(&mut self, windows: &mut Windows) {
+    /// Takes the change out of the windows of a side where most of its tiles plainly show one. Their flat ends stay as they are, and so do
+    /// grey values of `low` or less, at which the shadow is clipped.
+    pub(crate) fn level(&mut self, windows: &mut Windows, low: f32) {
+        if self.levelled {
+            return;
+        }
+        let Some(mean) = self.trend(windows) else { return };
+        self.levelled = true;
+        for tile in 0..self.tiles.len() {
+            let share = self.tiles[tile].share(windows, tile_columns(tile, windows));
+            let plain = share * mean.signum() > LEAST_LEVELLED;
+            self.tiles[tile].taken = if plain { self.tiles[tile].counts } else { mean };
+        }
         let width = windows.width;
         // Place of the light's flat end in a window.
         let end = (width - 1) as f32 - 0.5 * (windows.flat as f32 + 1.0);
-        for (tile, change) in self.tiles.iter_mut().enumerate() {
-            if change.levelled || !(change.counts.abs() > PLAIN * change.scatter) {
-                continue;
+        let (dark, contrast) = mean_levels(windows, 0..windows.centre.len());
+        for column in (0..windows.centre.len()).filter(|c| windows.light[*c].is_finite()) {
+            let slope = self.taken_at(column) / apart(windows.flat);
+            let own = (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
+            let window = &mut windows.pixels[column * width..(column + 1) * width];
+            for (k, value) in window.iter_mut().enumerate().filter(|(_, value)| **value > low) {
+                let factor = 1.0 + slope / own * (k as f32 - end);
+                *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
             }
-            let columns = tile * TILE..((tile + 1) * TILE).min(windows.centre.len());
-            let (dark, contrast) = mean_levels(windows, columns.clone());
-            let share = change.counts.abs() / contrast;
-            if !(share > LEAST_CHANGE as f32 && share < MOST_CHANGE) {
-                continue;
-            }
-            change.levelled = true;
-            let slope = change.counts / apart(windows.flat);
-            for column in columns.filter(|c| windows.centre[*c].is_ok()) {
-                let own = (windows.light[column] - windows.dark[column]).max(0.5 * contrast);
-                let window = &mut windows.pixels[column * width..(column + 1) * width];
-                for (k, value) in window.iter_mut().enumerate() {
-                    let factor = 1.0 + slope / own * (k as f32 - end);
-                    *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
+        }
+    }
+
+    /// Mean change of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
+    /// uneven; a cloud of mist is beside a few tiles, and the tails of an edge change less.
+    fn trend(&self, windows: &Windows) -> Option<f32> {
+        let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
+        for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
+            known += 1;
+            // Most frames end here.
+            if change.counts.abs() > PLAIN * change.scatter {
+                let share = change.share(windows, tile_columns(tile, windows));
+                let side = usize::from(share > 0.0);
+                if share.abs() > LEAST_LEVELLED {
+                    sums[side] += change.counts;
+                    counts[side] += 1;
                 }
             }
         }
+        let side = usize::from(counts[1] > counts[0]);
+        (2 * counts[side] > known).then(|| sums[side] / counts[side] as f32)
+    }
+
+    /// The change taken out at a column, between the middles of its tile and the next, counts.
+    fn taken_at(&self, column: usize) -> f32 {
+        let place = (column as f32 / TILE as f32 - 0.5).clamp(0.0, self.tiles.len() as f32 - 1.0);
+        let left = (place as usize).min(self.tiles.len().saturating_sub(2));
+        let (a, b) = (&self.tiles[left], &self.tiles[(left + 1).min(self.tiles.len() - 1)]);
+        a.taken + (place - left as f32) * (b.taken - a.taken)
     }
 
     /// Adds to the shared uncertainty of a side's edges what the light's change outwards moved them by.
@@ -134,7 +173,7 @@ impl Falloff {
             if !(change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt())) {
                 continue;
             }
-            let left = if seen.levelled { LEFT } else { 1.0 };
+            let left = if self.levelled { LEFT } else { 1.0 };
             let moved = left * (shift * change / contrast) as f32;
             for edge in edges.iter_mut().filter(|e| e.is_usable()) {
                 edge.u_shared_px = edge.u_shared_px.hypot(moved);
@@ -147,7 +186,7 @@ impl Change {
     /// From the changes of single columns.
     fn of(changes: &mut [f32]) -> Self {
         let columns = changes.len();
-        let unknown = Self { counts: f32::NAN, scatter: f32::NAN, columns: columns as u32, levelled: false };
+        let unknown = Self { counts: f32::NAN, scatter: f32::NAN, columns: columns as u32, taken: 0.0 };
         if columns < LEAST {
             return unknown;
         }
@@ -156,6 +195,15 @@ impl Change {
         let spread = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
         let scatter = 1.4826 * MEDIAN as f32 * spread / (columns as f32).sqrt();
         Self { counts, scatter, ..unknown }
+    }
+}
+
+impl Change {
+    /// The change as a share of the contrast of its columns, where it is plain and no more than light falls off by; else 0.
+    fn share(&self, windows: &Windows, columns: std::ops::Range<usize>) -> f32 {
+        let share = self.counts / mean_levels(windows, columns).1;
+        let plain = self.counts.abs() > PLAIN * self.scatter && share.abs() < MOST_CHANGE;
+        if plain { share } else { 0.0 }
     }
 }
 

@@ -8,7 +8,7 @@
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
 use super::censored::Ends;
-use super::coarse::{Coarse, CoarseEdge};
+use super::coarse::Coarse;
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::esf::{EdgeShape, StepTable};
@@ -45,6 +45,8 @@ const SHARP_PX: f64 = 0.4;
 const NOISY_AREA_PX: f64 = 0.05;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
+/// A usual blur, px.
+const USUAL_SIGMA_PX: f64 = 1.0;
 /// Share of a side's windows that a stuck row may cross.
 const MOST_CROSSED: f64 = 0.5;
 /// Frames after which the part is searched anew, in case another has come in.
@@ -161,14 +163,7 @@ impl EdgeStream {
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
     pub fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
         if view.rows() < LEAST_ROWS || view.columns() < LEAST_COLUMNS {
-            return Err(refused(
-                Reason::NoEdge,
-                format!(
-                    "{} rows x {} columns; at least {LEAST_ROWS} x {LEAST_COLUMNS} are needed to tell levels and noise",
-                    view.rows(),
-                    view.columns()
-                ),
-            ));
+            return Err(explain::too_small((view.rows(), view.columns()), (LEAST_ROWS, LEAST_COLUMNS)));
         }
         if !all_finite(view) {
             return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
@@ -299,7 +294,16 @@ impl EdgeStream {
             None => self.rough_blur(plane)?,
         };
         let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
-        scene = self.leave_out_stuck(plane, scale, scene)?;
+        let clear = self.leave_out_stuck(plane, scale, scene);
+        scene = match clear {
+            // A stuck row within the wide windows of the first guess may have made that guess: narrow ones may be clear of it.
+            Err(_) if given.is_none() && sigma > USUAL_SIGMA_PX => {
+                sigma = USUAL_SIGMA_PX;
+                let scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                self.leave_out_stuck(plane, scale, scene)?
+            }
+            clear => clear?,
+        };
         self.pool(&scene)?;
         if given.is_none() {
             self.refine_blur(&scene, sigma);
@@ -373,7 +377,7 @@ impl EdgeStream {
             }
         }
         let needed = self.sides[0].window_width(0.8) / 2;
-        Err(explain::too_near(needed, self.nearest_to_border(plane.rows)))
+        Err(explain::too_near(needed, self.coarse.nearest_to_border(plane.rows)))
     }
 
     /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
@@ -419,7 +423,10 @@ impl EdgeStream {
         let count = top.levels.count + bottom.levels.count;
         if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
             let rows = self.rows;
-            return Err(explain::too_near(self.sides[0].windows.width / 2, self.nearest_to_border(rows)));
+            return Err(explain::too_near(
+                self.sides[0].windows.width / 2,
+                self.coarse.nearest_to_border(rows),
+            ));
         }
         if count == 0.0 {
             return Err(no_levels());
@@ -443,18 +450,6 @@ impl EdgeStream {
             let cut = side.windows.centre.iter().filter(|c| **c == Err(Reason::Border)).count();
             2 * cut > side.windows.centre.len()
         })
-    }
-
-    /// Median distance of the edges from the border of a field of so many rows, px, at the side where it is smaller.
-    fn nearest_to_border(&self, rows: usize) -> Option<f64> {
-        let median = |line: &[CoarseEdge], distance: &dyn Fn(i32) -> i32| {
-            let mut all: Vec<i32> = line.iter().flatten().map(|row| distance(*row)).collect();
-            all.sort_unstable();
-            all.get(all.len() / 2).map(|px| f64::from(*px))
-        };
-        let above = median(&self.coarse.top, &|row| row)?;
-        let below = median(&self.coarse.bottom, &|row| rows as i32 - 1 - row)?;
-        Some(above.min(below))
     }
 
     fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {

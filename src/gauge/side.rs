@@ -17,7 +17,7 @@ use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::table::{FINE, Table, half, window_width};
-use super::window::{Side, Windows};
+use super::window::{LevelSums, Side, Windows};
 use crate::profile::Reason;
 
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
@@ -100,14 +100,6 @@ pub(crate) struct Survey {
     pub(crate) ends: Option<Ends>,
     /// Noise in the shadow and in the light.
     pub(crate) spread: [Spread; 2],
-}
-
-/// Level sums of a side before pooling.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LevelSums {
-    pub(crate) dark: f64,
-    pub(crate) light: f64,
-    pub(crate) count: f64,
 }
 
 impl SideState {
@@ -253,15 +245,16 @@ impl SideState {
 
     /// What the windows say of levels and noise before the other side is known.
     pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
-        let levels = self.level_sums();
+        let levels = self.windows.level_sums();
         let mut spread = [Spread::default(); 2];
         let least = scale.least((levels.light - levels.dark) / levels.count.max(1.0));
         if estimate_noise && levels.count > 0.0 {
             spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
         let ends = if levels.count > 0.0 { self.ends(scale, levels, spread, least) } else { None };
-        if ends.is_none() {
-            self.falloff.level(&mut self.windows);
+        // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
+        if ends.is_none_or(|ends| !ends.high.is_finite()) {
+            self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
         }
         match ends {
             // What is clipped does not scatter as it would.
@@ -298,26 +291,6 @@ impl SideState {
         let (low, high) = (find(Dark), find(Light));
         (self.floats, self.differences) = (floats, squares);
         Ends::of(low, high)
-    }
-
-    fn level_sums(&self) -> LevelSums {
-        let (mut dark_sums, mut light_sums, mut counts) = ([0.0_f64; 4], [0.0_f64; 4], [0.0_f64; 4]);
-        let (darks, rest) = self.windows.dark.as_chunks::<4>();
-        let (lights, other) = self.windows.light.as_chunks::<4>();
-        for (dark, light) in darks.iter().zip(lights) {
-            for k in 0..4 {
-                let there = dark[k].is_finite();
-                dark_sums[k] += if there { f64::from(dark[k]) } else { 0.0 };
-                light_sums[k] += if there { f64::from(light[k]) } else { 0.0 };
-                counts[k] += if there { 1.0 } else { 0.0 };
-            }
-        }
-        for (dark, light) in rest.iter().zip(other).filter(|(dark, _)| dark.is_finite()) {
-            (dark_sums[0], light_sums[0]) =
-                (dark_sums[0] + f64::from(*dark), light_sums[0] + f64::from(*light));
-            counts[0] += 1.0;
-        }
-        LevelSums { dark: dark_sums.iter().sum(), light: light_sums.iter().sum(), count: counts.iter().sum() }
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
@@ -479,6 +452,10 @@ impl SideState {
             curve.length = length;
         }
         self.clipped_px = side.u_px;
+        if !ends.high.is_finite() {
+            let index = self.table(side.sigma, noise.kappa(self.dark.mean, self.light.mean), false);
+            self.falloff.state(line, &self.windows, (&self.dark, &self.light), (noise, &self.tables[index]));
+        }
         side.freedom
     }
 

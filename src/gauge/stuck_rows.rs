@@ -30,6 +30,14 @@ pub(crate) struct StuckRow {
     pub(crate) share: f64,
 }
 
+/// What a stuck row shows in the first column looked at, counts.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    counts: f32,
+    /// By how much it stands above or below both neighbours.
+    departure: f32,
+}
+
 /// Takes the windows that stuck rows cross out of a side; gives the row that crosses most of them.
 pub(crate) fn leave_out<T: Sample>(
     plane: &Plane<'_, T>,
@@ -40,11 +48,17 @@ pub(crate) fn leave_out<T: Sample>(
     let known = || windows.centre.iter().flatten();
     let (low, high) = (known().min()? - reach, known().max()? + reach);
     let last = plane.rows as i32 - 2;
-    let stuck: Vec<(usize, f32)> = (low.max(1)..=high.min(last))
+    let stuck: Vec<(usize, Level)> = (low.max(1)..=high.min(last))
         .filter_map(|row| Some((row as usize, level_if_stuck(plane, windows, row, (reach, contrast))?)))
         .collect();
+    // A row beside a stuck one may stand apart from it and from the edge: of neighbours the one that departs by more is stuck.
+    let outdone =
+        |row: usize, by: f32| stuck.iter().any(|(other, l)| other.abs_diff(row) == 1 && l.departure > by);
     let mut most: Option<StuckRow> = None;
-    for (row, level) in stuck {
+    for (row, Level { counts: level, departure }) in stuck.iter().copied() {
+        if outdone(row, departure) {
+            continue;
+        }
         let crosses = |c: i32| (row as i32 - c).abs() <= reach;
         let crossed: Vec<usize> =
             (0..windows.centre.len()).filter(|k| windows.centre[*k].is_ok_and(crosses)).collect();
@@ -66,7 +80,7 @@ fn level_if_stuck<T: Sample>(
     windows: &Windows,
     row: i32,
     (reach, contrast): (i32, f32),
-) -> Option<f32> {
+) -> Option<Level> {
     let step = windows.centre.len().div_ceil(SAMPLES).max(1);
     let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
     let (mut above, mut below, mut count) = (0, 0, 0);
@@ -90,7 +104,11 @@ fn level_if_stuck<T: Sample>(
     let scatters = |k: usize| range[k].1 - range[k].0 >= LEAST_RANGE && share_of(equal[k], count) <= ALIVE;
     let departs = share_of(above.max(below), count) >= NEARLY_ALL;
     let dead = share_of(equal[1], count) >= ALIKE && scatters(0) && scatters(2);
-    first.filter(|_| count >= LEAST && (departs || dead)).map(|[_, own, _]| own)
+    let level = |[upper, own, lower]: [f32; 3]| Level {
+        counts: own,
+        departure: (own - upper.max(lower)).max(upper.min(lower) - own).max(0.0),
+    };
+    first.filter(|_| count >= LEAST && (departs || dead)).map(level)
 }
 
 fn share_of(part: usize, all: usize) -> f64 {

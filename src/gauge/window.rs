@@ -38,6 +38,14 @@ impl Side {
     }
 }
 
+/// Level sums of a side before pooling.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LevelSums {
+    pub(crate) dark: f64,
+    pub(crate) light: f64,
+    pub(crate) count: f64,
+}
+
 /// The windows of one side of a frame; slots without a window carry a reason.
 #[derive(Clone, Debug)]
 pub(crate) struct Windows {
@@ -95,6 +103,27 @@ impl Windows {
     /// The window of a column.
     pub(crate) fn of(&self, column: usize) -> &[f32] {
         &self.pixels[column * self.width..(column + 1) * self.width]
+    }
+
+    /// Sums of the flat ends' levels over the columns with a window.
+    pub(crate) fn level_sums(&self) -> LevelSums {
+        let (mut dark_sums, mut light_sums, mut counts) = ([0.0_f64; 4], [0.0_f64; 4], [0.0_f64; 4]);
+        let (darks, rest) = self.dark.as_chunks::<4>();
+        let (lights, other) = self.light.as_chunks::<4>();
+        for (dark, light) in darks.iter().zip(lights) {
+            for k in 0..4 {
+                let there = dark[k].is_finite();
+                dark_sums[k] += if there { f64::from(dark[k]) } else { 0.0 };
+                light_sums[k] += if there { f64::from(light[k]) } else { 0.0 };
+                counts[k] += if there { 1.0 } else { 0.0 };
+            }
+        }
+        for (dark, light) in rest.iter().zip(other).filter(|(dark, _)| dark.is_finite()) {
+            (dark_sums[0], light_sums[0]) =
+                (dark_sums[0] + f64::from(*dark), light_sums[0] + f64::from(*light));
+            counts[0] += 1.0;
+        }
+        LevelSums { dark: dark_sums.iter().sum(), light: light_sums.iter().sum(), count: counts.iter().sum() }
     }
 
     /// Row of a place in a column's window; NaN without a window.

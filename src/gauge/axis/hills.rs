@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::super::median::BLOCK;
 use super::{
     AxisScratch, Block, Edge, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MEDIAN_OF_BLOCK, MOST_BULGE, basis,
-    robust_sd,
+    own_noise, robust_sd,
 };
 
 /// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
@@ -46,7 +46,7 @@ pub(super) struct Hill {
 
 /// Standard deviation of a block's middle by the noise of its edges alone, px: a few places may scatter less by chance, but that is what
 /// they are worth.
-pub(super) fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
+fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
     const STEP: usize = 4;
     let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
     let pairs = top.iter().zip(bottom).step_by(STEP).filter(|(t, b)| t.is_usable() && b.is_usable());
@@ -59,13 +59,14 @@ impl AxisScratch {
     pub(super) fn mark_local(
         &mut self,
         axis: &Vector3<f64>,
-        (column_sd, block_noise): (f64, f64),
-        dirty: bool,
+        (column_sd, dirty): (f64, bool),
+        edges: (&[Edge], &[Edge]),
     ) -> bool {
+        let block_noise = noise_of_block(edges.0, edges.1);
         let mut any = false;
         for reach in REACHES {
             for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
-                any |= self.mark_hills(axis, reach, border, (gain * block_noise, dirty));
+                any |= self.mark_hills(axis, (reach, border), (gain, gain * block_noise, dirty), edges);
             }
         }
         if any {
@@ -79,9 +80,9 @@ impl AxisScratch {
     fn mark_hills(
         &mut self,
         axis: &Vector3<f64>,
-        reach: usize,
-        border: bool,
-        (noise, dirty): (f64, bool),
+        (reach, border): (usize, bool),
+        (gain, noise, dirty): (f64, f64, bool),
+        edges: (&[Edge], &[Edge]),
     ) -> bool {
         self.suspects.clear();
         let mut any = false;
@@ -96,9 +97,11 @@ impl AxisScratch {
             let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
                 let hill = self.suspects[suspect];
-                if hill.peak.abs() > limit * sd.max(noise) {
-                    let from = self.blocks[hill.first].index * BLOCK;
-                    let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
+                let from = self.blocks[hill.first].index * BLOCK;
+                let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
+                // In the dim part of uneven light edges scatter by more than the field's do.
+                let own = gain * MEDIAN_OF_BLOCK * own_noise(edges, from..to);
+                if hill.peak.abs() > limit * sd.max(noise).max(own) {
                     self.refused[from..to].fill(true);
                     any = true;
                 }
