@@ -56,7 +56,7 @@ study reference_frames cargo test --release --locked --test gauge_stream sixteen
 # 10^4 frames of 2048 x 2048 pixels, 12 bit, in memory: first frame, median, p99 on one thread and on two
 study gauge_frames "$bin" render configs/bench_2048.toml --frames 8 --backend cpu --out "$out/gauge_frames"
 for threads in 1 2; do
-  study "gauge_bench_$threads" "$bin" measure "$out/gauge_frames/frames" --um-per-px 15 --threads "$threads" --bench 10000 --json
+  study "gauge_bench_$threads" "$bin" measure "$out/gauge_frames/frames" --um-per-px file --threads "$threads" --bench 10000 --json
 done
 study edge_peers sh benches/peers/run.sh
 study roi cargo test --release --locked --test gauge_stream frames_a_second -- --ignored --nocapture --test-threads 1

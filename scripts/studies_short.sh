@@ -38,5 +38,5 @@ else
 fi
 # -- speed, with the peer or floor that belongs to it
 study frames "$bin" render configs/bench_2048.toml --frames 8 --backend cpu --format png8 --out "$out/frames"
-study gauge_bench "$bin" measure "$out/frames/frames" --um-per-px 15 --threads 1 --bench 2000 --json
+study gauge_bench "$bin" measure "$out/frames/frames" --um-per-px file --threads 1 --bench 2000 --json
 study render_bench "$bin" render configs/bench_2048.toml --bench 100 --json --backend cpu
