@@ -61,7 +61,16 @@ pub(crate) struct Elsewhere {
 /// Whether anything speaks for an end at a level: a glance at few pixels.
 pub(crate) fn may_end(windows: &Windows, level: Level, pool: &mut Vec<f32>) -> bool {
     collect(windows, level, GLANCE, pool);
-    candidate(pool).is_some()
+    candidate(pool).is_some_and(|end| stands_out(pool, end))
+}
+
+/// Whether at least as many pixels stand at a grey value as at the next one below: on the outer slope of a bell fewer do.
+fn stands_out(pool: &[f32], end: f32) -> bool {
+    let below = pool.iter().copied().filter(|v| *v < end).fold(f32::NEG_INFINITY, f32::max);
+    let (at_end, before) = pool.iter().fold((0, 0), |(at_end, before), v| {
+        (at_end + usize::from(*v == end), before + usize::from(*v == below))
+    });
+    at_end >= before
 }
 
 /// The grey value at which a level of the side is clipped; `None` where it is not.
@@ -91,13 +100,17 @@ pub(crate) fn judge(
     let end = candidate(pool)?;
     let all = pool.len() as f64;
     let step = f64::from(grid(pool)).max(known_step);
+    let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
+    let at_end = pool.iter().filter(|v| **v == end).count() as f64;
+    // At least a step is looked at below: most levels are done with here, before their noise is asked for.
+    if !(at_end > PILED * count(end - step as f32, end)) {
+        return None;
+    }
     let least = (NOISE.0 * step).max(if known_step > 0.0 { 0.0 } else { NOISE.1 * contrast });
     let noise = noise(end, least, step);
     if !(noise > least) {
         return None;
     }
-    let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
-    let at_end = pool.iter().filter(|v| **v == end).count() as f64;
     let apart = (0.5 * noise).max(step);
     let before = count(end - apart as f32, end);
     // Of a Gaussian with this share above its last grey value, the share a step farther out.
