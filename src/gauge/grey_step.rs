@@ -55,11 +55,19 @@ pub(crate) fn grey_step<T: Sample>(
     let least = gaps().fold(f32::INFINITY, f32::min);
     if whole_counts {
         let divisor = gaps().fold(0, |d, gap| greatest_common_divisor(d, gap as u32));
-        let step = if divisor > 1 { f64::from(divisor) } else { lattice(values, f64::from(least)) };
-        return step.max(unit);
+        if divisor > 1 {
+            return if is_chance(values.len(), divisor) { unit } else { f64::from(divisor) };
+        }
+        return lattice(values, f64::from(least)).max(unit);
     }
     let multiple = |gap: f32| (gap / least - (gap / least).round()).abs() < NEAR * (gap / least).max(1.0);
     if values.len() >= ENOUGH_VALUES && gaps().all(multiple) { f64::from(least) } else { 0.0 }
+}
+
+/// Whether so many grey values of a scale of single counts have gaps with a common divisor by chance: the first gap gives one, each
+/// further gap is a multiple of it with probability 1/divisor. Two values, of a drawn or thresholded picture, show no step.
+fn is_chance(values: usize, divisor: u32) -> bool {
+    (2.0 - values as f64) * f64::from(divisor).ln() > CHANCE.ln()
 }
 
 /// The step near `least` that all values are rounded multiples of, counted from the first; 1 where there is none, or where values without a step

@@ -381,6 +381,7 @@ fn a_calibration_says_and_keeps_its_edge_model() {
         ("gaussian.json", edge.as_str()),
     ] {
         let (code, said, _) = measure(calibration, &["--esf", esf]);
+        let said = said.replace("│ ", "");
         assert!(code == 2 && said.contains("edge-spread function"), "{calibration} {esf}: {said}");
     }
     // A file from before names its model only.
