@@ -58,7 +58,6 @@ impl OutputFile {
                         ));
                     }
                 }
-                std::fs::create_dir_all(place::folder_of(&target)).map_err(OutputError::failed(path))?;
                 let temporary = place::temporary(&target);
                 if temporary.is_dir() {
                     // A folder of that name was being filled when its command was killed.
