@@ -155,7 +155,8 @@ impl Shadows {
         };
         let wide = |area: &Area| f64::from(area.columns.1 - area.columns.0);
         let least = ALONG * wide(&main);
-        for area in self.areas.iter().filter(|area| inside(area) && wide(area) >= least) {
+        let continues = |area: &Area| is_continued(&main, area);
+        for area in self.areas.iter().filter(|area| inside(area) && wide(area) >= least && !continues(area)) {
             self.components.spans(area, grid.columns, &mut self.other);
             let step = grid.row_step as f64;
             let (mut first, mut last, mut n) = (0.0, 0.0, 0.0);
@@ -269,6 +270,14 @@ impl Shadows {
             left_out_row_px: left_out.map_or(0.0, Strip::middle_px),
         };
     }
+}
+
+/// Whether an area is the same part beyond an interruption along the field: in other columns, and in at least half of the rows.
+fn is_continued(main: &Area, area: &Area) -> bool {
+    let common = |a: (u32, u32), b: (u32, u32)| a.1.min(b.1).saturating_sub(a.0.max(b.0));
+    let rows = |a: &Area| (a.rows.0, a.rows.1 + 1);
+    let least_high = (main.rows.1 - main.rows.0).min(area.rows.1 - area.rows.0) + 1;
+    common(main.columns, area.columns) == 0 && 2 * common(rows(main), rows(area)) >= least_high
 }
 
 /// Light between two strips, the upper one first, px.

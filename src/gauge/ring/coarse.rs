@@ -139,7 +139,10 @@ fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
     }
     let (dark, light) = (mean(&|v| v < level), mean(&|v| v >= level));
     let (contrast, noise) = (light.0 - dark.0, dark.1.hypot(light.1));
-    if dark.2 == 0.0 || contrast < LEAST_CONTRAST * noise || contrast < LEAST_COUNTS && whole_counts {
+    if dark.2 == 0.0 {
+        return Err(RingError::LowContrast { contrast: 0.0, noise: light.1, least: LEAST_CONTRAST });
+    }
+    if contrast < LEAST_CONTRAST * noise || contrast < LEAST_COUNTS && whole_counts {
         return Err(RingError::LowContrast { contrast, noise, least: LEAST_CONTRAST });
     }
     Ok(level)
