@@ -212,7 +212,7 @@ fn zones_down_to_two_expanded_uncertainties_accept() {
     let number = |frame: &Value, key: &str| frame["judged"][key].as_f64().unwrap();
     // Of all values it is the decisive one's u that counts, which the widest has.
     let (d, u) = (number(&wide, "d_mm"), number(&wide, "u_mm"));
-    let narrow = judged(d - 0.9 * u, d + 0.9 * u);
+    let narrow = judged(d - 0.3 * u, d + 0.3 * u);
     assert_ne!(narrow["judgement"], "GO", "{narrow}");
     assert!(narrow["acceptance_zone"].as_str().unwrap().contains("leaves no acceptance zone"), "{narrow}");
     assert!(narrow["judged"]["guard_mm"].is_null());

@@ -260,11 +260,13 @@ fn fit_column(
     let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
     let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
     let model = if held > 0.0 { held * held } else { model };
+    // Where no model fits, columns are judged by what the model leaves of all of them, which is in their own u.
+    let expected = if held > 0.0 { settled.misfit.max(1.0) } else { 1.0 };
     let edge = Edge {
         row_px: windows.row(column, x as f32),
         u_own_px: (1.0 / own).sqrt() as f32,
         u_shared_px: (known_shape + model + 2.0 * shown).sqrt() as f32,
-        chi2: (chi2 / (telling - 1.0).max(1.0)) as f32,
+        chi2: (chi2 / ((telling - 1.0).max(1.0) * expected)) as f32,
         state: EdgeState::Impaired(Reason::Clipped),
     };
     (edge, model + 2.0 * shown)
