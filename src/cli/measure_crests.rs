@@ -51,8 +51,14 @@ impl CrestStream {
 
 /// Whether most of what was refused is steep or leaves its neighbours: flanks and roots, not dirt by its residual.
 fn is_crested(edges: &FrameEdges) -> bool {
-    let reasons =
-        || edges.top.iter().chain(&edges.bottom).filter(|e| !e.is_usable()).filter_map(|e| e.reason());
+    let reasons = || {
+        edges
+            .top
+            .iter()
+            .chain(&edges.bottom)
+            .filter(|e| !e.is_usable())
+            .filter_map(crate::gauge::Edge::reason)
+    };
     let by_form = reasons().filter(|r| matches!(r, Reason::Steep | Reason::Outlier)).count();
     2 * by_form > reasons().count()
 }

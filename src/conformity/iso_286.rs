@@ -370,8 +370,8 @@ mod tests {
             }
         }
         let near = |letters: &str, of: &dyn Fn(f64, usize) -> f64, least_step: usize| {
-            for step in least_step..STEPS_MM.len() {
-                let main = MAIN_STEPS_MM.iter().position(|end| STEPS_MM[step] <= *end).unwrap();
+            for (step, end_mm) in STEPS_MM.iter().enumerate().skip(least_step) {
+                let main = MAIN_STEPS_MM.iter().position(|end| end_mm <= end).unwrap();
                 let Some(value) = tabulated_um(letters, main, step).filter(|v| *v != NONE) else { continue };
                 let d = if BY_STEP_UM.iter().any(|r| r.0 == letters) {
                     mean(&STEPS_MM, step)
@@ -407,8 +407,8 @@ mod tests {
         near("zb", &|d, m| it(9, m) + 4.0 * d, 2);
         near("zc", &|d, m| it(10, m) + 5.0 * d, 2);
         let between = |letters: &str, below: &str, above: &str| {
-            for step in 0..9 {
-                let main = MAIN_STEPS_MM.iter().position(|end| STEPS_MM[step] <= *end).unwrap();
+            for (step, end_mm) in STEPS_MM.iter().enumerate().take(9) {
+                let main = MAIN_STEPS_MM.iter().position(|end| end_mm <= end).unwrap();
                 let of = |l: &str| f64::from(tabulated_um(l, main, step).unwrap());
                 let expected = -(of(below) * of(above)).sqrt();
                 assert!(

@@ -25,7 +25,7 @@ pub struct OutputFile {
 enum To {
     Stdout,
     Through(PathBuf),
-    File { target: PathBuf, before: Option<Metadata>, lock: Lock },
+    File { target: PathBuf, before: Option<Box<Metadata>>, lock: Lock },
 }
 
 impl OutputFile {
@@ -65,7 +65,7 @@ impl OutputFile {
                     std::fs::remove_dir_all(&temporary).map_err(OutputError::failed(path))?;
                 }
                 let lock = Lock::take(&temporary, path)?;
-                To::File { target, before, lock }
+                To::File { target, before: before.map(Box::new), lock }
             }
         };
         Ok(Self { named, to })
@@ -111,7 +111,7 @@ impl OutputFile {
                     let mut out = BufWriter::new(file);
                     pieces(&mut out).and_then(|()| out.flush())
                 });
-                written.and_then(|()| place::put(lock.path(), &target, before.as_ref()))
+                written.and_then(|()| place::put(lock.path(), &target, before.as_deref()))
             }
         }
         .map_err(OutputError::failed(&named))

@@ -182,7 +182,7 @@ impl EdgeStream {
         self.rows = plane.rows;
         let last = self.last.take();
         if let Some(last) = last
-            && self.follow(plane, scale.stepped(self.step), last, out)
+            && self.follow(plane, Scale::of_step(self.step), last, out)
         {
             return Ok(());
         }
@@ -277,7 +277,7 @@ impl EdgeStream {
             return Err(refused(Reason::Repeated, lines.to_string()));
         }
         self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
-        let scale = scale.stepped(self.step);
+        let scale = Scale::of_step(self.step);
         if self.coarse.median_width().is_some_and(|width| width < wire::WIDEST_PX) {
             self.one_sided = 0.0;
             let how = (&self.shape, &self.settings, scale);

@@ -56,9 +56,9 @@ pub(crate) fn noise_behind(variance: f64) -> f64 {
     for _ in 0..24 {
         let middle: f64 = 0.5 * (low + high);
         if middle * middle + 1.0 / 12.0 - repeated_variance(middle) < variance {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     low

@@ -209,7 +209,7 @@ impl Shadows {
                 let off = |s: &Strip| (s.middle_px() - centre).abs();
                 one(parts().min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map(|(k, _)| k))
             }
-            Which::Outermost => match (parts().next(), parts().last()) {
+            Which::Outermost => match (parts().next(), parts().next_back()) {
                 (Some((first, _)), Some((last, _))) => Ok(Some((first, last))),
                 _ => Err(Reason::NoEdge.into()),
             },

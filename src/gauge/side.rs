@@ -76,9 +76,9 @@ impl Scale {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
     }
 
-    /// The same for grey values that come in steps, counts.
-    pub(crate) fn stepped(self, step: f64) -> Self {
-        Self { floor: step * step / 12.0, ..self }
+    /// That of grey values that come in steps, counts.
+    pub(crate) fn of_step(step: f64) -> Self {
+        Self { floor: step * step / 12.0 }
     }
 
     /// Smallest scale of differences that is taken seriously, counts.

@@ -182,7 +182,7 @@ fn fit_joint<'a>(
     }
     let settled = best.settle(windows, slope, seen)?;
     if settled.misfit > MISFITTING {
-        return hold(best, windows, slope, seen);
+        return hold(&best, windows, slope, seen);
     }
     let bound = |level: &Level, end: f64| {
         level.prior.is_none()
@@ -195,7 +195,7 @@ fn fit_joint<'a>(
 /// Where no edge-spread function of the family fits, the flank does not state the light: it is held a little beyond the end, and what the
 /// edges move by farther beyond is their common uncertainty, px (the value taken stands at one end of a rectangle; √2 for both edges).
 fn hold<'a>(
-    joint: Joint<'a>,
+    joint: &Joint<'a>,
     windows: &Windows,
     slope: &[f32],
     seen: f64,

@@ -192,9 +192,9 @@ impl Fit {
         let from = if order == Order::Line { 0 } else { 1 };
         let polynomials = legendre(t);
         let (mut over, mut variance) = (0.0, 0.0);
-        for k in from..from + 2 {
-            over -= residuals.coefficients[k] * polynomials[k];
-            variance += self.variance * polynomials[k].powi(2) / residuals.norms[k].max(1e-9);
+        for (k, polynomial) in polynomials.iter().enumerate().skip(from).take(2) {
+            over -= residuals.coefficients[k] * polynomial;
+            variance += self.variance * polynomial.powi(2) / residuals.norms[k].max(1e-9);
         }
         if over > 0.0 { (over * over - variance).max(0.0).sqrt() } else { 0.0 }
     }

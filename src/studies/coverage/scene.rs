@@ -118,6 +118,11 @@ fn pin(name: &str, diameter_mm: f64, expanded_u_mm: f64, positions: &[Position])
     }
 }
 
+/// A pin laid in at a place.
+fn laid(height_mm: f64, y_mm: f64) -> Position {
+    Position { frames: None, height_mm, y_mm }
+}
+
 /// Settings of a class. What a class is named after dominates its budget.
 fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError> {
     let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
@@ -127,11 +132,7 @@ fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError
     let mut u_certificate = 2e-4;
     let mut lens = LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 };
     let mut gauge = GaugeSettings::default();
-    let mut positions = [(-0.3, -3.0), (0.0, 0.0), (0.3, 3.0)].map(|(height_mm, y_mm)| Position {
-        frames: None,
-        height_mm,
-        y_mm,
-    });
+    let mut positions = [(-0.3, -3.0), (0.0, 0.0), (0.3, 3.0)].map(|(height_mm, y_mm)| laid(height_mm, y_mm));
     let mut thermometer = Thermometer {
         temperature_c: 20.5,
         limit_temperature_k: 0.1,
