@@ -115,11 +115,11 @@ impl RoundedSide<'_> {
         });
         let rest = levels.iter().sum::<f64>() + (of(sums.by_blur) / met).max(0.0);
         let (mut total, mut count) = (0.0, 0.0);
+        let left = (1.0 - share).max(0.0).sqrt() as f32;
         for edge in line.iter_mut().filter(|e| e.is_usable()) {
-            let own = f64::from(edge.u_own_px).powi(2);
-            let moved = share.min(1.0) * own + rest;
-            edge.u_own_px = ((1.0 - share).max(0.0) * own).sqrt() as f32;
-            edge.u_shared_px = edge.u_shared_px.hypot(moved.sqrt() as f32);
+            let moved = share.min(1.0) * f64::from(edge.u_own_px).powi(2) + rest;
+            edge.u_own_px *= left;
+            edge.u_shared_px = (edge.u_shared_px * edge.u_shared_px + moved as f32).sqrt();
             (total, count) = (total + moved, count + 1.0);
         }
         (total / f64::max(count, 1.0)).sqrt()
