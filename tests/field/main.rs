@@ -7,6 +7,9 @@ mod clipping;
 mod conformity;
 mod encoding;
 mod formats;
+#[path = "../support/gauge_synth.rs"]
+#[expect(dead_code, reason = "shared with the other tests of the gauge")]
+mod gauge_synth;
 mod nc;
 mod optics;
 mod order;

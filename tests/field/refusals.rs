@@ -9,12 +9,10 @@ use shadowgauge::gauge::ring::{RingSettings, measure_ring};
 use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings, Polarity};
 use shadowgauge::profile::Reason;
 
+use super::gauge_synth::Synth;
 use super::support::{collected, measured, shadowgauge};
-use gauge_synth::Synth;
 
 #[allow(dead_code, reason = "not every test needs all of it")]
-#[path = "../support/gauge_synth.rs"]
-mod gauge_synth;
 
 const DARK: f64 = 15.0;
 const LIGHT: f64 = 180.0;

@@ -10,12 +10,8 @@ use shadowgauge::gauge::budget::WidthReading;
 use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings, LEAST_STRETCH};
 use shadowgauge::profile::Reason;
 
+use super::gauge_synth::Synth;
 use crate::support::{measured, shadowgauge};
-use gauge_synth::Synth;
-
-#[path = "../support/gauge_synth.rs"]
-#[allow(dead_code, reason = "not every test binary needs all of it")]
-mod gauge_synth;
 
 /// An 8-bit scene of a level or tilted shaft.
 #[derive(Clone, Copy, Debug)]
