@@ -53,12 +53,13 @@ fn machine_values(folder: &Path) -> Vec<(u32, f64, f64)> {
         .collect()
 }
 
-fn largest_px(measured: &Value) -> Vec<(u32, f64)> {
+/// The largest caliper of every part, px; none where the frame is refused.
+fn largest_px(measured: &Value) -> Vec<(u32, Option<f64>)> {
     measured["frames"]
         .as_array()
         .unwrap()
         .iter()
-        .map(|f| (f["frame"].as_str().unwrap().parse().unwrap(), f["max_diameter_px"].as_f64().unwrap()))
+        .map(|f| (f["frame"].as_str().unwrap().parse().unwrap(), f["max_diameter_px"].as_f64()))
         .collect()
 }
 
@@ -69,15 +70,24 @@ fn washers_agree_with_the_measuring_machine() {
     transposed(&folder, turned.path());
     let (as_is, upright) = (measure(&folder), measure(turned.path()));
     for frame in as_is["frames"].as_array().unwrap().iter().chain(upright["frames"].as_array().unwrap()) {
-        // The clipped bright field is flagged and measured, columns without a part are gaps.
-        assert!(frame["flags"]["clipped"].as_u64().unwrap() > 500, "{frame}");
-        assert!(frame["flags"]["no_edge"].as_u64().unwrap() > 500, "{frame}");
+        if frame["max_diameter_px"].is_null() {
+            continue;
+        }
+        // The clipped bright field is flagged and measured, columns without a part or with steep flanks are gaps.
+        let columns = |flag: &str| frame["flags"][flag].as_u64().unwrap_or(0);
+        assert!(columns("clipped") > 350, "{frame}");
+        assert!(columns("no_edge") + columns("steep") > 500, "{frame}");
         assert_eq!(frame["valid"], frame["flags"]["clipped"], "{frame}");
     }
     let machine = machine_values(&folder);
     let (a, b) = (largest_px(&as_is), largest_px(&upright));
     assert_eq!((a.len(), b.len(), machine.len()), (15, 15, 15));
-    let largest: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a.1.max(b.1)).collect();
+    // A picture with dirt or burrs may be refused in one orientation; the other one then stands for the part.
+    let refused = a.iter().chain(&b).filter(|part| part.1.is_none()).count();
+    println!("{refused} of 30 pictures refused");
+    assert!(refused <= 2, "{refused} of 30 pictures refused");
+    let largest: Vec<f64> =
+        a.iter().zip(&b).map(|(a, b)| a.1.into_iter().chain(b.1).reduce(f64::max).unwrap()).collect();
     // One shared scale, from parts 1-22 alone: the middle of each part's band over its largest caliper.
     let taught: Vec<f64> = machine
         .iter()
@@ -94,8 +104,8 @@ fn washers_agree_with_the_measuring_machine() {
             "part {part:2}: largest {:.4} mm, beyond the machine's band by {:6.2} um (as it is {:6.2}, transposed {:6.2})",
             largest[index] * scale,
             excess(largest[index]),
-            excess(a[index].1),
-            excess(b[index].1)
+            a[index].1.map_or(f64::NAN, excess),
+            b[index].1.map_or(f64::NAN, excess)
         );
         worst = worst.max(excess(largest[index]));
     }
