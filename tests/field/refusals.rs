@@ -12,8 +12,6 @@ use shadowgauge::profile::Reason;
 use super::gauge_synth::Synth;
 use super::support::{collected, measured, shadowgauge};
 
-#[allow(dead_code, reason = "not every test needs all of it")]
-
 const DARK: f64 = 15.0;
 const LIGHT: f64 = 180.0;
 
