@@ -1,4 +1,4 @@
-//! What `measure` is told of the part itself (which of several shadows, what becomes of refused columns), and the words on what was
+//! What `measure` is given about the part itself (which of several shadows, what becomes of refused columns), and the words on what was
 //! left out.
 
 use serde_json::{Map, Value, json};

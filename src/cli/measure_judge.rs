@@ -41,7 +41,7 @@ pub struct JudgeArgs {
     /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
     #[arg(long, value_name = "MM", value_parser = length)]
     station_mm: Option<f64>,
-    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far as noise lets a narrow one be told.
+    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far as noise lets a narrow one be distinguished.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     stretch_columns: Option<u16>,
     /// Least width of a stretch that counts for the largest diameter, mm along the axis.

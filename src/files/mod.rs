@@ -6,7 +6,7 @@
 //! command's own inputs, the file that stdout or stderr goes to, block devices, and what another process is writing.
 //!
 //! Temporary names are fixed, and whoever writes holds an OS lock on them (`flock`; gone with its holder, however it ended). So a second
-//! process is told who holds the output, and what a killed one left is found unlocked and cleared by the next.
+//! process gets the name of the holder, and what a killed one left is found unlocked and cleared by the next.
 
 mod error;
 mod file;

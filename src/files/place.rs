@@ -108,7 +108,7 @@ fn same(a: &Metadata, b: &Metadata) -> bool {
     (a.dev(), a.ino()) == (b.dev(), b.ino())
 }
 
-/// Without numbers of files: as if its name alone told.
+/// Without numbers of files: by its name alone.
 #[cfg(not(unix))]
 fn same(a: &Metadata, b: &Metadata) -> bool {
     a.len() == b.len() && a.modified().ok() == b.modified().ok()

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const SAME: f64 = 2.5e-3;
 
 /// Light where the file's grey value stands at 1/4, 1/2 and 3/4 of full scale, as a share of that at full
-/// scale: what tells one encoding from another, whatever it is called. Linear is 1/4, 1/2, 3/4.
+/// scale: what distinguishes one encoding from another, whatever it is called. Linear is 1/4, 1/2, 3/4.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Encoding {

@@ -278,7 +278,7 @@ impl Calibration {
         if self.is_learnt() { figures.unlearnt_place_px() / 3.0_f64.sqrt() } else { figures.u_place_px() }
     }
 
-    /// Whether the masters' edges were fitted by what their own frames teach.
+    /// Whether the masters' edges were fitted by an edge-spread function learnt from their own frames.
     pub(crate) fn is_learnt(&self) -> bool {
         self.edge_model.as_deref() == Some("learnt")
     }

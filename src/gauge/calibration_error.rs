@@ -6,7 +6,7 @@ use crate::frame::Encoding;
 
 /// Version of the file format.
 pub const CALIBRATION_VERSION: u32 = 1;
-/// Masters must differ by this much, px, for scale and offset to be told apart.
+/// Masters must differ by this much, px, for scale and offset to be separated.
 pub(super) const LEAST_SPREAD_PX: f64 = 8.0;
 
 /// Why there is no calibration.

@@ -22,7 +22,7 @@ pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
     FrameRefused { reason, detail }
 }
 
-/// No side of the shadow tells its levels.
+/// No side of the shadow shows its levels.
 pub(crate) fn no_levels() -> FrameRefused {
     refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
 }

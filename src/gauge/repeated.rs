@@ -9,7 +9,7 @@ use std::fmt;
 
 use super::pixels::{Plane, Sample};
 
-/// Pixels of a line that are compared, and the least number that tells anything.
+/// Pixels of a line that are compared, and the least number that is evidence.
 const PLACES: usize = 64;
 const LEAST_PLACES: usize = 48;
 /// Pixels compared that lie side by side.

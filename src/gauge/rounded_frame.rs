@@ -9,7 +9,7 @@ use super::side::SideState;
 /// Share of differences of two steps and more below which grey values take two neighbouring steps only: noise of 0.3 steps makes more of them,
 /// wherever the level lies.
 const FEW_WIDE: f64 = 1e-3;
-/// Noise that is then taken, in steps: the scatter of two values tells where between them the level lies, and little of the noise, 0 to 0.28.
+/// Noise that is then taken, in steps: the scatter of two values shows where between them the level lies, and little of the noise, 0 to 0.28.
 /// Its repeated rounding is within a factor of two of theirs (standard deviation).
 const TWO_VALUED: f64 = 0.15;
 

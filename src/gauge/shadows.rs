@@ -3,7 +3,7 @@
 //! A shadow is a dark area that runs along the field and has both edges in it. Where nothing is stated the largest one is measured, with
 //! two exceptions. Strips that a narrow bright line parts (the highlight of a polished pin, the focal line of a glass capillary) are
 //! one part and measured from the outermost edge to the outermost edge. Two equal strips with a gap that is neither narrow nor wide may be
-//! two parts or the walls of one tube, and nothing in the frame tells which: the frame is refused until it is stated.
+//! two parts or the walls of one tube, and nothing in the frame shows which: the frame is refused until it is stated.
 
 use super::components::{Area, Components, Span, largest};
 use super::settings::Which;

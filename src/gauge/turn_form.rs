@@ -3,7 +3,7 @@
 //! For every station the diameters and middles of its columns are averaged angle by angle; the angles either divide a whole turn
 //! evenly, or half a turn. Half a turn shows every tangent once: with the spindle's axis taken as still, bottom edges stand for the
 //! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis, and the unknown m is in the u of the odd lobes. Either way odd
-//! lobes and odd spindle motion cannot be told apart. Every u is at least what the readings scatter by that the form does not explain
+//! lobes and odd spindle motion cannot be separated. Every u is at least what the readings scatter by that the form does not explain
 //! (`turn_scatter`).
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.

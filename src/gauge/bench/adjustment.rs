@@ -16,7 +16,7 @@
 //! An edge model that is not the light's own places edges wrongly by an amount that changes with focus. In the masters' plane the
 //! offset o has swallowed it; elsewhere it is w_y, known to what the edges' residuals may hide (their misfit) or, where that is more, to
 //! the root mean square of the w_y fitted freely, if these take away more of χ² than chance would ([`FALSE_ALARM`]). So the lens'
-//! parameters and their rows stay the lens': t is then told by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
+//! parameters and their rows stay the lens': t is then determined by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
 //! uncertainties say, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
@@ -28,7 +28,7 @@ use super::certificates::{MasterPrior, laboratories, shared_source};
 use super::lens::{LensLimits, LensModel, PARAMETERS};
 use super::{Observation, Thermometer};
 
-/// Masters' shadows must differ by this much, px, for scale and offset to be told apart.
+/// Masters' shadows must differ by this much, px, for scale and offset to be separated.
 const LEAST_SPREAD_PX: f64 = 8.0;
 /// Gauss-Newton steps: the problem is linear to parts in 1e3.
 const STEPS: usize = 5;
@@ -228,7 +228,7 @@ impl Adjustment {
     }
 
     /// What the columns of a frame share for themselves (levels), px: root mean square over its blocks. Levels are pooled over fewer
-    /// columns than a frame has, and one clean block does not vouch for the others.
+    /// columns than a frame has, and one clean block says nothing of the others.
     fn u_frame(&self, frame: usize) -> f64 {
         let of_frame = self.observations.iter().filter(|o| o.frame == frame);
         root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))

@@ -28,7 +28,7 @@ const SCOUTS: usize = 128;
 const KNOTS: [usize; 4] = [2, 3, 5, 9];
 /// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
 const KNOT_PRICE: f64 = 4.0;
-/// Steepest edges that teach, rows per column.
+/// Steepest edges that take part in learning, rows per column.
 const MOST_SLOPE: f32 = 0.2;
 /// Share of the largest contrast looked for from which on the flank does not state it.
 const AT_THE_BOUND: f64 = 0.98;

@@ -93,7 +93,7 @@ pub enum CalibrateError {
         /// The gauge's reason.
         why: String,
     },
-    /// A pin whose frames do not teach an edge-spread function.
+    /// A pin from whose frames no edge-spread function can be learnt.
     #[error(
         "{pin}: none of its {frames} frame(s) teaches the edge-spread function: each edge must travel {needed} rows or more along the frame, so \
          that all sub-pixel phases show, and these travel {travel:.2}: lay the pin obliquely by {tilt_mrad:.1} mrad or more (limit_tilt_mrad \
@@ -139,7 +139,7 @@ pub struct Calibrated {
     pub reading: Option<WidthReading>,
     /// Its budget, for people to read.
     pub example: Option<Budget>,
-    /// Frames left out because they did not teach their edge-spread function, where it was to be learnt.
+    /// Frames left out because no edge-spread function could be learnt from them, where it was to be learnt.
     pub unlearnt_frames: usize,
 }
 
