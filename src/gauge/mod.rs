@@ -38,6 +38,7 @@ mod median;
 mod model;
 pub mod monte_carlo;
 mod noise;
+mod normal_table;
 pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;

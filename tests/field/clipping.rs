@@ -172,7 +172,7 @@ struct Step {
     light: f64,
     frames: usize,
     refused: usize,
-    /// Root mean square of u, px.
+    /// Median of u, px: that of a single frame changes with the stretch that happens to be largest.
     u: f64,
     /// |error| over u.
     ratios: Vec<f64>,
@@ -186,12 +186,13 @@ fn sweep(lights: &[f64], frames: u64, measure: impl Fn(f64, u64) -> Option<(f64,
             let seed = |k: u64| 1_000 * (light * 100.0).round() as u64 + k;
             let found: Vec<_> = (0..frames).map(|k| measure(*light, seed(k))).collect();
             let kept: Vec<(f64, f64)> = found.iter().flatten().copied().collect();
-            let n = kept.len().max(1) as f64;
+            let mut stated: Vec<f64> = kept.iter().map(|(_, u)| *u).collect();
+            stated.sort_by(f64::total_cmp);
             Step {
                 light: *light,
                 frames: found.len(),
                 refused: found.len() - kept.len(),
-                u: (kept.iter().map(|(_, u)| u * u).sum::<f64>() / n).sqrt(),
+                u: stated.get(stated.len() / 2).copied().unwrap_or(0.0),
                 ratios: kept.iter().map(|(e, u)| (e / u).abs()).collect(),
             }
         })

@@ -34,7 +34,6 @@ struct Sums {
     right: DVector<f64>,
     chi2: f64,
     telling: f64,
-    log_likelihood: f64,
     flank: [f64; 2],
 }
 
@@ -93,7 +92,6 @@ impl Joint<'_> {
             right: DVector::zeros(n),
             chi2: 0.0,
             telling: 0.0,
-            log_likelihood: 0.0,
             flank: [0.0; 2],
         };
         let mut scores = Vec::with_capacity(self.columns.len());
@@ -116,11 +114,18 @@ impl Joint<'_> {
             }
             sums.chi2 += score.chi2;
             sums.telling += (score.telling - 1.0).max(0.0);
-            sums.log_likelihood += score.log_likelihood;
             sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
         }
         self.add_priors(&mut sums);
         (sums, scores)
+    }
+
+    fn log_likelihood(&self, windows: &Windows, slope: &[f32]) -> f64 {
+        let of = |(column, place): (&usize, &f64)| {
+            let at = self.column(*column, slope[*column]);
+            self.likelihood.log_likelihood(windows.of(*column), *place, at)
+        };
+        self.columns.iter().zip(&self.places).map(of).sum()
     }
 
     fn add_priors(&self, sums: &mut Sums) {
@@ -230,7 +235,7 @@ impl Joint<'_> {
             covariance: sums.normal.try_inverse()?,
             known_shape,
             misfit: sums.chi2 / sums.telling.max(1.0),
-            log_likelihood: sums.log_likelihood,
+            log_likelihood: self.log_likelihood(windows, slope),
             columns: self.columns.len(),
             telling: sums.telling / self.columns.len() as f64,
         })

@@ -89,12 +89,13 @@ pub(crate) fn fit_side(
     };
     // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
     let hidden = if held > 0.0 { 0.0 } else { (settled.misfit - EXPLAINED).max(0.0) / settled.misfit };
-    let (mut variance, mut usable) = (0.0, 0.0);
+    let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
-            Ok(_) => fit_column(windows, &joint, &settled, column, *slope, (hidden, held)),
+            Ok(_) => fit_column(windows, &joint, &settled, (column, *slope, last_row), (hidden, held)),
             Err(reason) => (Edge::gap(reason), 0.0),
         };
+        last_row = edge.is_usable().then_some(edge.row_px);
         if edge.is_usable() {
             (variance, usable) = (variance + model, usable + 1.0);
         }
@@ -142,7 +143,7 @@ fn fit_joint<'a>(
         floor: start.floor,
         misfit: 0.0,
     };
-    let places = |columns: &[usize]| columns.iter().map(|c| f64::from(windows.start[*c])).collect();
+    let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
     let scouts = some(SCOUTS);
     let mut best = Joint {
         likelihood: Likelihood::new(start.shape, ends, noise),
@@ -178,7 +179,7 @@ fn fit_joint<'a>(
             *place,
             Column::of(&best.dark, &best.light, *column, best.sigma),
         );
-        *place = at.map_or(*place, |(x, _)| x);
+        *place = at.unwrap_or(*place);
     }
     let settled = best.settle(windows, slope, seen)?;
     if settled.misfit > MISFITTING {
@@ -238,15 +239,17 @@ fn fit_column(
     windows: &Windows,
     joint: &Joint<'_>,
     settled: &Settled,
-    column: usize,
-    slope: f32,
+    (column, slope, last_row): (usize, f32, Option<f64>),
     (hidden, held): (f64, f64),
 ) -> (Edge, f64) {
     let at = joint.column(column, slope);
-    let start = f64::from(windows.start[column]);
-    let Some((x, score)) = joint.likelihood.place(windows.of(column), start, at) else {
+    // The edge of the column before is nearer than the windows' own first estimate, which noise and clipped light have moved.
+    let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < NEIGHBOUR_PX);
+    let start = start.unwrap_or_else(|| windows.first_place(column));
+    let Some(x) = joint.likelihood.place(windows.of(column), start, at) else {
         return (Edge::gap(Reason::Residual), 0.0);
     };
+    let score = joint.likelihood.score(windows.of(column), x, at);
     let Score { chi2, telling, stray, .. } = score;
     // Fewer than two pixels that state a grey value: nothing but the ends is seen.
     let own = score.information[(0, 0)];
@@ -272,5 +275,7 @@ fn fit_column(
     (edge, model + 2.0 * shown)
 }
 
+/// Farthest from a window's central pixel that the edge of the column before is started from, px.
+const NEIGHBOUR_PX: f64 = 3.0;
 /// Most stray pixels of a column that is fitted.
 const MOST_STRAY: usize = 2;

@@ -10,6 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::censored::{Censored, Ends};
 use super::super::median::median_of as median;
+use super::super::model::phi_pdf;
 use super::super::rounding::{noise_behind, repeated_variance};
 use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::edge_pixels::{Band, EdgePixel};
@@ -134,7 +135,8 @@ fn model<const P: usize>(
 
 /// The shape terms in a pixel a distance from the edge.
 fn plain_terms(distance: f64, sigma: f64) -> [f64; TERMS] {
-    let (up, down) = (term_border(distance + 0.5, sigma), term_border(distance - 0.5, sigma));
+    let border = |u: f64| term_border(u, sigma, phi_pdf(u / sigma));
+    let (up, down) = (border(distance + 0.5), border(distance - 0.5));
     [up[0] - down[0], up[1] - down[1]]
 }
 
