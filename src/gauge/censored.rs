@@ -40,6 +40,9 @@ pub(crate) struct Censored {
     pub(crate) between: bool,
     /// Expected square of the residual over the pixels between the ends.
     pub(crate) expected: f64,
+    /// Change of the score by a relative change of the standard deviation: at an end that the mean lies beyond by z, the same share of
+    /// clipped pixels is that of a mean z standard deviations beyond, whatever these are.
+    pub(crate) by_noise: f64,
 }
 
 /// Distance of the mean beyond an end, standard deviations, from which a pixel at that end states nothing: its score is below 1e-8.
@@ -52,7 +55,7 @@ impl Censored {
         // Distances to both ends, positive inside the scale.
         let inside = Self::inside(mean, s, ends);
         if (m >= high && inside[0] < -FAR_BEYOND) || (m <= low && inside[1] < -FAR_BEYOND) {
-            return Self { residual: 0.0, information: 0.0, between: false, expected: 0.0 };
+            return Self { residual: 0.0, information: 0.0, between: false, expected: 0.0, by_noise: 0.0 };
         }
         let (mut information, mut expected) = (1.0, 1.0);
         let mut hazards = inside;
@@ -72,7 +75,9 @@ impl Censored {
         } else {
             ((m - mean) / s, true)
         };
-        Self { residual, information: information.max(0.0), between, expected: expected.max(0.0) }
+        let information = information.max(0.0);
+        let by_noise = information * ((-inside[0]).max(0.0) - (-inside[1]).max(0.0));
+        Self { residual, information, between, expected: expected.max(0.0), by_noise }
     }
 
     /// Distances of the mean to the upper and the lower end, standard deviations, positive inside the scale.

@@ -56,6 +56,7 @@ mod settings;
 mod shadows;
 mod shape_terms;
 mod side;
+mod soft_knee;
 mod station;
 mod stretch;
 mod stuck_rows;

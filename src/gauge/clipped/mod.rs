@@ -17,6 +17,7 @@ use super::censored::Ends;
 use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
 use super::levels::LevelCurve;
+use super::soft_knee;
 use super::window::Windows;
 use crate::profile::Reason;
 
@@ -40,6 +41,9 @@ const MOST_SHOWN_PX: f64 = 1.0;
 const MISFITTING: f64 = 2.0;
 /// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
 const HELD: (f64, f64) = (0.05, 0.5);
+/// Times what is presumed of the shape terms from which on the whole flank is not taken: Gaussian edges under clipped light stay below 1,
+/// knees of video cameras reach 2 to 4.
+const BENT: f64 = 1.5;
 /// Relative standard uncertainty of a blur that is given.
 const GIVEN_TO: f64 = 1e-3;
 
@@ -81,7 +85,10 @@ pub(crate) fn fit_side(
     line: &mut Vec<Edge>,
 ) -> Option<ClippedSide> {
     let columns = windows.centre.len();
-    let fitted = fit_joint(windows, slope, start);
+    let mut fitted = fit_joint(windows, slope, start);
+    if let Some(lower) = fitted.as_ref().and_then(|fitted| lower_ends(start, fitted)) {
+        fitted = fit_joint(windows, slope, &ClippedStart { ends: lower, ..start.clone() });
+    }
     let Some((joint, settled, held)) = fitted else {
         let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
@@ -108,6 +115,17 @@ pub(crate) fn fit_side(
         levels: [curve(&joint.dark), curve(&joint.light)],
         u_px: (variance / f64::max(usable, 1.0)).sqrt(),
     })
+}
+
+/// Lower ends where the whole flank asks for an edge-spread function beyond what was presumed of any: the response bends before it ends, or
+/// the edge-spread function departs. The lower part of the flank, which is free of the bend, is then taken alone.
+fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, f64)) -> Option<Ends> {
+    let ends = start.ends;
+    if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
+        return None;
+    }
+    let dark = joint.dark.at(joint.columns[joint.columns.len() / 2]);
+    Some(Ends { high: soft_knee::trusted([dark, ends.high], ends.step), ..ends })
 }
 
 fn fit_joint<'a>(

@@ -78,6 +78,10 @@ pub(super) struct Score {
     /// Σ(m − μ)² less the noise at the dark level, and Σ(μ − dark), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
     pub(super) flank: [f64; 2],
+    /// Pixels on the flank.
+    pub(super) on_flank: f64,
+    /// Change of the gradient by a relative change of the noise.
+    pub(super) by_noise: Gradient,
     /// Pixels left out.
     pub(super) stray: usize,
 }
@@ -155,7 +159,17 @@ impl<'a> Likelihood<'a> {
                 }
                 weight = STRAY / sampled.residual.abs();
             }
-            each(&Pixel { m: f64::from(*m), edge: *edge, terms: *terms, value, mean, noise, s, sampled, weight });
+            each(&Pixel {
+                m: f64::from(*m),
+                edge: *edge,
+                terms: *terms,
+                value,
+                mean,
+                noise,
+                s,
+                sampled,
+                weight,
+            });
         }
         stray
     }
@@ -177,6 +191,7 @@ impl<'a> Likelihood<'a> {
             ) / *s;
             score.gradient += by * (sampled.residual * weight);
             score.information += by * by.transpose() * (sampled.information * weight);
+            score.by_noise += by * (sampled.by_noise * weight);
             score.telling += sampled.expected;
             if sampled.between {
                 let square = (pixel.m - pixel.mean).powi(2);
@@ -184,6 +199,7 @@ impl<'a> Likelihood<'a> {
                 if (0.25..0.9).contains(value) && sampled.expected > 0.999 {
                     score.flank[0] += square - self.noise.at(column.dark);
                     score.flank[1] += pixel.mean - column.dark;
+                    score.on_flank += 1.0;
                     taken += pixel.noise * by[0] * by[0] * weight;
                 }
             }
@@ -234,7 +250,7 @@ impl<'a> Likelihood<'a> {
             if strict == self.strict && step.abs() < SETTLED_PX {
                 return Some(x);
             }
-            strict = self.strict && step.abs() < NEAR_PX;
+            strict |= self.strict && step.abs() < NEAR_PX;
         }
         None
     }
