@@ -40,8 +40,8 @@ pub(crate) struct Censored {
     pub(crate) between: bool,
     /// Expected square of the residual over the pixels between the ends.
     pub(crate) expected: f64,
-    /// Change of the score by a relative change of the standard deviation: at an end that the mean lies beyond by z, the same share of
-    /// clipped pixels is that of a mean z standard deviations beyond, whatever these are.
+    /// Expected change of the score by a relative change of the standard deviation s: of E ∂/∂ln s, 2φ(α) come from the pixels between
+    /// and −φ(α) − αφ(α)(h − α) from those at the upper end, the negative at the lower one.
     pub(crate) by_noise: f64,
 }
 
@@ -57,15 +57,16 @@ impl Censored {
         if (m >= high && inside[0] < -FAR_BEYOND) || (m <= low && inside[1] < -FAR_BEYOND) {
             return Self { residual: 0.0, information: 0.0, between: false, expected: 0.0, by_noise: 0.0 };
         }
-        let (mut information, mut expected) = (1.0, 1.0);
+        let (mut information, mut expected, mut by_noise) = (1.0, 1.0, 0.0);
         let mut hazards = inside;
-        for (alpha, hazard) in inside.into_iter().zip(&mut hazards) {
+        for ((alpha, hazard), sign) in inside.into_iter().zip(&mut hazards).zip([1.0, -1.0]) {
             if alpha < 8.0 {
                 let (outside, pdf) = (phi_cdf(-alpha), phi_pdf(alpha));
                 // Far inside the hazard is α (Mills' ratio).
                 *hazard = if alpha < 6.0 { pdf / outside } else { alpha };
                 information -= (outside + alpha * pdf - pdf * *hazard).clamp(0.0, 1.0);
                 expected -= (outside + alpha * pdf).clamp(0.0, 1.0);
+                by_noise += sign * pdf * (1.0 - alpha * (*hazard - alpha));
             }
         }
         let (residual, between) = if m >= high {
@@ -76,7 +77,6 @@ impl Censored {
             ((m - mean) / s, true)
         };
         let information = information.max(0.0);
-        let by_noise = information * ((-inside[0]).max(0.0) - (-inside[1]).max(0.0));
         Self { residual, information, between, expected: expected.max(0.0), by_noise }
     }
 
@@ -111,18 +111,23 @@ mod tests {
         for mean in [-3.0, 0.5, 10.0, 19.0, 24.0] {
             let n = 200_000;
             let (mut score, mut square, mut between) = (0.0, 0.0, 0.0);
-            let mut information = 0.0;
+            let (mut information, mut moved) = (0.0, 0.0);
             for k in 0..n {
                 let t = -8.0 + 16.0 * (f64::from(k) + 0.5) / f64::from(n);
                 let weight = phi_pdf(t) * 16.0 / f64::from(n);
-                let c = Censored::new((mean + s * t).clamp(ends.low, ends.high), mean, s, ends);
+                let grey = (mean + s * t).clamp(ends.low, ends.high);
+                let c = Censored::new(grey, mean, s, ends);
                 score += weight * c.residual;
                 square += weight * c.residual * c.residual;
                 between += if c.between { weight * c.residual * c.residual } else { 0.0 };
                 information = c.information;
+                // The score by the mean is the residual over s.
+                let wider = |by: f64| Censored::new(grey, mean, s * by, ends).residual / by;
+                moved += weight * (wider(1.0 + 1e-4) - wider(1.0 - 1e-4)) / 2e-4;
                 assert!((c.expected - Censored::new(10.0, mean, s, ends).expected).abs() < 1e-12);
             }
-            let expected = Censored::new(10.0, mean, s, ends).expected;
+            let Censored { expected, by_noise, .. } = Censored::new(10.0, mean, s, ends);
+            assert!((moved - by_noise).abs() < 2e-3, "{mean}: {moved} {by_noise}");
             assert!(score.abs() < 2e-4, "{mean}: {score}");
             assert!((square - information).abs() < 2e-3, "{mean}: {square} {information}");
             assert!((between - expected).abs() < 2e-3, "{mean}: {between} {expected}");

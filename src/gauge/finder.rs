@@ -418,7 +418,10 @@ impl EdgeStream {
         self.scene(scale)
     }
 
-    fn scene(&self, scale: Scale) -> Result<Scene, FrameRefused> {
+    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
+        let ends = self.sides.each_ref().map(|side| side.survey.ends);
+        self.sides[0].share_ends(ends[1]);
+        self.sides[1].share_ends(ends[0]);
         let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
         let count = top.levels.count + bottom.levels.count;
         if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {

@@ -25,6 +25,8 @@ use crate::profile::Reason;
 const NOISE_SAMPLES: usize = 4096;
 /// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
 const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
+/// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
+const AT_THE_END: f64 = 2.0;
 /// Relative difference of blurs that share a table.
 const SAME_BLUR: f64 = 0.004;
 
@@ -266,6 +268,36 @@ impl SideState {
         self.survey = Survey { levels, ends, spread };
     }
 
+    /// Takes over an end that the other side shows, where this side's level stands at it: both edges are one camera's, and a side alone may
+    /// be too short to show it.
+    pub(crate) fn share_ends(&mut self, other: Option<Ends>) {
+        let (Some(other), count) = (other, self.survey.levels.count) else { return };
+        if count == 0.0 {
+            return;
+        }
+        let own = self.survey.ends.unwrap_or(Ends { step: other.step, ..Ends::NONE });
+        let LevelSums { dark, light, .. } = self.survey.levels;
+        let scatter = self.survey.spread[1].variance().unwrap_or(0.0).sqrt();
+        let low = if own.low.is_infinite() && dark / count <= other.low + AT_THE_END * scatter {
+            other.low
+        } else {
+            own.low
+        };
+        let high = if own.high.is_infinite() && light / count >= other.high - AT_THE_END * scatter {
+            other.high
+        } else {
+            own.high
+        };
+        if (low, high) != (own.low, own.high) {
+            self.survey.ends = Some(Ends { low, high, ..own });
+            for (end, spread) in [low, high].into_iter().zip(&mut self.survey.spread) {
+                if end.is_finite() {
+                    *spread = Spread::default();
+                }
+            }
+        }
+    }
+
     fn spread(&mut self, in_light: bool, least: f32) -> Spread {
         self.collect_differences(in_light);
         Spread::of(&self.differences, least)
@@ -442,7 +474,7 @@ impl SideState {
             levels: [&self.dark, &self.light],
             sigma: self.blur.mean(),
             sigma_is_given: matches!(settings.blur, Blur::Given { .. }),
-            variance: noise.variance(self.dark.mean),
+            variance: [noise.variance(self.dark.mean), noise.variance(self.light.mean)],
             floor: noise.floor(),
             ends,
         };

@@ -407,3 +407,21 @@ fn light_above_a_soft_knee_is_clipped_light() {
         }
     }
 }
+
+/// Shadow that is crushed at 0, a little or wholly: the same in both sides of the frame, with the noise that light and flank state.
+#[test]
+fn crushed_shadow_is_measured_within_its_uncertainty() {
+    for dark in [0.002, 0.0, -0.004, -0.008, -0.02, -0.04] {
+        let ratios: Vec<f64> = (0..8)
+            .map(|seed| {
+                let scene = Scene { dark, ..Scene::even(0.7) };
+                let (error, u) = shaft_of(&EIGHT.shaft(&scene, 70 + seed)).unwrap();
+                assert!(error.abs() <= 3.5 * u && u < 0.05, "{dark} {seed}: {error} ± {u}");
+                error / u
+            })
+            .collect();
+        let rms = (ratios.iter().map(|r| r * r).sum::<f64>() / ratios.len() as f64).sqrt();
+        println!("{dark}: rms {rms:.2} u");
+        assert!(rms < 1.6, "{dark}: {rms} u");
+    }
+}

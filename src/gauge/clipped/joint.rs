@@ -13,6 +13,12 @@ pub(super) const BRIGHTEST: f64 = 4.0;
 /// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
 const EXPLAINED: f64 = 1.1;
 
+/// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
+/// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
+const OF_LINE: f64 = 0.25;
+/// Largest relative standard uncertainty of a noise: nothing is known of it.
+const MOST_UNKNOWN: f64 = 1.0;
+
 /// The joint fit.
 #[derive(Clone, Debug)]
 pub(super) struct Joint<'a> {
@@ -261,7 +267,7 @@ impl Joint<'_> {
         let (sums, _) = self.sums(windows, slope);
         let [square, level] = sums.flank;
         let noise = &mut self.likelihood.noise;
-        if level > 0.0 {
+        if level != 0.0 {
             noise.gain = (square / level).max(0.0);
         }
         let (sums, _) = self.sums(windows, slope);
@@ -271,13 +277,16 @@ impl Joint<'_> {
         self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
     }
 
-    /// Relative standard uncertainty of the noise in the light: √(2/n) is known of the variance on the flank, about twice of whose growth over
-    /// the dark's stands in the light's; half of that of its root.
+    /// Relative standard uncertainty of the noise of what is clipped: √(2/n) is known of the variance on the flank, about twice of whose
+    /// departure from the known level's stands in it; half of that of its root.
     fn noise_known_to(&self, on_flank: f64) -> f64 {
         let middle = self.columns[self.columns.len() / 2];
         let (dark, light) = (self.dark.at(middle), self.light.at(middle));
         let noise = &self.likelihood.noise;
-        (2.0 / on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(light)
+        let (clipped, of_line) =
+            if self.likelihood.ends.low.is_finite() { (dark, OF_LINE) } else { (light, 0.0) };
+        let known_to = (2.0 / on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(clipped);
+        known_to.hypot(of_line).min(MOST_UNKNOWN)
     }
 
     /// How many times what was presumed of them the shape terms are, at least 1: a lens that departs from its edge model in what is

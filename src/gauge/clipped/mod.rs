@@ -57,8 +57,8 @@ pub(crate) struct ClippedStart<'a> {
     /// Blur, px, and whether it is given.
     pub(crate) sigma: f64,
     pub(crate) sigma_is_given: bool,
-    /// Noise variance in the dark, counts², and the least that is taken seriously.
-    pub(crate) variance: f64,
+    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and the least that is taken seriously.
+    pub(crate) variance: [f64; 2],
     pub(crate) floor: f64,
     /// Ends of the grey scale.
     pub(crate) ends: Ends,
@@ -154,13 +154,12 @@ fn fit_joint<'a>(
         }
         false => Level::known(&curve.level, f64::from(mean(&curve.uncertainty))),
     };
-    let noise = Noise {
-        level: dark.mean.max(low),
-        variance: start.variance,
-        gain: 0.0,
-        floor: start.floor,
-        misfit: 0.0,
+    // The noise's line hangs on the level that is not clipped, and the flank gives its slope.
+    let (level, variance) = match ends.low.is_finite() && ends.high.is_infinite() {
+        true => (light.mean, start.variance[1]),
+        false => (dark.mean.max(low), start.variance[0]),
     };
+    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, misfit: 0.0 };
     let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
     let scouts = some(SCOUTS);
     let mut best = Joint {

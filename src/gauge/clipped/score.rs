@@ -75,7 +75,7 @@ pub(super) struct Score {
     pub(super) chi2: f64,
     /// What that sum is expected to be.
     pub(super) telling: f64,
-    /// Σ(m − μ)² less the noise at the dark level, and Σ(μ − dark), over pixels on the flank: their ratio is the noise's gain. What the
+    /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
     pub(super) flank: [f64; 2],
     /// Pixels on the flank.
@@ -197,8 +197,8 @@ impl<'a> Likelihood<'a> {
                 let square = (pixel.m - pixel.mean).powi(2);
                 score.chi2 += square / pixel.noise;
                 if (0.25..0.9).contains(value) && sampled.expected > 0.999 {
-                    score.flank[0] += square - self.noise.at(column.dark);
-                    score.flank[1] += pixel.mean - column.dark;
+                    score.flank[0] += square - self.noise.variance;
+                    score.flank[1] += pixel.mean - self.noise.level;
                     score.on_flank += 1.0;
                     taken += pixel.noise * by[0] * by[0] * weight;
                 }
