@@ -13,6 +13,10 @@ pub(super) const BRIGHTEST: f64 = 4.0;
 /// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
 const EXPLAINED: f64 = 1.1;
 
+/// Pixels of the shadow between the ends from which on they state its noise: to a tenth; and a column's. A shadow that lies farther beyond
+/// the end shows its tail alone, which states level and noise only together.
+const OWN_NOISE: f64 = 50.0;
+const OWN_SHARE: f64 = 2.0;
 /// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
 /// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
 const OF_LINE: f64 = 0.25;
@@ -42,6 +46,7 @@ struct Sums {
     telling: f64,
     flank: [f64; 2],
     on_flank: f64,
+    in_dark: [f64; 2],
     /// Change of `right` by a relative change of the noise.
     by_noise: DVector<f64>,
 }
@@ -107,6 +112,7 @@ impl Joint<'_> {
             telling: 0.0,
             flank: [0.0; 2],
             on_flank: 0.0,
+            in_dark: [0.0; 2],
             by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
@@ -131,6 +137,7 @@ impl Joint<'_> {
             sums.chi2 += score.chi2;
             sums.telling += (score.telling - 1.0).max(0.0);
             sums.on_flank += score.on_flank;
+            sums.in_dark = [sums.in_dark[0] + score.in_dark[0], sums.in_dark[1] + score.in_dark[1]];
             sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
         }
         self.add_priors(&mut sums);
@@ -248,8 +255,8 @@ impl Joint<'_> {
         let fixed = sums.normal.view((0, 0), (n - TERMS, n - TERMS)).into_owned().try_inverse()?;
         let mut known_shape = DMatrix::zeros(n, n);
         known_shape.view_mut((0, 0), (n - TERMS, n - TERMS)).copy_from(&fixed);
+        let noise_known_to = self.noise_known_to(&sums);
         let covariance = sums.normal.try_inverse()?;
-        let noise_known_to = self.noise_known_to(sums.on_flank);
         Some(Settled {
             by_noise: &covariance * sums.by_noise * noise_known_to,
             noise_known_to,
@@ -266,26 +273,41 @@ impl Joint<'_> {
     fn learn_noise(&mut self, windows: &Windows, slope: &[f32]) {
         let (sums, _) = self.sums(windows, slope);
         let [square, level] = sums.flank;
+        let middle = self.columns[self.columns.len() / 2];
+        let (dark, light) = (self.dark.at(middle), self.light.at(middle));
+        let own = self.own_noise(&sums);
         let noise = &mut self.likelihood.noise;
-        if level != 0.0 {
+        if let Some(ratio) = own {
+            noise.gain = ((noise.variance - ratio * noise.at(dark)) / (light - dark)).max(0.0);
+        } else if level != 0.0 {
             noise.gain = (square / level).max(0.0);
         }
         let (sums, _) = self.sums(windows, slope);
         let misfit = sums.chi2 / sums.telling.max(1.0);
-        let middle = self.columns[self.columns.len() / 2];
-        let mid = self.likelihood.noise.at(0.5 * (self.dark.at(middle) + self.light.at(middle)));
+        let mid = self.likelihood.noise.at(0.5 * (dark + light));
         self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
+    }
+
+    /// By how much the flat shadow's own pixels, where it is clipped in part, scatter more than the noise taken; `None` of too few.
+    fn own_noise(&self, sums: &Sums) -> Option<f64> {
+        let [chi2, expected] = sums.in_dark;
+        let enough = expected > OWN_NOISE.max(OWN_SHARE * self.columns.len() as f64);
+        (self.likelihood.ends.low.is_finite() && enough).then(|| chi2 / expected)
     }
 
     /// Relative standard uncertainty of the noise of what is clipped: √(2/n) is known of the variance on the flank, about twice of whose
     /// departure from the known level's stands in it; half of that of its root.
-    fn noise_known_to(&self, on_flank: f64) -> f64 {
+    fn noise_known_to(&self, sums: &Sums) -> f64 {
         let middle = self.columns[self.columns.len() / 2];
         let (dark, light) = (self.dark.at(middle), self.light.at(middle));
+        if self.own_noise(sums).is_some() {
+            return (0.5 / sums.in_dark[1]).sqrt();
+        }
         let noise = &self.likelihood.noise;
         let (clipped, of_line) =
             if self.likelihood.ends.low.is_finite() { (dark, OF_LINE) } else { (light, 0.0) };
-        let known_to = (2.0 / on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(clipped);
+        let known_to =
+            (2.0 / sums.on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(clipped);
         known_to.hypot(of_line).min(MOST_UNKNOWN)
     }
 

@@ -16,6 +16,8 @@ const MOST: usize = 80;
 const STRAY: f64 = 6.0;
 /// Growth of the edge per px below which a pixel does not move its place: its information is 10⁻⁸ of a steep one's.
 const FLAT: f64 = 1e-4;
+/// Share of the light up to which a pixel lies in the flat shadow.
+const FLAT_SHARE: f64 = 0.01;
 /// Step of the place from which on the flank no longer looks stray, px, and that at which it has settled: a hundredth of a single edge's noise.
 const NEAR_PX: f64 = 0.05;
 const SETTLED_PX: f64 = 1e-4;
@@ -80,6 +82,8 @@ pub(super) struct Score {
     pub(super) flank: [f64; 2],
     /// Pixels on the flank.
     pub(super) on_flank: f64,
+    /// The same as `chi2` and `telling` over the flat shadow alone.
+    pub(super) in_dark: [f64; 2],
     /// Change of the gradient by a relative change of the noise.
     pub(super) by_noise: Gradient,
     /// Pixels left out.
@@ -193,6 +197,11 @@ impl<'a> Likelihood<'a> {
             score.information += by * by.transpose() * (sampled.information * weight);
             score.by_noise += by * (sampled.by_noise * weight);
             score.telling += sampled.expected;
+            if *value < FLAT_SHARE {
+                let square = if sampled.between { (pixel.m - pixel.mean).powi(2) } else { 0.0 };
+                score.in_dark[0] += square / pixel.noise;
+                score.in_dark[1] += sampled.expected;
+            }
             if sampled.between {
                 let square = (pixel.m - pixel.mean).powi(2);
                 score.chi2 += square / pixel.noise;
