@@ -1,12 +1,14 @@
 //! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
 //!
 //! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
-//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. Before
+//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. A bent
+//! part has a τ at every column ([`AxisSlope`]); a slope towards the camera leaves a telecentric width as it is. Before
 //! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
+use super::axis_slope::AxisSlope;
 use super::bench::{Along, Conditions, CovariancePart, PARAMETERS};
-use super::blur_share::u_blur_px;
+use super::blur_share::{trend_factor, u_blur_px};
 use super::calibration::Calibration;
 use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
@@ -148,28 +150,29 @@ fn robust_slope(points: &[(f64, f64)]) -> f64 {
 struct Reader<'a> {
     calibration: &'a Calibration,
     conditions: &'a Conditions,
-    factor: f64,
+    slope: AxisSlope,
     /// Sum of the sources' shares.
     covariance: CovariancePart,
 }
 
 impl<'a> Reader<'a> {
-    fn new(calibration: &'a Calibration, conditions: &'a Conditions, pose: Pose) -> Self {
+    fn new(calibration: &'a Calibration, conditions: &'a Conditions, slope: AxisSlope) -> Self {
         let mut covariance =
             CovariancePart { source: String::new(), matrix: [[0.0; PARAMETERS]; PARAMETERS] };
         for part in calibration.bench.iter().flat_map(|b| &b.parts) {
             let entries = covariance.matrix.iter_mut().flatten().zip(part.matrix.iter().flatten());
             entries.for_each(|(sum, value)| *sum += value);
         }
-        Self { calibration, conditions, factor: pose.chord_factor(), covariance }
+        Self { calibration, conditions, slope, covariance }
     }
 
     /// Width across the axis, px, as a perfect lens would have shown it.
     fn width_px(&self, column: usize, top_px: f64, bottom_px: f64) -> f64 {
-        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * self.factor };
+        let factor = self.slope.factor(column);
+        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * factor };
         let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
         let near = 1.0 + bench.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
-        (row(bottom_px) - row(top_px)) * self.factor * near
+        (row(bottom_px) - row(top_px)) * factor * near
     }
 
     /// Height of the middle of two edges above a fixed row of the frame, mm.
@@ -201,7 +204,7 @@ impl<'a> Reader<'a> {
             scale,
             Along::at(column as f64),
             rows_px,
-            self.factor,
+            self.slope.factor(column),
             self.conditions.axis_y_mm,
         );
         (self.covariance.variance(&by) + conditions).sqrt()
@@ -231,12 +234,12 @@ pub(crate) fn column_diameters(
     edges: &FrameEdges,
     conditions: &Conditions,
 ) -> ColumnDiameters {
-    let reader = Reader::new(calibration, conditions, Pose::of(edges));
+    let reader = Reader::new(calibration, conditions, AxisSlope::of(edges));
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
-    // All columns have the frame's blur, and a stream keeps it from frame to frame: neither averages it.
+    // All columns have the frame's blur, and the frames of a stream share what is known of it: neither averages it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
-    let u_all_px = u_blur_px.hypot(calibration.u_place_px(&edges.figures));
-    let scale = calibration.scale_mm_per_px * reader.factor * conditions.to_reference();
+    let u_place_px = calibration.u_place_px(&edges.figures);
+    let scale = calibration.scale_mm_per_px * conditions.to_reference();
     let [bias_top, bias_bottom] = [
         curvature_bias(&edges.top, edges.figures.sigma_px[0]),
         curvature_bias(&edges.bottom, edges.figures.sigma_px[1]),
@@ -258,6 +261,7 @@ pub(crate) fn column_diameters(
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
         // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
         let repeated = edges.repeated_variance(column);
+        let u_all_px = u_place_px.hypot(u_blur_px * trend_factor(column as f64, edges.columns()));
         let random = |top: f64, bottom: f64| scale * (top * top + bottom * bottom - repeated).max(0.0).sqrt();
         out.readings.push(Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),

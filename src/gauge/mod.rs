@@ -1,10 +1,13 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 mod axis;
+mod axis_slope;
 pub mod bench;
 mod block_scatter;
 mod blur;
 mod blur_share;
+mod blur_track;
+mod both_sides;
 pub mod budget;
 mod budget_conditions;
 mod calibration;
@@ -45,6 +48,7 @@ mod repeated;
 pub mod ring;
 mod rounded_frame;
 mod rounding;
+mod scene;
 mod score;
 pub mod series;
 pub mod size;

@@ -57,8 +57,18 @@ pub(crate) struct PhaseScalars {
     pub(crate) blur_position: f32,
     /// Σ (∂E/∂σ)² v_mid/v, per px².
     pub(crate) blur_information: f32,
+    /// Σ ∂E/∂σ E v_mid/v, per px.
+    pub(crate) blur_offset: f32,
     /// Degrees of freedom of the residual: how many pixels lie within reach of the edge changes with the phase.
     pub(crate) freedom: f32,
+}
+
+impl PhaseScalars {
+    /// What an edge moves by where the blur fitted grows: −∂x/∂σ = I_xσ/I_xx.
+    #[inline(always)]
+    pub(crate) fn lever(&self) -> f32 {
+        self.blur_position / self.information
+    }
 }
 
 /// One phase of a window's core, `C` eights of pixels, all in one place.
@@ -294,6 +304,7 @@ fn fill_phase(
     let mut fisher = nalgebra::Matrix3::<f64>::zeros();
     let mut scalars = PhaseScalars { phase: phase as f32, ..PhaseScalars::default() };
     let (mut information, mut blur_position, mut blur_information) = (0.0, 0.0, 0.0);
+    let mut blur_offset = 0.0;
     let mut fitted = 0.0;
     for (k, sample) in samples.iter().enumerate() {
         let iv = inverse_variance(k);
@@ -305,6 +316,7 @@ fn fill_phase(
         information += iv * sample.by_position * sample.by_position;
         blur_position += iv * sample.by_position * sample.by_sigma;
         blur_information += iv * sample.by_sigma * sample.by_sigma;
+        blur_offset += iv * sample.by_sigma * sample.value;
         rows[width + k] = sample.value as f32;
         rows[2 * width + k] = iv as f32;
         rows[3 * width + k] = (iv * sample.by_sigma) as f32;
@@ -324,6 +336,7 @@ fn fill_phase(
     scalars.information = information as f32;
     scalars.blur_position = blur_position as f32;
     scalars.blur_information = blur_information as f32;
+    scalars.blur_offset = blur_offset as f32;
     scalars.freedom = fitted - if free_levels { 3.0 } else { 1.0 };
     scalars
 }
