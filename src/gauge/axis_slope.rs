@@ -1,19 +1,21 @@
 //! The slope of the axis in the image plane at every column of a frame.
 //!
 //! A straight part has one slope over the field, a bent one slopes otherwise at each end: D·τ²/2 at half a millimetre of sag over 150 mm is
-//! half a micrometre at Ø 8, and changes by as much over a field. The middles between both edges are taken for a cubic where it
-//! describes them to their own roughness, and for a line otherwise.
+//! half a micrometre at Ø 8, and changes by as much over a field. The middles between both edges are taken for a polynomial of the fifth degree
+//! where it describes them to their own roughness, and for a line otherwise.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{SMatrix, SVector};
 
 use super::diameter::Pose;
 use super::edges::FrameEdges;
 
-/// Fewest columns of a cubic.
+/// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.
+const TERMS: usize = 6;
+/// Fewest columns of a bent axis.
 const LEAST_COLUMNS: usize = 64;
-/// A cubic must leave this share of what a line leaves, at most: a bend below the noise changes no diameter.
+/// It must leave this share of what a line leaves, at most: a bend below the noise changes no diameter.
 const BETTER: f64 = 0.7;
-/// A cubic describes the middles where it leaves no more than this many of their own roughnesses, and this many pixels: steps out of
+/// It describes the middles where it leaves no more than this many of their own roughnesses, and this many pixels: steps out of
 /// the centre are no bend.
 const ROUGH: f64 = 2.0;
 const ROUGH_PX: f64 = 0.02;
@@ -26,13 +28,13 @@ const ROUNDS: usize = 3;
 pub(crate) struct AxisSlope {
     /// The straight part's.
     pose: Pose,
-    bent: Option<Cubic>,
+    bent: Option<Bent>,
 }
 
-/// A cubic through the middles: coefficients over t = (column − middle)/half.
+/// A polynomial through the middles: coefficients over t = (column − middle)/half.
 #[derive(Clone, Copy, Debug)]
-struct Cubic {
-    coefficients: Vector4<f64>,
+struct Bent {
+    coefficients: SVector<f64, TERMS>,
     middle: f64,
     half: f64,
 }
@@ -40,13 +42,13 @@ struct Cubic {
 impl AxisSlope {
     /// From the middles of the columns with both edges.
     pub(crate) fn of(edges: &FrameEdges) -> Self {
-        Self { pose: Pose::of(edges), bent: Cubic::through(&middles(edges)) }
+        Self { pose: Pose::of(edges), bent: Bent::through(&middles(edges)) }
     }
 
     /// D/w at a column.
     pub(crate) fn factor(&self, column: usize) -> f64 {
-        let Some(cubic) = &self.bent else { return self.pose.chord_factor() };
-        Pose { tan_tilt: cubic.slope(column as f64), ..self.pose }.chord_factor()
+        let Some(bent) = &self.bent else { return self.pose.chord_factor() };
+        Pose { tan_tilt: bent.slope(column as f64), ..self.pose }.chord_factor()
     }
 }
 
@@ -57,7 +59,7 @@ fn middles(edges: &FrameEdges) -> Vec<(f64, f64)> {
         .collect()
 }
 
-impl Cubic {
+impl Bent {
     fn through(points: &[(f64, f64)]) -> Option<Self> {
         let (first, last) = (points.first()?.0, points.last()?.0);
         if points.len() < LEAST_COLUMNS {
@@ -65,33 +67,38 @@ impl Cubic {
         }
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let line = fitted(points, (middle, half), 2)?;
-        let cubic = fitted(points, (middle, half), 4)?;
+        let bent = fitted(points, (middle, half), TERMS)?;
         let mut steps: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1).abs()).collect();
         let at = steps.len() / 2;
         // The median of |difference| of two is 0.954 of one's standard deviation.
         let rough = *steps.select_nth_unstable_by(at, f64::total_cmp).1 / 0.954;
-        let describes = cubic.1 < ROUGH * rough + ROUGH_PX;
-        (describes && cubic.1 < BETTER * line.1).then_some(Self { coefficients: cubic.0, middle, half })
+        let describes = bent.1 < ROUGH * rough + ROUGH_PX;
+        (describes && bent.1 < BETTER * line.1).then_some(Self { coefficients: bent.0, middle, half })
     }
 
     /// Rows per column.
     fn slope(&self, column: f64) -> f64 {
         let t = (column - self.middle) / self.half;
-        let c = &self.coefficients;
-        (c[1] + t * (2.0 * c[2] + 3.0 * t * c[3])) / self.half
+        let horner = |sum: f64, k: usize| sum * t + k as f64 * self.coefficients[k];
+        (1..TERMS).rev().fold(0.0, horner) / self.half
     }
 }
 
 /// Least squares of the first `terms` powers, with what lies far off left out; and what remains of the rest, rms.
-fn fitted(points: &[(f64, f64)], (middle, half): (f64, f64), terms: usize) -> Option<(Vector4<f64>, f64)> {
+fn fitted(
+    points: &[(f64, f64)],
+    (middle, half): (f64, f64),
+    terms: usize,
+) -> Option<(SVector<f64, TERMS>, f64)> {
     let start = points[0].1;
     let basis = |x: f64| {
         let t = (x - middle) / half;
-        Vector4::new(1.0, t, t * t, t * t * t)
+        SVector::<f64, TERMS>::from_fn(|k, _| t.powi(k as i32))
     };
-    let (mut found, mut rest, mut limit) = (Vector4::zeros(), f64::INFINITY, f64::INFINITY);
+    let (mut found, mut rest, mut limit) = (SVector::<f64, TERMS>::zeros(), f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
-        let (mut normal, mut right, mut count) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
+        let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
+        let (mut right, mut count) = (SVector::<f64, TERMS>::zeros(), 0.0);
         for (x, y) in points {
             let phi = basis(*x);
             if (y - start - found.dot(&phi)).abs() <= limit {
@@ -100,7 +107,7 @@ fn fitted(points: &[(f64, f64)], (middle, half): (f64, f64), terms: usize) -> Op
                 count += 1.0;
             }
         }
-        for k in terms..4 {
+        for k in terms..TERMS {
             normal.row_mut(k).fill(0.0);
             normal.column_mut(k).fill(0.0);
             normal[(k, k)] = 1.0;

@@ -178,13 +178,10 @@ fn block_sums(
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
         let start = normalise(context.windows.of(column), dark, light - dark, normalised) - table.centroid;
         let Some(found) = locate(normalised, table, start) else { continue };
-        let scalars = found.phase.scalars;
-        let score = dot(found.phase.blur_scores, normalised)
-            - dot(found.phase.blur_scores, found.phase.values)
-            - found.step * scalars.blur_position;
-        let lost = scalars.blur_position * scalars.blur_position / scalars.information.max(1e-9);
+        let (scalars, blur) = (found.phase.scalars, found.phase.blur);
+        let score = dot(found.phase.blur_scores, normalised) - blur.offset - found.step * blur.position;
         sums.score += f64::from(score);
-        sums.information += f64::from(scalars.blur_information - lost);
+        sums.information += f64::from(blur.information(scalars));
         sums.residual += f64::from(found.residual) / f64::from(scalars.freedom);
         sums.count += 1.0;
     }

@@ -16,8 +16,8 @@ use super::score::{dot, normalise};
 use super::table::Table;
 use super::window::Windows;
 
-/// Share of the frames before that is kept a frame: an average over about five.
-const KEPT: f64 = 0.8;
+/// Share of the frames before that is kept a frame: an average over three or four.
+const KEPT: f64 = 0.7;
 /// χ² of the change, three degrees of freedom, from which it is the frame's own: one frame in nine of a blur that stays. Below it a change
 /// is smaller than twice its standard uncertainty, which the budget's row of the blur states once.
 const CALM: f64 = 6.0;
@@ -153,13 +153,15 @@ fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edg
         return;
     }
     let (dark, light) = (job.dark.level[column], job.light.level[column]);
-    normalise(windows.of(column), dark, light - dark, normalised);
+    // What lies outside the core has no weight.
+    let (first, length) = table.core();
+    let core = &mut normalised[..length];
+    normalise(&windows.of(column)[first..first + length], dark, light - dark, core);
     let phase = table.phase(x as f32);
-    let scalars = phase.scalars;
-    let step = dot(phase.weights, normalised) - scalars.offset;
-    let score = dot(phase.blur_scores, normalised) - scalars.blur_offset - step * scalars.blur_position;
-    let lost = scalars.blur_position * scalars.blur_position / scalars.information.max(1e-9);
-    let information = scalars.blur_information - lost;
+    let of_core = |weights: &[f32]| dot(core, &weights[first..first + length]);
+    let step = of_core(phase.weights) - phase.scalars.offset;
+    let score = of_core(phase.blur_scores) - phase.blur.offset - step * phase.blur.position;
+    let information = phase.blur.information(phase.scalars);
     sum.score += f64::from(score - information * job.blur_shift);
     sum.information += f64::from(information);
     sum.count += 1.0;
@@ -179,7 +181,7 @@ impl TrackView<'_> {
         for (column, edge) in line.iter_mut().enumerate() {
             let Ok(centre) = self.windows.centre[column] else { continue };
             let x = sign * (edge.row_px - f64::from(centre));
-            let lever = f64::from(self.table.scalars(self.table.index(x as f32)).lever());
+            let lever = f64::from(self.table.scalars(self.table.index(x as f32)).lever);
             edge.row_px -= sign * lever * delta[BlurEstimate::block(column, columns)];
         }
     }

@@ -114,7 +114,7 @@ fn fit_four<const C: usize>(
     let own = (f32x4::from(unit) * relative.sqrt()).to_array();
     let freedom = f32x4::from([a.freedom, b.freedom, c.freedom, d.freedom]);
     let chi2 = (found.residual / (relative * freedom)).to_array();
-    let lever = f32x4::from([a.lever(), b.lever(), c.lever(), d.lever()]);
+    let lever = f32x4::from([a.lever, b.lever, c.lever, d.lever]);
     let x = found.x - lever * f32x4::splat(job.blur_shift);
     let (sign, x) = (f64::from(job.windows.side.sign()), x.to_array());
     let mut edges = [Edge::gap(Reason::NoEdge); FOUR];
@@ -162,7 +162,7 @@ fn fit_column<const C: usize>(
     let by_light = scalars.offset / contrast * job.light.uncertainty[column];
     let by_dark = (scalars.weight_sum - scalars.offset) / contrast * job.dark.uncertainty[column];
     Edge {
-        row_px: windows.row(column, found.x - scalars.lever() * job.blur_shift),
+        row_px: windows.row(column, found.x - scalars.lever * job.blur_shift),
         u_own_px: scalars.unit_uncertainty * relative.sqrt(),
         u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
         chi2: found.residual / (relative * scalars.freedom),

@@ -30,6 +30,8 @@ pub struct ColumnDiameters {
     pub width_px: Vec<f64>,
     /// Height of the middle between both edges above a fixed row of the frame, mm; NaN in a gap.
     pub middle_mm: Vec<f64>,
+    /// Standard uncertainty of that height by what columns and frames share but for the scale (edge model, rounding, blur), mm; NaN in a gap.
+    pub u_middle_common_mm: Vec<f64>,
 }
 
 impl ColumnDiameters {
@@ -236,7 +238,7 @@ pub(crate) fn column_diameters(
 ) -> ColumnDiameters {
     let reader = Reader::new(calibration, conditions, AxisSlope::of(edges));
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
-    // All columns have the frame's blur, and the frames of a stream share what is known of it: neither averages it.
+    // All columns share the frame's blur; a stream takes it from every frame anew, so that frames average it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
     let u_place_px = calibration.u_place_px(&edges.figures);
     let scale = calibration.scale_mm_per_px * conditions.to_reference();
@@ -255,24 +257,28 @@ pub(crate) fn column_diameters(
             out.shared_mm.push(f64::NAN);
             out.width_px.push(f64::NAN);
             out.middle_mm.push(f64::NAN);
+            out.u_middle_common_mm.push(f64::NAN);
             continue;
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
         // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
         let repeated = edges.repeated_variance(column);
-        let u_all_px = u_place_px.hypot(u_blur_px * trend_factor(column as f64, edges.columns()));
-        let random = |top: f64, bottom: f64| scale * (top * top + bottom * bottom - repeated).max(0.0).sqrt();
+        let blur = (u_blur_px * trend_factor(column as f64, edges.columns())).powi(2);
+        let random =
+            |top: f64, bottom: f64| scale * ((top * top + bottom * bottom - repeated).max(0.0) + blur).sqrt();
         out.readings.push(Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),
             u_random_mm: random(top.u_px(), bottom.u_px()),
             u_common_mm: reader
                 .u_common_mm(column, rows_px, width_px)
-                .hypot(scale * repeated.sqrt().hypot(u_all_px)),
+                .hypot(scale * repeated.sqrt().hypot(u_place_px)),
         }));
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);
         out.middle_mm.push(reader.middle_mm(column, rows_px));
+        // The mean of two edges that are off by themselves is off by half of what their distance is.
+        out.u_middle_common_mm.push(0.5 * scale * repeated.sqrt().hypot(u_blur_px));
     }
     out
 }

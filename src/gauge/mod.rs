@@ -1,6 +1,7 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 mod axis;
+pub mod axis_line;
 mod axis_slope;
 pub mod bench;
 mod block_scatter;

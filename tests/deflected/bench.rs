@@ -78,7 +78,6 @@ pub struct Head {
 pub struct Measured {
     pub meta: FrameMeta,
     pub columns: ColumnDiameters,
-    pub edges: FrameEdges,
 }
 
 impl Head {
@@ -121,37 +120,44 @@ impl Head {
         form_shaft(blank, form, self.case.length_mm, self.seed).unwrap()
     }
 
-    /// Frames of a shaft, measured: in one stream, and each by itself where `single`.
-    pub fn scan(&self, shaft: &Shaft, single: bool) -> Vec<Measured> {
+    /// Frames of a shaft, measured in one stream.
+    pub fn scan(&self, shaft: &Shaft) -> Vec<Measured> {
+        self.scan_beside(shaft, |_, _| {})
+    }
+
+    /// Frames of a shaft, measured in one stream, and each by itself.
+    pub fn scan_twice(&self, shaft: &Shaft) -> [Vec<Measured>; 2] {
+        let mut single = Vec::new();
+        let stream = self.scan_beside(shaft, |frame, head| {
+            let edges = head.gauge.edges(&frame.view()).unwrap();
+            single.push(Measured { meta: frame.meta.clone(), columns: head.calibration.diameters(&edges) });
+        });
+        [stream, single]
+    }
+
+    fn scan_beside(&self, shaft: &Shaft, mut beside: impl FnMut(&Frame, &Self)) -> Vec<Measured> {
         let scene = Scene::new(&self.bench, shaft.clone()).unwrap();
         let mut stream = self.gauge.stream();
+        let mut edges = FrameEdges::default();
         let mut spare: Option<Frame> = None;
-        self.case
-            .stops()
-            .into_iter()
-            .enumerate()
-            .map(|(k, (z_mm, angle_deg))| {
-                let request = FrameRequest {
-                    frame_id: k as u64,
-                    z_mm,
-                    angle_deg,
-                    noise: true,
-                    seed: self.seed,
-                    ..FrameRequest::default()
-                };
-                let frame = self.renderer.render(&scene, &request, spare.take()).unwrap();
-                let mut edges = FrameEdges::default();
-                if single {
-                    edges = self.gauge.edges(&frame.view()).unwrap();
-                } else {
-                    stream.measure(&frame.view(), &mut edges).unwrap();
-                }
-                let measured =
-                    Measured { meta: frame.meta.clone(), columns: self.calibration.diameters(&edges), edges };
-                spare = Some(frame);
-                measured
-            })
-            .collect()
+        let mut all = Vec::new();
+        for (k, (z_mm, angle_deg)) in self.case.stops().into_iter().enumerate() {
+            let seed = self.seed;
+            let request = FrameRequest {
+                frame_id: k as u64,
+                z_mm,
+                angle_deg,
+                noise: true,
+                seed,
+                ..FrameRequest::default()
+            };
+            let frame = self.renderer.render(&scene, &request, spare.take()).unwrap();
+            stream.measure(&frame.view(), &mut edges).unwrap();
+            beside(&frame, self);
+            all.push(Measured { meta: frame.meta.clone(), columns: self.calibration.diameters(&edges) });
+            spare = Some(frame);
+        }
+        all
     }
 
     pub fn profile(&self, frames: &[Measured]) -> DiameterProfile {
