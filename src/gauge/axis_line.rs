@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::axis_zero::AxisZero;
 use super::diameter::ColumnDiameters;
 use super::station::variance_of_mean;
 use crate::frame::FrameMeta;
@@ -185,16 +186,6 @@ impl Sums {
     fn noise(&self) -> f64 {
         0.25 * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
     }
-}
-
-/// What heights count from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AxisZero {
-    /// Height of the optical axis as [`ColumnDiameters::middle_mm`] counts, mm: 0 from a calibration with a lens, −scale·(rows − 1)/2
-    /// from a bare scale.
-    pub height_mm: f64,
-    /// Relative standard uncertainty of the scale.
-    pub u_scale: f64,
 }
 
 /// Averages the middles of a scan's frames into the axis of the part.

@@ -6,7 +6,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::diameter::Pose;
+use super::axis_pose::Pose;
 use super::edges::FrameEdges;
 
 /// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.

@@ -12,7 +12,7 @@ use std::io::Read;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::axis_line::AxisZero;
+use super::axis_zero::AxisZero;
 use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::calibration_error::LEAST_SPREAD_PX;
 pub use super::calibration_error::{CALIBRATION_VERSION, CalibrationError};

@@ -2,7 +2,9 @@
 
 mod axis;
 pub mod axis_line;
+mod axis_pose;
 mod axis_slope;
+mod axis_zero;
 pub mod bench;
 mod block_scatter;
 mod blur;
@@ -71,11 +73,13 @@ mod window;
 mod wire;
 mod wire_frame;
 
+pub use axis_pose::Pose;
+pub use axis_zero::AxisZero;
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
 pub use caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
-pub use diameter::{ColumnDiameters, Pose};
+pub use diameter::ColumnDiameters;
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
 pub use edge_table::EdgeTable;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
