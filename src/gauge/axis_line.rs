@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 
 use super::axis_zero::AxisZero;
@@ -31,6 +31,8 @@ const LEAST_FILL: f64 = 0.3;
 /// Variance of x over that of one angle, at most, where turning part and still part are told apart: angles that span less of the turn
 /// leave both mixed.
 const MOST_GAIN: f64 = 4.0;
+/// Variance of a station's middle over that of its columns' mean, at most, by the slope and bend that are adjusted within it.
+const MOST_STATION_GAIN: f64 = 4.0;
 /// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good ones with three degrees of freedom).
 const FAR: f64 = 7.0;
 /// Angles for one more odd harmonic; as over half a turn (`turn_scatter`), three at most.
@@ -168,7 +170,9 @@ impl AxisLine {
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     columns: usize,
-    middle_mm: f64,
+    /// Σ tᵏ for k = 0 to 4 and Σ tᵏ·m for k = 0 to 2, t the distance from the station's middle over half its length.
+    powers: [f64; 5],
+    middle_mm: [f64; 3],
     common_mm: f64,
     /// Σ own variance of the width, mm².
     own: f64,
@@ -178,13 +182,47 @@ struct Sums {
 }
 
 impl Sums {
-    fn mean_mm(&self) -> f64 {
-        self.middle_mm / self.columns as f64
+    fn add(&mut self, t: f64, middle_mm: f64) {
+        self.columns += 1;
+        let mut power = 1.0;
+        for k in 0..5 {
+            self.powers[k] += power;
+            if k < 3 {
+                self.middle_mm[k] += power * middle_mm;
+            }
+            power *= t;
+        }
+    }
+
+    /// Mean middle over the whole station and the variance of it over that of a plain mean. Fields that overlap show a part of the station
+    /// twice, and an axis slopes: a parabola through the columns is averaged over the station, a line where they do not tell one, their
+    /// mean where they do not tell that.
+    fn mean_mm(&self) -> (f64, f64) {
+        let n = self.powers[0];
+        let start = self.middle_mm[0] / n;
+        for terms in [3, 2] {
+            let normal = Matrix3::from_fn(|i, j| match (i < terms && j < terms, i == j) {
+                (true, _) => self.powers[i + j],
+                (false, same) => f64::from(u8::from(same)),
+            });
+            let right =
+                Vector3::from_fn(
+                    |i, _| if i < terms { self.middle_mm[i] - start * self.powers[i] } else { 0.0 },
+                );
+            // Over the station the mean of t² is a third.
+            let mean = Vector3::new(1.0, 0.0, if terms == 3 { 1.0 / 3.0 } else { 0.0 });
+            let Some(inverse) = normal.try_inverse() else { continue };
+            let gain = n * mean.dot(&(inverse * mean));
+            if gain < MOST_STATION_GAIN {
+                return (start + mean.dot(&(inverse * right)), gain.max(1.0));
+            }
+        }
+        (start, 1.0)
     }
 
     /// Variance of the mean middle by the edges' own statements, mm²: a quarter of the width's.
     fn noise(&self) -> f64 {
-        0.25 * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
+        0.25 * self.mean_mm().1 * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
     }
 }
 
@@ -233,8 +271,8 @@ impl AxisAverager {
             }
             let sums = self.sums[after].entry(angle).or_default();
             let shared = diameters.shared_mm[column].powi(2);
-            sums.columns += 1;
-            sums.middle_mm += diameters.middle_mm[column] - self.zero.height_mm;
+            let t = (z_mm - self.z_mm[after]) / half;
+            sums.add(t, diameters.middle_mm[column] - self.zero.height_mm);
             sums.common_mm += diameters.u_middle_common_mm[column];
             sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
             sums.shared += shared;
@@ -272,7 +310,7 @@ impl AxisAverager {
         let n = good.len() as f64;
         let noise = good.iter().map(|(_, s)| s.noise()).sum::<f64>() / n;
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
-        let middles: Vec<(f64, f64)> = good.iter().map(|(angle, s)| (*angle, s.mean_mm())).collect();
+        let middles: Vec<(f64, f64)> = good.iter().map(|(angle, s)| (*angle, s.mean_mm().0)).collect();
         Ok(Fit { noise, common_mm, angles: good.len(), ..harmonics(&middles) })
     }
 }
@@ -420,6 +458,22 @@ mod tests {
                 assert!(x < 0.8 && t < 0.8, "the edges' own u is the least: {x} {t}");
             }
         }
+    }
+
+    #[test]
+    fn a_sloping_axis_seen_twice_in_a_part_of_a_station_is_not_pulled_there() {
+        let axis = |t: f64| 0.3 + 0.01 * t - 0.002 * t * t;
+        let mut sums = Sums::default();
+        for (from, to) in [(-1.0, 1.0), (0.2, 1.0)] {
+            (0..400)
+                .map(|k| from + (to - from) * (f64::from(k) + 0.5) / 400.0)
+                .for_each(|t| sums.add(t, axis(t)));
+        }
+        let (mean, gain) = sums.mean_mm();
+        assert!((mean - (0.3 - 0.002 / 3.0)).abs() < 1e-12 && (1.0..1.5).contains(&gain), "{mean} {gain}");
+        let mut piece = Sums::default();
+        (0..100).map(|k| 0.5 + f64::from(k) * 0.005).for_each(|t| piece.add(t, axis(t)));
+        assert!((piece.mean_mm().0 - axis(0.75)).abs() < 1e-3, "too little is seen to go beyond it");
     }
 
     #[test]

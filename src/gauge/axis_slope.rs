@@ -12,7 +12,9 @@ use super::edges::FrameEdges;
 /// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.
 const TERMS: usize = 6;
 /// Fewest columns of a bent axis.
-const LEAST_COLUMNS: usize = 64;
+const LEAST_COLUMNS: usize = 256;
+/// Columns whose middles are averaged first.
+const BLOCK: usize = 16;
 /// It must leave this share of what a line leaves, at most: a bend below the noise changes no diameter.
 const BETTER: f64 = 0.7;
 /// It describes the middles where it leaves no more than this many of their own roughnesses, and this many pixels: steps out of
@@ -52,26 +54,34 @@ impl AxisSlope {
     }
 }
 
+/// Middles of blocks of columns that have both edges.
 fn middles(edges: &FrameEdges) -> Vec<(f64, f64)> {
     let both = edges.top.iter().zip(&edges.bottom).enumerate();
-    both.filter(|(_, (t, b))| t.is_usable() && b.is_usable())
+    let all: Vec<(f64, f64)> = both
+        .filter(|(_, (t, b))| t.is_usable() && b.is_usable())
         .map(|(c, (t, b))| (c as f64, 0.5 * (t.row_px + b.row_px)))
-        .collect()
+        .collect();
+    let mean = |block: &[(f64, f64)]| {
+        let n = block.len() as f64;
+        let sum = block.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        (sum.0 / n, sum.1 / n)
+    };
+    all.chunks(BLOCK).map(mean).collect()
 }
 
 impl Bent {
     fn through(points: &[(f64, f64)]) -> Option<Self> {
         let (first, last) = (points.first()?.0, points.last()?.0);
-        if points.len() < LEAST_COLUMNS {
+        if points.len() < LEAST_COLUMNS / BLOCK {
             return None;
         }
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let line = fitted(points, (middle, half), 2)?;
         let bent = fitted(points, (middle, half), TERMS)?;
-        let mut steps: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1).abs()).collect();
-        let at = steps.len() / 2;
-        // The median of |difference| of two is 0.954 of one's standard deviation.
-        let rough = *steps.select_nth_unstable_by(at, f64::total_cmp).1 / 0.954;
+        // Second differences leave the slope out; the median of their size is √6·0.6745 of one's standard deviation.
+        let mut bends: Vec<f64> = points.windows(3).map(|p| (p[2].1 - 2.0 * p[1].1 + p[0].1).abs()).collect();
+        let at = bends.len() / 2;
+        let rough = *bends.select_nth_unstable_by(at, f64::total_cmp).1 / 1.652;
         let describes = bent.1 < ROUGH * rough + ROUGH_PX;
         (describes && bent.1 < BETTER * line.1).then_some(Self { coefficients: bent.0, middle, half })
     }
@@ -113,7 +123,7 @@ fn fitted(
             normal[(k, k)] = 1.0;
             right[k] = 0.0;
         }
-        if count < (LEAST_COLUMNS / 2) as f64 {
+        if count < (LEAST_COLUMNS / BLOCK / 2) as f64 {
             break;
         }
         found = normal.try_inverse()? * right;

@@ -13,7 +13,7 @@ use super::blur::{BLOCKS, BlurEstimate, BlurSums, middle, sample};
 use super::columns::ColumnJob;
 use super::edges::Edge;
 use super::score::{dot, normalise};
-use super::table::Table;
+use super::table::{PHASE_REACH, Table};
 use super::window::Windows;
 
 /// Share of the frames before that is kept a frame: an average over three or four.
@@ -149,15 +149,17 @@ fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edg
     let (windows, table) = (job.windows, job.table);
     let Ok(centre) = windows.centre[column] else { return };
     let x = f64::from(windows.side.sign()) * (edge.row_px - f64::from(centre));
-    if x.abs() > f64::from(super::table::PHASE_REACH) {
-        return;
-    }
+    // An edge that has moved since the last frame stands in another part of its window.
+    let whole = if x.abs() > f64::from(PHASE_REACH) { x.round() } else { 0.0 };
+    let x = (x - whole) as f32;
     let (dark, light) = (job.dark.level[column], job.light.level[column]);
     // What lies outside the core has no weight.
     let (first, length) = table.core();
+    let Ok(moved) = usize::try_from(first as i64 + whole as i64) else { return };
+    let Some(window) = windows.of(column).get(moved..moved + length) else { return };
     let core = &mut normalised[..length];
-    normalise(&windows.of(column)[first..first + length], dark, light - dark, core);
-    let phase = table.phase(x as f32);
+    normalise(window, dark, light - dark, core);
+    let phase = table.phase(x);
     let of_core = |weights: &[f32]| dot(core, &weights[first..first + length]);
     let step = of_core(phase.weights) - phase.scalars.offset;
     let score = of_core(phase.blur_scores) - phase.blur.offset - step * phase.blur.position;
@@ -181,7 +183,8 @@ impl TrackView<'_> {
         for (column, edge) in line.iter_mut().enumerate() {
             let Ok(centre) = self.windows.centre[column] else { continue };
             let x = sign * (edge.row_px - f64::from(centre));
-            let lever = f64::from(self.table.scalars(self.table.index(x as f32)).lever);
+            let phase = if x.abs() > f64::from(PHASE_REACH) { x - x.round() } else { x };
+            let lever = f64::from(self.table.scalars(self.table.index(phase as f32)).lever);
             edge.row_px -= sign * lever * delta[BlurEstimate::block(column, columns)];
         }
     }

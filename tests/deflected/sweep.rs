@@ -77,7 +77,9 @@ fn pooled(case: Case, seeds: std::ops::Range<u64>) -> [Pooled; 3] {
         let [stream, single] = head.scan_twice(&shaft).map(|frames| head.profile(&frames).stations);
         let mut own = [Pooled::default(); 3];
         for ((stream, single), truth) in stream.iter().zip(&single).zip(&truth) {
-            let (a, b) = (stream.reading.value().unwrap(), single.reading.value().unwrap());
+            let (Some(a), Some(b)) = (stream.reading.value(), single.reading.value()) else {
+                panic!("seed {seed}, {form:?}: {stream:?} {single:?}")
+            };
             own[0].add(a.d_mm - truth, a.u_mm());
             own[1].add(b.d_mm - truth, b.u_mm());
             own[2].add(a.d_mm - b.d_mm, b.u_mm());
