@@ -16,6 +16,7 @@ pub use evidence::Evidence;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
+use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
@@ -117,6 +118,8 @@ pub struct PassResult {
     pub truth_mm: Option<Vec<f64>>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,
+    /// Axis of the part along z: what stands still of it in the image plane, and what turns.
+    pub axis: AxisLine,
     /// The middle field at the first angle.
     pub sample: Option<Sample>,
     /// Frames taken.
@@ -157,6 +160,7 @@ pub struct ClosedLoop<'a> {
 struct Scanned {
     profile: DiameterProfile,
     form: PartForm,
+    axis: AxisLine,
     readings: Vec<FrameReading>,
     sample: Option<Sample>,
     frames: usize,
@@ -343,6 +347,7 @@ impl<'a> ClosedLoop<'a> {
             notes: implausible.into_iter().chain(self.notes.iter().cloned()).collect(),
             alarm: self.alarm.clone(),
             form: scan.form,
+            axis: scan.axis,
             sample: scan.sample,
             frames: scan.frames,
             refused: scan.refused,
@@ -363,11 +368,12 @@ impl<'a> ClosedLoop<'a> {
             progress(measured.frames, plan.frames());
         }
         drop(source);
-        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, ends, .. } =
-            measured;
+        let Measured {
+            averager, turns, axis, readings, sample, refused, frames, waited, measured, ends, ..
+        } = measured;
         let profile = averager.finish(pass);
-        let form = turns.finish(Cutoff::default());
-        Ok(Scanned { profile, form, readings, sample, frames, refused, waited, measured, ends })
+        let (form, axis) = (turns.finish(Cutoff::default()), axis.finish());
+        Ok(Scanned { profile, form, axis, readings, sample, frames, refused, waited, measured, ends })
     }
 
     /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such
@@ -487,6 +493,7 @@ struct Measured<'c> {
     edges: FrameEdges,
     averager: StationAverager,
     turns: TurnAverager,
+    axis: AxisAverager,
     sample_frame: usize,
     readings: Vec<FrameReading>,
     sample: Option<Sample>,
@@ -508,6 +515,11 @@ impl<'c> Measured<'c> {
             edges: FrameEdges::default(),
             averager,
             turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
+            axis: AxisAverager::new(
+                job.part.station_z_mm(),
+                job.part.station_mm,
+                calibration.axis_zero(job.camera.rows_about_axis()),
+            ),
             sample_frame: frames / angles / 2 * angles,
             readings: Vec::new(),
             sample: None,
@@ -550,6 +562,7 @@ impl<'c> Measured<'c> {
         let columns = self.calibration.diameters(&self.edges);
         self.averager.add(&frame.meta, &columns);
         self.turns.add(&frame.meta, &columns);
+        self.axis.add(&frame.meta, &columns);
         let meta = &frame.meta;
         self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
             FrameReading {

@@ -4,9 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::Failure;
 use super::measure_choice::add_warning;
-use super::measure_size::{common_mm, envelope, judge_turn, part_form};
+use super::measure_size::{axis_line, common_mm, envelope, judge_turn, part_form};
 use super::measure_statistics::FrameMeans;
-use super::measure_turn::{scatter_word, turn_json};
+use super::measure_turn::{axis_json, scatter_word, turn_json};
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;
@@ -510,6 +510,7 @@ impl<'a> Follower<'a> {
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
             let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
             turn["implausible"] = json!(self.jumps);
+            turn["axis"] = axis_json(&axis_line(&self.turn, self.args.station_mm, self.calibration));
             if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
                 let envelope = envelope(&self.turn, self.args.cutoff_upr);
                 let common = |z_mm: f64| common_mm(&self.turn, z_mm, length);

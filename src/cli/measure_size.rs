@@ -5,9 +5,10 @@ use serde_json::{Value, json};
 use super::Failure;
 use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
-use crate::gauge::ColumnDiameters;
+use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{Envelope, PartForm, TurnAverager};
+use crate::gauge::{Calibration, ColumnDiameters};
 
 /// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single columns' noise is not.
 const ENVELOPE_COLUMNS: f64 = 8.0;
@@ -112,6 +113,21 @@ fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
         .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
     (high > low).then_some((low, high))
+}
+
+/// Places at which the axis is given where no stations are.
+const AXIS_PLACES: f64 = 16.0;
+
+/// The axis along the length that the frames show, by stations of a length.
+pub(super) fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
+    let Some((low, high)) = z_range_mm(turn) else { return AxisLine::default() };
+    let length_mm = station_mm.unwrap_or((high - low) / AXIS_PLACES).min(high - low);
+    let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
+    let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
+    // From the first row of the frames, or from the axis of the lens.
+    let mut averager = AxisAverager::new(z_mm, length_mm, calibration.axis_zero(1.0));
+    turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
+    averager.finish()
 }
 
 /// The frames by sections of a length, as many as are whole.

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 use crate::gauge::stated::stated;
 use crate::gauge::turn_form::{PartForm, SectionForm};
 
@@ -26,6 +27,53 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
         }
     }
     all
+}
+
+/// The axis over the turn as the JSON document has it.
+pub(super) fn axis_json(axis: &AxisLine) -> Value {
+    let bend = axis.bend_mm();
+    let stations: Vec<Value> = axis
+        .stations
+        .iter()
+        .zip(&bend)
+        .map(|(s, (_, bend_x_mm, u_bend_x_mm))| {
+            let turning = s.turning.map(|t| {
+                json!({ "x_mm": t.x_mm, "y_mm": t.y_mm, "u_mm": t.u_mm, "run_out_mm": t.run_out_mm() })
+            });
+            json!({
+                "z_mm": s.z_mm, "x_mm": s.x_mm, "u_x_mm": s.u_mm(), "bend_x_mm": bend_x_mm, "u_bend_x_mm": u_bend_x_mm,
+                "turning": turning, "angles": s.angles,
+            })
+        })
+        .collect();
+    let gaps: Vec<Value> =
+        axis.gaps.iter().map(|(z, why)| json!({ "z_mm": z, "why": why.as_str() })).collect();
+    json!({ "stations": stations, "gaps": gaps, "still_towards_camera": STILL_TOWARDS_CAMERA })
+}
+
+/// The axis for people: its largest bend and run-out.
+fn axis_words(axis: &Value) -> String {
+    let stations = || axis["stations"].as_array().into_iter().flatten();
+    let largest = |value: &dyn Fn(&Value) -> Option<f64>| {
+        stations()
+            .filter_map(|s| Some((s["z_mm"].as_f64()?, value(s)?, s)))
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    };
+    let um = |mm: f64| format!("{:.3}", 1e3 * mm);
+    let Some((z, bend, s)) = largest(&|s| s["bend_x_mm"].as_f64()) else { return String::new() };
+    let u = s["u_bend_x_mm"].as_f64().unwrap_or(f64::NAN);
+    let turning = largest(&|s| s["turning"]["run_out_mm"].as_f64()).map_or_else(
+        || "what turns is not told from what stands still: the angles span too little of a turn".to_owned(),
+        |(z, out, s)| {
+            let u = 2.0 * s["turning"]["u_mm"].as_f64().unwrap_or(f64::NAN);
+            format!("run-out up to {} um at z = {z:.3} mm (u {} um)", um(out), um(u))
+        },
+    );
+    format!(
+        "axis: bends by {} um at z = {z:.3} mm in the image plane (u {} um); {turning}; what stands still towards the camera is {STILL_TOWARDS_CAMERA}\n",
+        um(bend),
+        um(u)
+    )
 }
 
 /// A word where sections scatter by more than their form and their u explain.
@@ -109,6 +157,7 @@ pub fn turn_table(turn: &Value) -> String {
         um(&turn["generatrix_straightness_mm"]),
         um(&turn["taper"])
     );
+    text += &axis_words(&turn["axis"]);
     if let Some(judged) = turn.get("judged") {
         let word = judged["judgement"].as_str().map_or_else(
             || format!("not proven: {}", judged["why"].as_str().unwrap_or("")),

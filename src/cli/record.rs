@@ -13,8 +13,8 @@ use crate::plan::Decision;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder, StationRow,
-    TruthRow, profile_of, read_diameters,
+    AxisRow, ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder,
+    StationRow, TruthRow, profile_of, read_diameters,
 };
 
 use super::Failure;
@@ -30,6 +30,8 @@ pub struct Recorded {
     pub sample: Option<Sample>,
     /// Form of the part after the last pass of this process.
     pub form: Option<PartForm>,
+    /// Axis of the part after every pass.
+    pub axis: Vec<AxisRow>,
     /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
     pub verdict: Option<Verdict>,
     /// Why not all passes were cut: an alarm.
@@ -48,6 +50,7 @@ pub struct Recorder<'a> {
     diameters: Vec<DiameterRow>,
     control: ControlRecord,
     form: (Vec<FormRow>, Vec<PartFormRow>),
+    axis: Vec<AxisRow>,
 }
 
 impl<'a> Recorder<'a> {
@@ -66,6 +69,8 @@ impl<'a> Recorder<'a> {
         let mut form = folder.form().map_err(folder_failure)?;
         form.0.retain(|f| done(f.pass));
         form.1.retain(|f| done(f.pass));
+        let mut axis = folder.axis().map_err(folder_failure)?;
+        axis.retain(|a| done(a.pass));
         let calibration = match passes.is_empty() {
             true => None,
             false => Some(read_calibration(folder)?),
@@ -88,7 +93,7 @@ impl<'a> Recorder<'a> {
             chain.replay(&profile_of(row.pass, &stations), &evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form, axis })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -130,7 +135,7 @@ impl<'a> Recorder<'a> {
             sample = result.sample.or(sample);
         }
         let verdict = self.verdict();
-        Ok(Recorded { passes: self.passes, seconds, sample, form, verdict, stopped })
+        Ok(Recorded { passes: self.passes, seconds, sample, form, axis: self.axis, verdict, stopped })
     }
 
     fn stops(&self) -> bool {
@@ -148,6 +153,7 @@ impl<'a> Recorder<'a> {
         let stations = &result.profile.stations;
         self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
+        self.axis.extend(AxisRow::of(pass, &result.axis));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
         self.control.passes.push(pass_record(result));
@@ -161,6 +167,7 @@ impl<'a> Recorder<'a> {
             .write_stations(&self.stations)
             .and_then(|()| folder.write_offsets(&self.offsets))
             .and_then(|()| folder.write_form(&self.form.0, &self.form.1))
+            .and_then(|()| folder.write_axis(&self.axis))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
             .and_then(|()| folder.write_control(&self.control))

@@ -10,7 +10,7 @@ use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
-use crate::run_folder::{PassRow, RunFolder, RunFolderError};
+use crate::run_folder::{AxisRow, PassRow, RunFolder, RunFolderError, axis_json};
 
 use super::record::{Recorded, Recorder};
 use super::{CommandResult, Failure, Outcome};
@@ -79,6 +79,7 @@ pub struct Finished {
     backend: String,
     adapter: String,
     passes: Vec<PassRow>,
+    axis: Vec<AxisRow>,
     reference: Option<Vec<PassRow>>,
     seconds: Vec<(f64, f64)>,
     verdict: Option<Verdict>,
@@ -119,6 +120,7 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
         stopped: main.stopped,
         seconds: main.seconds,
         passes: main.passes,
+        axis: main.axis,
         reference: reference.map(|r| r.passes().unwrap_or_default()),
     })
 }
@@ -203,11 +205,15 @@ impl Finished {
                 })
                 .collect()
         };
+        let mut passes = rows(&self.passes, &self.seconds);
+        for (json, row) in passes.iter_mut().zip(&self.passes) {
+            json["axis"] = axis_json(&self.axis, row.pass);
+        }
         let mut json = serde_json::json!({
             "controller": self.job.control.controller.as_str(),
             "backend": self.backend,
             "adapter": self.adapter,
-            "passes": rows(&self.passes, &self.seconds),
+            "passes": passes,
             "in_tolerance": self.verdict.as_ref().map(|v| v.part() == PartConformity::Conforms),
             "conformity": self.verdict.as_ref().map(Verdict::part),
             // For one version also under the name that `measure` has for GO, HI, …

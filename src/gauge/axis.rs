@@ -2,9 +2,10 @@
 //!
 //! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle (top + bottom)/2 follows the axis: over
 //! one field a parabola, whatever the profile. Matter that adheres to one side, or a chip that touches it, moves the middle by half of
-//! what it adds to the diameter. The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
+//! what it adds to the diameter. A shaft that bends more than a parabola tells leaves its widths alone ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
 //! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
 
+mod bent;
 mod descent;
 mod hills;
 
@@ -127,6 +128,9 @@ fn refuse_once(
     let dirty = *dirty.get_or_insert_with(|| !calm && is_dirty(top, bottom));
     if !calm || usable < top.len() {
         scratch.measure_widths(top, bottom);
+    }
+    if !calm && bent::is_bent(&scratch.blocks) {
+        return 0.0;
     }
     let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());

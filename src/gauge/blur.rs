@@ -22,11 +22,16 @@ pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Sums for the blur of one block.
 #[derive(Clone, Copy, Debug, Default)]
-struct BlurSums {
-    score: f64,
-    information: f64,
+pub(crate) struct BlurSums {
+    pub(crate) score: f64,
+    pub(crate) information: f64,
     residual: f64,
-    count: f64,
+    pub(crate) count: f64,
+}
+
+/// Place of a block's middle along the field, −½ to ½.
+pub(crate) fn middle(block: usize) -> f64 {
+    (block as f64 + 0.5) / BLOCKS as f64 - 0.5
 }
 
 /// Blur of one side in each block, px.
@@ -45,9 +50,18 @@ impl BlurEstimate {
         (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
     }
 
-    /// Whether all blocks have the same blur.
-    pub(crate) fn is_uniform(&self) -> bool {
-        self.sigma.iter().all(|s| s.to_bits() == self.sigma[0].to_bits())
+    /// End of the columns from `from` on that have the same blur.
+    pub(crate) fn end_of_run(&self, from: usize, columns: usize) -> usize {
+        let block = Self::block(from, columns);
+        let own = self.sigma[block].to_bits();
+        let other = (block..BLOCKS).find(|b| self.sigma[*b].to_bits() != own);
+        // The first column of a block: the least c with c·BLOCKS/columns ≥ block.
+        other.map_or(columns, |b| (b * columns).div_ceil(BLOCKS)).max(from + 1)
+    }
+
+    /// Keeps all blocks within what is believable.
+    pub(crate) fn limit(&mut self, least: f64) {
+        self.sigma.iter_mut().for_each(|s| *s = s.clamp(least, SIGMA_RANGE.1));
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -56,7 +70,7 @@ impl BlurEstimate {
 }
 
 /// Columns of a block that are looked at.
-fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
     let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
     let step = (to - from).div_ceil(PER_BLOCK).max(1);
     (from..to).step_by(step)
@@ -164,13 +178,10 @@ fn block_sums(
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
         let start = normalise(context.windows.of(column), dark, light - dark, normalised) - table.centroid;
         let Some(found) = locate(normalised, table, start) else { continue };
-        let scalars = found.phase.scalars;
-        let score = dot(found.phase.blur_scores, normalised)
-            - dot(found.phase.blur_scores, found.phase.values)
-            - found.step * scalars.blur_position;
-        let lost = scalars.blur_position * scalars.blur_position / scalars.information.max(1e-9);
+        let (scalars, blur) = (found.phase.scalars, found.phase.blur);
+        let score = dot(found.phase.blur_scores, normalised) - blur.offset - found.step * blur.position;
         sums.score += f64::from(score);
-        sums.information += f64::from(scalars.blur_information - lost);
+        sums.information += f64::from(blur.information(scalars));
         sums.residual += f64::from(found.residual) / f64::from(scalars.freedom);
         sums.count += 1.0;
     }
@@ -178,7 +189,7 @@ fn block_sums(
 }
 
 /// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them, or a line where few
-/// of them are known.
+/// of them are known. Smaller differences count where a line or a parabola explains them ([`trend`]).
 fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
     let slope2 = mean_square_slope(context);
     let least = context.shape.least_sigma();
@@ -189,13 +200,13 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
     let good = |s: &&BlurSums| s.information > 0.0;
     let chi2: f64 = sums.iter().filter(good).map(|s| s.score * s.score / s.information / variance).sum();
     let spread = sums.iter().filter(good).map(|s| (s.score / s.information).abs()).fold(0.0, f64::max);
-    if chi2 < 26.0 || spread < 0.01 * sigma {
+    let far = chi2 >= 26.0 && spread >= 0.01 * sigma;
+    let Some(parabola) = (if far { parabola(sums, true) } else { trend(sums, variance, sigma) }) else {
         return BlurEstimate::uniform(plain(sigma));
-    }
-    let Some(parabola) = parabola(sums) else { return BlurEstimate::uniform(plain(sigma)) };
+    };
     let mut estimate = BlurEstimate::uniform(plain(sigma));
     for (block, value) in estimate.sigma.iter_mut().enumerate() {
-        let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
+        let t = middle(block);
         let delta = parabola[0] + parabola[1] * t + parabola[2] * t * t;
         *value = plain((sigma + delta).clamp(0.5 * sigma, 2.0 * sigma)).max(least);
     }
@@ -215,16 +226,49 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
     sum / count.max(1.0)
 }
 
-fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
+/// χ² by which a line explains the blocks' blurs better than one value, or a parabola better than a line (one degree of freedom, 1 %), and
+/// the most that the rest may have, each of its degrees of freedom: what is no smooth course along the field is dirt.
+const TREND: f64 = 6.6;
+const ROUGH: f64 = 3.0;
+/// Least difference along the field, as a share of the blur: moves an edge by a thousandth of a pixel.
+const LEAST_TREND: f64 = 0.002;
+
+/// The line or parabola that a shaft's distance from the focal plane draws along the field, where it is significant.
+fn trend(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
+    let explained = |p: &nalgebra::Vector3<f64>| {
+        let at = |(block, s): (usize, &BlurSums)| {
+            let t = middle(block);
+            s.score * (p[0] + p[1] * t + p[2] * t * t)
+        };
+        sums.iter().enumerate().map(at).sum::<f64>() / variance
+    };
+    let known = sums.iter().filter(|s| s.information > 0.0);
+    let total: f64 = known.clone().map(|s| s.score * s.score / s.information / variance).sum();
+    let (score, information) = known.clone().fold((0.0, 0.0), |(a, b), s| (a + s.score, b + s.information));
+    let level = score * score / information / variance;
+    let (line, bent) = (parabola(sums, false)?, parabola(sums, true)?);
+    let (by_line, by_bent) = (explained(&line), explained(&bent));
+    let (chosen, by, terms) = match (by_bent - by_line > TREND, by_line - level > TREND) {
+        (true, _) => (bent, by_bent, 3.0),
+        (false, true) => (line, by_line, 2.0),
+        (false, false) => return None,
+    };
+    let freedom = (known.count() as f64 - terms).max(1.0);
+    let smooth = total - by < ROUGH * freedom;
+    let spread = (0.5 * chosen[1]).abs() + (0.25 * chosen[2]).abs();
+    (smooth && spread > LEAST_TREND * sigma).then_some(chosen)
+}
+
+fn parabola(sums: &[BlurSums; BLOCKS], bent: bool) -> Option<nalgebra::Vector3<f64>> {
     let known = sums.iter().filter(|s| s.count >= LEAST_COUNT).count();
     if known < 3 {
         return None;
     }
-    let bent = if known < 6 { 0.0 } else { 1.0 };
+    let bent = if known < 6 || !bent { 0.0 } else { 1.0 };
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     for (block, sum) in sums.iter().enumerate() {
-        let t = (block as f64 + 0.5) / BLOCKS as f64 - 0.5;
+        let t = middle(block);
         let basis = nalgebra::Vector3::new(1.0, t, bent * t * t);
         normal += basis * basis.transpose() * sum.information;
         right += basis * sum.score;

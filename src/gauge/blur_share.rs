@@ -15,12 +15,21 @@ const ESTIMATED_FROM: usize = 256;
 /// Pixels either side of the edge.
 const REACH: i32 = 24;
 
+/// Uncertainty of the blur at a column over that of its mean along the field: a line through the blocks' blurs is known there to
+/// √(1 + 12·t²), t from −½ to ½.
+pub(super) fn trend_factor(column_px: f64, columns: usize) -> f64 {
+    let t = (column_px + 0.5) / columns.max(1) as f64 - 0.5;
+    (1.0 + 12.0 * t * t).sqrt()
+}
+
 /// Standard uncertainty of the mean width over some columns by the blurs of both edges, px, and the larger uncertainty of
 /// these blurs, px.
 pub(super) fn u_blur_px(edges: &FrameEdges, used: &[usize]) -> (f64, f64) {
     let sides = [(0, &edges.top), (1, &edges.bottom)].map(|(side, line)| of_side(edges, side, line, used));
     let [a, b] = sides;
-    (a.0.hypot(b.0), a.1.max(b.1))
+    let middle = used.iter().map(|c| *c as f64).sum::<f64>() / used.len().max(1) as f64;
+    let factor = trend_factor(middle, edges.columns());
+    (factor * a.0.hypot(b.0), factor * a.1.max(b.1))
 }
 
 fn of_side(edges: &FrameEdges, side: usize, line: &[Edge], used: &[usize]) -> (f64, f64) {

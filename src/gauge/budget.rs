@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::axis_slope::AxisSlope;
 use super::bench::{Along, Conditions, CovariancePart, LensModel};
 pub use super::block_scatter::{Block, Scatter};
 use super::blur_share::u_blur_px;
@@ -12,7 +13,6 @@ pub use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
 use super::calibration::Calibration;
 use super::column_means::ColumnMeans;
-use super::diameter::Pose;
 use super::edges::{FrameEdges, FrameFigures};
 use super::stated::stated;
 
@@ -209,8 +209,8 @@ pub struct WidthReading {
 impl WidthReading {
     /// Mean width over columns of a frame; `None` where fewer than 8 of them have both edges.
     pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
-        let chord = Pose::of(edges).chord_factor();
         let over = ColumnMeans::over(edges, columns)?;
+        let chord = AxisSlope::of(edges).factor(over.column_px as usize);
         let clipped = edges.clipped_variance().min(over.u_shared_px.powi(2));
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
         Some(Self {
@@ -302,10 +302,11 @@ impl WidthReading {
         random("quantisation", width(quantisation), quantisation, None);
         random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
         random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
-        // The same light falls on every frame, and a stream keeps its blur: neither averages.
+        // All columns have the frame's blur; a stream takes it from every frame anew.
+        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
+        // The same light falls on every frame: it does not average.
         let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
         for (source, input, u_px) in [
-            ("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px),
             ("misfit of the edge model", misfit, self.u_misfit_px),
             ("light beyond the end of the grey scale", width(self.u_clipped_px), self.u_clipped_px),
             ("quantisation that repeats", width(self.u_rounding_px), self.u_rounding_px),

@@ -12,6 +12,7 @@ use std::io::Read;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::axis_zero::AxisZero;
 use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::calibration_error::LEAST_SPREAD_PX;
 pub use super::calibration_error::{CALIBRATION_VERSION, CalibrationError};
@@ -404,6 +405,15 @@ impl Calibration {
     pub fn u_common_mm(&self, width_px: f64) -> f64 {
         let [vs, c, vo] = self.covariance;
         (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
+    }
+
+    /// What the heights of an axis count from: the middle between the first and the last of `rows` rows, or the axis of the lens.
+    pub fn axis_zero(&self, rows: f64) -> AxisZero {
+        let height_mm = match self.bench {
+            Some(_) => 0.0,
+            None => -0.5 * (rows - 1.0) * self.scale_mm_per_px,
+        };
+        AxisZero { height_mm, u_scale: self.covariance[0].sqrt() / self.scale_mm_per_px }
     }
 
     /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before the fit.

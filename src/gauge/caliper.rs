@@ -4,8 +4,8 @@
 //! an ellipse. It is fitted robustly around the widest place and its vertex is D. A shaft has no such vertex; there the largest of all
 //! stretches of columns down to a least width stands for it (`stretch`), and where crests face roots the distance of the two tangents.
 
+use super::axis_slope::AxisSlope;
 use super::curvature::bias_per_curvature;
-use super::diameter::Pose;
 use super::edges::FrameEdges;
 use super::stretch::crests::Crests;
 use super::stretch::{LEAST_STRETCH, Largest, Line};
@@ -78,7 +78,7 @@ pub(crate) fn largest_caliper_where(
     // A disc's width is that along the column, whatever its pose; its edges are curved. A shaft's is that square to its axis.
     let (factor, bias) = match largest.end_on {
         true => (1.0, end_on_bias(edges, largest.diameter_px)),
-        false => (Pose::of(edges).chord_factor(), 0.0),
+        false => (AxisSlope::of(edges).factor(largest.column_px.max(0.0) as usize), 0.0),
     };
     Some(LargestCaliper {
         diameter_px: factor * largest.diameter_px + bias,

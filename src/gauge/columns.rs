@@ -27,6 +27,8 @@ pub(crate) struct ColumnJob<'a> {
     pub(crate) light: &'a LevelCurve,
     pub(crate) noise: &'a NoiseModel,
     pub(crate) table: &'a Table,
+    /// Blur of the columns less the table's, px.
+    pub(crate) blur_shift: f32,
     pub(crate) min_snr: f32,
     pub(crate) reject: bool,
     /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
@@ -112,7 +114,9 @@ fn fit_four<const C: usize>(
     let own = (f32x4::from(unit) * relative.sqrt()).to_array();
     let freedom = f32x4::from([a.freedom, b.freedom, c.freedom, d.freedom]);
     let chi2 = (found.residual / (relative * freedom)).to_array();
-    let (sign, x) = (f64::from(job.windows.side.sign()), found.x.to_array());
+    let lever = f32x4::from([a.lever, b.lever, c.lever, d.lever]);
+    let x = found.x - lever * f32x4::splat(job.blur_shift);
+    let (sign, x) = (f64::from(job.windows.side.sign()), x.to_array());
     let mut edges = [Edge::gap(Reason::NoEdge); FOUR];
     for (k, edge) in edges.iter_mut().enumerate() {
         *edge = Edge {
@@ -158,7 +162,7 @@ fn fit_column<const C: usize>(
     let by_light = scalars.offset / contrast * job.light.uncertainty[column];
     let by_dark = (scalars.weight_sum - scalars.offset) / contrast * job.dark.uncertainty[column];
     Edge {
-        row_px: windows.row(column, found.x),
+        row_px: windows.row(column, found.x - scalars.lever * job.blur_shift),
         u_own_px: scalars.unit_uncertainty * relative.sqrt(),
         u_shared_px: (by_light * by_light + by_dark * by_dark).sqrt(),
         chi2: found.residual / (relative * scalars.freedom),
@@ -261,6 +265,7 @@ mod tests {
                 light: &light,
                 noise: &noise,
                 table: &table,
+                blur_shift: 0.0,
                 min_snr: 5.0,
                 reject: true,
                 shadow: 100.0,

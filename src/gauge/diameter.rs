@@ -1,12 +1,15 @@
 //! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
 //!
 //! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
-//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. Before
+//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. A bent
+//! part has a τ at every column ([`AxisSlope`]); a slope towards the camera leaves a telecentric width as it is. Before
 //! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
+use super::axis_pose::Pose;
+use super::axis_slope::AxisSlope;
 use super::bench::{Along, Conditions, CovariancePart, PARAMETERS};
-use super::blur_share::u_blur_px;
+use super::blur_share::{trend_factor, u_blur_px};
 use super::calibration::Calibration;
 use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
@@ -28,6 +31,8 @@ pub struct ColumnDiameters {
     pub width_px: Vec<f64>,
     /// Height of the middle between both edges above a fixed row of the frame, mm; NaN in a gap.
     pub middle_mm: Vec<f64>,
+    /// Standard uncertainty of that height by what columns and frames share but for the scale (edge model, rounding, blur), mm; NaN in a gap.
+    pub u_middle_common_mm: Vec<f64>,
 }
 
 impl ColumnDiameters {
@@ -85,91 +90,33 @@ impl ColumnDiameters {
     }
 }
 
-/// Slopes of the axis and of the flanks in a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose {
-    /// Slope tan τ of the axis, rows per column.
-    pub tan_tilt: f64,
-    /// Slope tan α of the flanks, rows per column.
-    pub tan_taper: f64,
-}
-
-impl Pose {
-    /// Robust lines through middles and half widths; level where there are too few columns.
-    pub fn of(edges: &FrameEdges) -> Self {
-        let pairs: Vec<(f64, f64, f64)> = edges
-            .top
-            .iter()
-            .zip(&edges.bottom)
-            .enumerate()
-            .filter(|(_, (t, b))| t.is_usable() && b.is_usable())
-            .map(|(c, (t, b))| (c as f64, 0.5 * (t.row_px + b.row_px), 0.5 * (b.row_px - t.row_px)))
-            .collect();
-        let slope = |pick: fn(&(f64, f64, f64)) -> f64| {
-            robust_slope(&pairs.iter().map(|p| (p.0, pick(p))).collect::<Vec<_>>())
-        };
-        Self { tan_tilt: slope(|p| p.1), tan_taper: slope(|p| p.2) }
-    }
-
-    /// D/w of the module's formula.
-    pub fn chord_factor(&self) -> f64 {
-        let cos2 = 1.0 / (1.0 + self.tan_tilt * self.tan_tilt);
-        let sin2 = 1.0 - cos2;
-        ((cos2 - sin2 * self.tan_taper * self.tan_taper) / cos2.sqrt()).max(0.0)
-    }
-}
-
-/// Least-squares slope, three times with points beyond three standard deviations left out.
-fn robust_slope(points: &[(f64, f64)]) -> f64 {
-    if points.len() < 16 {
-        return 0.0;
-    }
-    let mut limit = f64::INFINITY;
-    let (mut intercept, mut slope) = (0.0, 0.0);
-    for _ in 0..3 {
-        let kept = || points.iter().filter(|p| (p.1 - intercept - slope * p.0).abs() <= limit);
-        let n = kept().count() as f64;
-        if n < 8.0 {
-            break;
-        }
-        let (mx, my) = (kept().map(|p| p.0).sum::<f64>() / n, kept().map(|p| p.1).sum::<f64>() / n);
-        let square: f64 = kept().map(|p| (p.0 - mx).powi(2)).sum();
-        let cross: f64 = kept().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-        let next = if square > 0.0 { cross / square } else { 0.0 };
-        let start = my - next * mx;
-        let rest: f64 = kept().map(|p| (p.1 - start - next * p.0).powi(2)).sum();
-        (intercept, slope) = (start, next);
-        limit = 3.0 * (rest / n).sqrt() + 1e-9;
-    }
-    slope
-}
-
 /// What turns a frame's rows into diameters.
 struct Reader<'a> {
     calibration: &'a Calibration,
     conditions: &'a Conditions,
-    factor: f64,
+    slope: AxisSlope,
     /// Sum of the sources' shares.
     covariance: CovariancePart,
 }
 
 impl<'a> Reader<'a> {
-    fn new(calibration: &'a Calibration, conditions: &'a Conditions, pose: Pose) -> Self {
+    fn new(calibration: &'a Calibration, conditions: &'a Conditions, slope: AxisSlope) -> Self {
         let mut covariance =
             CovariancePart { source: String::new(), matrix: [[0.0; PARAMETERS]; PARAMETERS] };
         for part in calibration.bench.iter().flat_map(|b| &b.parts) {
             let entries = covariance.matrix.iter_mut().flatten().zip(part.matrix.iter().flatten());
             entries.for_each(|(sum, value)| *sum += value);
         }
-        Self { calibration, conditions, factor: pose.chord_factor(), covariance }
+        Self { calibration, conditions, slope, covariance }
     }
 
     /// Width across the axis, px, as a perfect lens would have shown it.
     fn width_px(&self, column: usize, top_px: f64, bottom_px: f64) -> f64 {
-        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * self.factor };
+        let factor = self.slope.factor(column);
+        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * factor };
         let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
         let near = 1.0 + bench.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
-        (row(bottom_px) - row(top_px)) * self.factor * near
+        (row(bottom_px) - row(top_px)) * factor * near
     }
 
     /// Height of the middle of two edges above a fixed row of the frame, mm.
@@ -201,7 +148,7 @@ impl<'a> Reader<'a> {
             scale,
             Along::at(column as f64),
             rows_px,
-            self.factor,
+            self.slope.factor(column),
             self.conditions.axis_y_mm,
         );
         (self.covariance.variance(&by) + conditions).sqrt()
@@ -231,12 +178,12 @@ pub(crate) fn column_diameters(
     edges: &FrameEdges,
     conditions: &Conditions,
 ) -> ColumnDiameters {
-    let reader = Reader::new(calibration, conditions, Pose::of(edges));
+    let reader = Reader::new(calibration, conditions, AxisSlope::of(edges));
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
-    // All columns have the frame's blur, and a stream keeps it from frame to frame: neither averages it.
+    // All columns share the frame's blur; a stream takes it from every frame anew, so that frames average it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
-    let u_all_px = u_blur_px.hypot(calibration.u_place_px(&edges.figures));
-    let scale = calibration.scale_mm_per_px * reader.factor * conditions.to_reference();
+    let u_place_px = calibration.u_place_px(&edges.figures);
+    let scale = calibration.scale_mm_per_px * conditions.to_reference();
     let [bias_top, bias_bottom] = [
         curvature_bias(&edges.top, edges.figures.sigma_px[0]),
         curvature_bias(&edges.bottom, edges.figures.sigma_px[1]),
@@ -252,23 +199,28 @@ pub(crate) fn column_diameters(
             out.shared_mm.push(f64::NAN);
             out.width_px.push(f64::NAN);
             out.middle_mm.push(f64::NAN);
+            out.u_middle_common_mm.push(f64::NAN);
             continue;
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
         // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
         let repeated = edges.repeated_variance(column);
-        let random = |top: f64, bottom: f64| scale * (top * top + bottom * bottom - repeated).max(0.0).sqrt();
+        let blur = (u_blur_px * trend_factor(column as f64, edges.columns())).powi(2);
+        let random =
+            |top: f64, bottom: f64| scale * ((top * top + bottom * bottom - repeated).max(0.0) + blur).sqrt();
         out.readings.push(Reading::Value(Diameter {
             d_mm: reader.diameter_mm(width_px),
             u_random_mm: random(top.u_px(), bottom.u_px()),
             u_common_mm: reader
                 .u_common_mm(column, rows_px, width_px)
-                .hypot(scale * repeated.sqrt().hypot(u_all_px)),
+                .hypot(scale * repeated.sqrt().hypot(u_place_px)),
         }));
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);
         out.middle_mm.push(reader.middle_mm(column, rows_px));
+        // The mean of two edges that are off by themselves is off by half of what their distance is.
+        out.u_middle_common_mm.push(0.5 * scale * repeated.sqrt().hypot(u_blur_px));
     }
     out
 }
@@ -290,27 +242,4 @@ pub(crate) fn mean_width(edges: &FrameEdges) -> Option<(f64, f64)> {
         FrameEdges::mean(line, edges.shared_length[side], 0..line.len()).map_or(f64::NAN, |m| m.u_px)
     };
     Some((width * factor, factor * u(&edges.top, 0).hypot(u(&edges.bottom, 1))))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Chord of a tilted cone by geometry: intersect the column with the two flanks.
-    #[test]
-    fn chord_factor_is_that_of_a_tilted_cone() {
-        let (tilt, taper, diameter) = (0.05_f64, 0.03_f64, 100.0_f64);
-        // Flanks: points q(s, ±) = s·a ± (D/2 + s·tan α)·n along the axis a = (cos τ, sin τ), normal n.
-        let flank = |sign: f64| {
-            // Solve x = 0 for s, then y.
-            let s = sign * 0.5 * diameter * tilt.sin() / (tilt.cos() - sign * taper.tan() * tilt.sin());
-            s * tilt.sin() + sign * (0.5 * diameter + s * taper.tan()) * tilt.cos()
-        };
-        let chord = flank(1.0) - flank(-1.0);
-        // Slopes of middle and half width as the image shows them.
-        let slope = |sign: f64| (tilt + sign * taper).tan();
-        let pose = Pose { tan_tilt: tilt.tan(), tan_taper: taper.tan() };
-        assert!((0.5 * (slope(1.0) + slope(-1.0)) - tilt.tan()).abs() < 1e-4);
-        assert!((chord * pose.chord_factor() / diameter - 1.0).abs() < 1e-12);
-    }
 }

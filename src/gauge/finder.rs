@@ -2,11 +2,13 @@
 //!
 //! Coarse search, or the last frame's edges where a stream goes on → windows → levels, noise and blur from the frame →
 //! maximum likelihood by tabulated scoring → residual and neighbourhood tests. What a stream carries from frame to frame
-//! is where the edges were, the blur and the tables; every carried thing is checked on the new frame, and a frame that
-//! does not bear it out is measured anew from the coarse search.
+//! is where the edges were, the blur and the tables; every carried thing is checked on the new frame (the blur follows it), and a frame
+//! that does not bear it out is measured anew from the coarse search.
 
 use super::axis::{AxisScratch, refuse_one_sided};
 use super::blur::BlurEstimate;
+use super::blur_track::{BlurTrack, Change, MOST_REFITS};
+use super::both_sides::both;
 use super::censored::Ends;
 use super::coarse::Coarse;
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
@@ -19,6 +21,7 @@ use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
 use super::repeated::repeated_lines;
 use super::rounded_frame::Rounding;
+use super::scene::Scene;
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::{Scale, SideState};
 use super::window::Side;
@@ -41,8 +44,6 @@ const MOST_MISFIT: f64 = 1.1;
 const LEAST_MISFIT: f64 = 2.0;
 /// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
 const SHARP_PX: f64 = 0.4;
-/// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
-const NOISY_AREA_PX: f64 = 0.05;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// A usual blur, px.
@@ -79,25 +80,6 @@ struct Last {
     valid: usize,
     misfit: f64,
     frames: u32,
-}
-
-/// What the frame says about itself.
-struct Scene {
-    noise: NoiseModel,
-    /// Mean levels of both sides, counts.
-    dark: f64,
-    light: f64,
-    ends: [Option<Ends>; 2],
-    rounding: Rounding,
-}
-
-impl Scene {
-    /// Whether noise moves the windows that the area of their light is to centre; not under clipped light, whose fit begins where they
-    /// were centred.
-    fn is_noisy(&self, width: usize) -> bool {
-        let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
-        self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
-    }
 }
 
 impl EdgeStream {
@@ -192,7 +174,7 @@ impl EdgeStream {
         Ok(())
     }
 
-    /// Measures around the last frame's edges with the last blur; false where the frame does not bear them out.
+    /// Measures around the last frame's edges, beginning with its blur; false where the frame does not bear them out.
     fn follow<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -205,7 +187,9 @@ impl EdgeStream {
         }
         let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
         let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
-        if !self.fit(&scene, out, true) {
+        let follows = matches!(self.settings.blur, Blur::Estimated {});
+        self.sides.iter_mut().for_each(|side| side.track.begin(follows));
+        if !(self.fit(&scene, out, true) && self.follow_blur(&scene, out)) {
             return false;
         }
         let valid = self.valid(out) as f64;
@@ -222,6 +206,26 @@ impl EdgeStream {
             kept.misfit = last.misfit;
         }
         true
+    }
+
+    /// Gives the edges just fitted the frame's own blur; false where it is not near the last frame's.
+    fn follow_blur(&mut self, scene: &Scene, out: &mut FrameEdges) -> bool {
+        for _ in 0..=MOST_REFITS {
+            let [top, bottom] = &mut self.sides;
+            let changes = [
+                top.follow_blur(&scene.noise, &mut out.top),
+                bottom.follow_blur(&scene.noise, &mut out.bottom),
+            ];
+            if changes.contains(&Change::Lost) {
+                return false;
+            }
+            if !changes.contains(&Change::Refit) {
+                out.figures.sigma_px = [self.sides[0].blur.mean(), self.sides[1].blur.mean()];
+                return true;
+            }
+            self.fit(scene, out, false);
+        }
+        false
     }
 
     /// Remembers where the edges are.
@@ -284,7 +288,10 @@ impl EdgeStream {
             return wire_frame::measure(plane, &self.coarse, how, out).map(|()| false);
         }
         self.axis.reserve(plane.columns);
-        self.sides.iter_mut().for_each(|s| s.set_shape(self.shape.clone()));
+        for side in &mut self.sides {
+            side.set_shape(self.shape.clone());
+            side.track = BlurTrack::default();
+        }
         let given = match self.settings.blur {
             Blur::Given { sigma_px } => Some(sigma_px),
             Blur::Estimated {} => None,
@@ -579,19 +586,5 @@ impl EdgeStream {
             rounding_px: [0.0; 2],
             shadows: self.coarse.shadows.seen,
         }
-    }
-}
-
-/// Both sides at once where that is wished and there are threads, one after the other where there are not. Neither sees the other's
-/// work, so the result is the same.
-fn both<A: Send, B: Send>(
-    splits: bool,
-    a: impl FnOnce() -> A + Send,
-    b: impl FnOnce() -> B + Send,
-) -> (A, B) {
-    if splits && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1 {
-        rayon::join(a, b)
-    } else {
-        (a(), b())
     }
 }

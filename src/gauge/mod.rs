@@ -1,10 +1,16 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 mod axis;
+pub mod axis_line;
+mod axis_pose;
+mod axis_slope;
+mod axis_zero;
 pub mod bench;
 mod block_scatter;
 mod blur;
 mod blur_share;
+mod blur_track;
+mod both_sides;
 pub mod budget;
 mod budget_conditions;
 mod calibration;
@@ -46,6 +52,7 @@ mod repeated;
 pub mod ring;
 mod rounded_frame;
 mod rounding;
+mod scene;
 mod score;
 pub mod series;
 pub mod size;
@@ -68,11 +75,13 @@ mod window;
 mod wire;
 mod wire_frame;
 
+pub use axis_pose::Pose;
+pub use axis_zero::AxisZero;
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
 pub use caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
-pub use diameter::{ColumnDiameters, Pose};
+pub use diameter::ColumnDiameters;
 pub use edge_misfit::{EdgeMisfit, MisfitLesson};
 pub use edge_table::EdgeTable;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};

@@ -199,6 +199,7 @@ mod tests {
             pitch_mm: 0.1,
             width_px: vec![1000.0; 100],
             middle_mm: vec![0.0; 100],
+            u_middle_common_mm: vec![0.0; 100],
         }
     }
 

@@ -1,6 +1,7 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
 use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
+use super::blur_track::{BlurTrack, Change, TrackView};
 use super::censored::Ends;
 use super::clipped::{self, ClippedStart};
 use super::coarse::CoarseEdge;
@@ -18,7 +19,7 @@ use super::pixels::{Plane, Sample};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::soft_knee;
 use super::table::{FINE, Table, half, window_width};
-use super::window::{LevelSums, Side, Windows};
+use super::window::{LevelSums, Side, Windows, slopes};
 use crate::profile::Reason;
 
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
@@ -38,6 +39,8 @@ pub(crate) struct SideState {
     pub(crate) dark: LevelCurve,
     pub(crate) light: LevelCurve,
     pub(crate) blur: BlurEstimate,
+    /// How the blur goes on from frame to frame.
+    pub(crate) track: BlurTrack,
     pub(crate) misfit: f64,
     falloff: Falloff,
     pub(crate) survey: Survey,
@@ -113,6 +116,7 @@ impl SideState {
             dark: LevelCurve::default(),
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
+            track: BlurTrack::default(),
             misfit: 1.0,
             falloff: Falloff::default(),
             survey: Survey::default(),
@@ -405,6 +409,17 @@ impl SideState {
         changed && fits
     }
 
+    /// Gives the edges in `line`, just fitted, the frame's own blur.
+    pub(crate) fn follow_blur(&mut self, noise: &NoiseModel, line: &mut [Edge]) -> Change {
+        let (dark, light) = (self.dark.mean, self.light.mean);
+        let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.misfit.max(1.0);
+        let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
+        let (windows, table) = (&self.windows, &self.tables[index]);
+        let change = self.track.follow(&mut self.blur, relative, &TrackView { windows, table }, line);
+        self.blur.limit(self.shape.least_sigma());
+        change
+    }
+
     fn refined_blur(&mut self, noise: &NoiseModel, start: f64, line: Option<&[Edge]>) -> BlurEstimate {
         let (dark, light) = (self.dark.mean, self.light.mean);
         let context = BlurContext {
@@ -447,6 +462,7 @@ impl SideState {
         line: &mut Vec<Edge>,
     ) {
         line.clear();
+        self.track.start();
         self.clipped_px = 0.0;
         let freedom = match ends {
             Some(ends) => self.fit_clipped(settings, noise, ends, line),
@@ -517,12 +533,14 @@ impl SideState {
                 light: &self.light,
                 noise,
                 table,
+                blur_shift: (sigma - table.sigma) as f32,
                 min_snr: settings.min_snr as f32,
                 reject: settings.rejection != Rejection::Off,
                 shadow,
                 contrast,
             };
             score_columns(&job, from..to, &mut normalised, line);
+            self.track.add(&job, from..to, &self.slope, line, &mut normalised);
             if let Some(expected) = &mut expected {
                 expected.judge(&job, from..to, &mut normalised, line);
             }
@@ -559,8 +577,8 @@ impl SideState {
     fn end_of_run(&self, from: usize, sigma: f64) -> usize {
         let columns = self.windows.centre.len();
         let level = |slope: &f32| slope.abs() < blur::LEVEL;
-        if self.blur.is_uniform() && self.slope.iter().all(level) {
-            return columns;
+        if self.slope.iter().all(level) {
+            return self.blur.end_of_run(from, columns);
         }
         (from + 1..columns)
             .find(|c| (self.sigma_at(*c) - sigma).abs() >= SAME_BLUR * sigma)
@@ -586,25 +604,5 @@ impl SideState {
         }
         gate::refuse_vague(line);
         gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
-    }
-}
-
-/// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.
-fn slopes(windows: &Windows, out: &mut Vec<f32>) {
-    const ARM: usize = 8;
-    let columns = windows.centre.len();
-    let known = |column: usize| windows.centre[column].is_ok();
-    out.clear();
-    for column in 0..columns {
-        let (from, to) = (column.saturating_sub(ARM), (column + ARM).min(columns - 1));
-        let left = if known(from) { Some(from) } else { (from..=column).find(|c| known(*c)) };
-        let right = if known(to) { Some(to) } else { (column..=to).rev().find(|c| known(*c)) };
-        out.push(match (left, right) {
-            (Some(l), Some(r)) if r > l => {
-                let rise = windows.row(r, windows.start[r]) - windows.row(l, windows.start[l]);
-                (rise / (r - l) as f64) as f32
-            }
-            _ => 0.0,
-        });
     }
 }

@@ -327,6 +327,7 @@ mod tests {
             pitch_mm,
             width_px: vec![500.0; 400],
             middle_mm: vec![0.0; 400],
+            u_middle_common_mm: vec![0.0; 400],
         };
         (meta, diameters)
     }

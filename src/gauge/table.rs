@@ -38,6 +38,8 @@ pub(crate) struct Phase<'a> {
     pub(crate) blur_scores: &'a [f32],
     /// Scalars of the phase.
     pub(crate) scalars: &'a PhaseScalars,
+    /// Sums for the blur.
+    pub(crate) blur: &'a BlurScalars,
 }
 
 /// Sums that belong to a phase.
@@ -53,12 +55,28 @@ pub(crate) struct PhaseScalars {
     pub(crate) unit_uncertainty: f32,
     /// Σ (∂E/∂x0)² v_mid/v, per px².
     pub(crate) information: f32,
-    /// Σ ∂E/∂σ ∂E/∂x0 v_mid/v, per px².
-    pub(crate) blur_position: f32,
-    /// Σ (∂E/∂σ)² v_mid/v, per px².
-    pub(crate) blur_information: f32,
+    /// I_xσ/I_xx: what an edge moves by, against the blur fitted.
+    pub(crate) lever: f32,
     /// Degrees of freedom of the residual: how many pixels lie within reach of the edge changes with the phase.
     pub(crate) freedom: f32,
+}
+
+/// Sums of a phase that only the blur needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlurScalars {
+    /// Σ ∂E/∂σ ∂E/∂x0 v_mid/v, per px².
+    pub(crate) position: f32,
+    /// Σ (∂E/∂σ)² v_mid/v, per px².
+    pub(crate) own: f32,
+    /// Σ ∂E/∂σ E v_mid/v, per px.
+    pub(crate) offset: f32,
+}
+
+impl BlurScalars {
+    /// Information on the blur where the place is not known, per px².
+    pub(crate) fn information(&self, scalars: &PhaseScalars) -> f32 {
+        self.own - self.position * self.position / scalars.information.max(1e-9)
+    }
 }
 
 /// One phase of a window's core, `C` eights of pixels, all in one place.
@@ -104,6 +122,7 @@ pub(crate) struct Table {
     cores: Cores,
     arrays: Vec<f32>,
     scalars: Vec<PhaseScalars>,
+    blur: Vec<BlurScalars>,
     borders: Vec<[f64; 3]>,
 }
 
@@ -158,7 +177,7 @@ impl Table {
             Cores::Three(phases) => size_of_val(&phases[..]),
             Cores::Whole => 0,
         };
-        cores + size_of_val(&self.arrays[..]) + size_of_val(&self.scalars[..])
+        cores + size_of_val(&self.arrays[..]) + size_of_val(&self.scalars[..]) + size_of_val(&self.blur[..])
     }
 
     /// An empty table, to be filled.
@@ -174,6 +193,7 @@ impl Table {
             cores: Cores::Whole,
             arrays: Vec::new(),
             scalars: Vec::new(),
+            blur: Vec::new(),
             borders: Vec::new(),
         }
     }
@@ -196,6 +216,7 @@ impl Table {
         self.arrays.clear();
         self.arrays.resize(count * ARRAYS * width, 0.0);
         self.scalars.clear();
+        self.blur.clear();
         // Every border of every pixel at every phase lies on one grid.
         let (pixel, reach) = (per_px as usize, if free_levels { width as f64 } else { shape.reach(sigma) });
         let side = half(width) * pixel + pixel / 2 + steps;
@@ -211,7 +232,9 @@ impl Table {
                 *sample = EdgeSample::between(&borders[left], &borders[left + pixel]);
             }
             let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
-            self.scalars.push(fill_phase(samples, phase, kappa, reach, free_levels, rows, width));
+            let (scalars, blur) = fill_phase(samples, phase, kappa, reach, free_levels, rows, width);
+            self.scalars.push(scalars);
+            self.blur.push(blur);
         }
         self.freedom = self.mean_freedom();
     }
@@ -273,7 +296,14 @@ impl Table {
         let (weights, rows) = rows.split_at(width);
         let (values, rows) = rows.split_at(width);
         let (inverse_variances, blur_scores) = rows.split_at(width);
-        Phase { weights, values, inverse_variances, blur_scores, scalars: &self.scalars[index] }
+        Phase {
+            weights,
+            values,
+            inverse_variances,
+            blur_scores,
+            scalars: &self.scalars[index],
+            blur: &self.blur[index],
+        }
     }
 }
 
@@ -285,7 +315,7 @@ fn fill_phase(
     free_levels: bool,
     rows: &mut [f32],
     width: usize,
-) -> PhaseScalars {
+) -> (PhaseScalars, BlurScalars) {
     let centre = half(width) as f64;
     let inverse_variance = |k: usize| {
         let inside = (k as f64 - centre - phase).abs() <= reach;
@@ -293,7 +323,7 @@ fn fill_phase(
     };
     let mut fisher = nalgebra::Matrix3::<f64>::zeros();
     let mut scalars = PhaseScalars { phase: phase as f32, ..PhaseScalars::default() };
-    let (mut information, mut blur_position, mut blur_information) = (0.0, 0.0, 0.0);
+    let (mut information, mut blur) = (0.0, [0.0; 3]);
     let mut fitted = 0.0;
     for (k, sample) in samples.iter().enumerate() {
         let iv = inverse_variance(k);
@@ -303,8 +333,9 @@ fn fill_phase(
             fisher += gradient * gradient.transpose() * iv;
         }
         information += iv * sample.by_position * sample.by_position;
-        blur_position += iv * sample.by_position * sample.by_sigma;
-        blur_information += iv * sample.by_sigma * sample.by_sigma;
+        blur[0] += iv * sample.by_position * sample.by_sigma;
+        blur[1] += iv * sample.by_sigma * sample.by_sigma;
+        blur[2] += iv * sample.by_sigma * sample.value;
         rows[width + k] = sample.value as f32;
         rows[2 * width + k] = iv as f32;
         rows[3 * width + k] = (iv * sample.by_sigma) as f32;
@@ -322,10 +353,10 @@ fn fill_phase(
     scalars.weight_sum = sum as f32;
     scalars.unit_uncertainty = row[0].max(0.0).sqrt() as f32;
     scalars.information = information as f32;
-    scalars.blur_position = blur_position as f32;
-    scalars.blur_information = blur_information as f32;
+    scalars.lever = (blur[0] / information) as f32;
     scalars.freedom = fitted - if free_levels { 3.0 } else { 1.0 };
-    scalars
+    let [position, own, offset] = blur.map(|sum| sum as f32);
+    (scalars, BlurScalars { position, own, offset })
 }
 
 /// First row of the inverse Fisher matrix, of the position alone or of position and both levels.

@@ -392,6 +392,7 @@ mod tests {
                     pitch_mm: 0.05,
                     width_px: vec![1.0; 11],
                     middle_mm: vec![0.5 * (top + bottom); 11],
+                    u_middle_common_mm: vec![0.0; 11],
                 };
                 averager.add(&FrameMeta { angle_deg, z_mm: *z_mm, ..FrameMeta::default() }, &diameters);
             }

@@ -421,3 +421,22 @@ fn area_start(window: &[f32], flat: usize) -> (f32, f32, f32) {
     let area = (sum - dark * used as f32) / (light - dark);
     (dark, light, used as f32 - 0.5 - half(window.len()) as f32 - area)
 }
+/// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.
+pub(crate) fn slopes(windows: &Windows, out: &mut Vec<f32>) {
+    const ARM: usize = 8;
+    let columns = windows.centre.len();
+    let known = |column: usize| windows.centre[column].is_ok();
+    out.clear();
+    for column in 0..columns {
+        let (from, to) = (column.saturating_sub(ARM), (column + ARM).min(columns - 1));
+        let left = if known(from) { Some(from) } else { (from..=column).find(|c| known(*c)) };
+        let right = if known(to) { Some(to) } else { (column..=to).rev().find(|c| known(*c)) };
+        out.push(match (left, right) {
+            (Some(l), Some(r)) if r > l => {
+                let rise = windows.row(r, windows.start[r]) - windows.row(l, windows.start[l]);
+                (rise / (r - l) as f64) as f32
+            }
+            _ => 0.0,
+        });
+    }
+}

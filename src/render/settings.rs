@@ -69,6 +69,12 @@ impl Default for Camera {
 }
 
 impl Camera {
+    /// Rows of a frame that has the optical axis in its middle: all rows, or for two windows twice the place of the axis between them.
+    pub fn rows_about_axis(&self) -> f64 {
+        let between = |w: EdgeWindows| f64::from(w.upper_row + w.lower_row) - f64::from(w.rows);
+        f64::from(self.rows) - self.windows.map_or(0.0, between)
+    }
+
     /// Checks every value against its range.
     ///
     /// # Errors

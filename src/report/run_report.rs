@@ -1,5 +1,6 @@
 //! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
 
+use super::axis_report::axis_section;
 use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
@@ -96,6 +97,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     }
     let (sections, parts) = view.folder.form()?;
     form_section(&mut page, &sections, &parts, view.form)?;
+    axis_section(&mut page, &view.folder.axis()?)?;
     uncertainty(&mut page, &rows)?;
     budget(&mut page, view, &rows)?;
     calibration(&mut page, view)?;

@@ -5,6 +5,7 @@
 //! stands in it has all its data; whatever a killed run left of a later pass is overwritten. `report.html` is written
 //! last of all: a folder that has one is finished and never touched again.
 
+mod axis_table;
 mod control;
 mod form_tables;
 mod parquet_file;
@@ -18,6 +19,7 @@ use thiserror::Error;
 
 use crate::files::{self, LOCK_NAME, Lock, OutputError, TEMPORARY};
 
+pub use axis_table::{AxisRow, axis_json};
 pub use control::{ControlRecord, PassRecord};
 pub use form_tables::{FormRow, PartFormRow};
 pub use parquet_file::{DiameterRow, TruthRow, read_diameters};

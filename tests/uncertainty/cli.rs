@@ -192,12 +192,12 @@ fn a_calibration_is_made_and_used() {
     let sum: f64 = rows.iter().map(|r| number(&r["u_mm"]).powi(2)).sum();
     assert!((sum.sqrt() / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9 && rows.len() > 5);
     assert!((number(&frame["expanded_u_max_mm"]) / number(&frame["u_max_mm"]) - 3.0).abs() < 1e-9);
-    // A stream keeps its blur: its error does not average.
+    // A stream takes the blur from every frame anew: its error averages.
     for (source, share) in [
         ("noise of the edges", "random"),
         ("quantisation", "random"),
         ("levels of light and shadow", "random"),
-        ("blur", "common"),
+        ("blur", "random"),
     ] {
         let row =
             rows.iter().find(|r| r["source"] == source).unwrap_or_else(|| panic!("{source} in {rows:?}"));

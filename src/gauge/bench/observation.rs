@@ -1,7 +1,7 @@
 //! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
 
+use super::super::axis_pose::Pose;
 use super::super::column_means::ColumnMeans;
-use super::super::diameter::Pose;
 use super::super::edges::FrameEdges;
 use super::{Along, LensModel};
 

@@ -88,7 +88,7 @@ impl Turned<'_> {
         if depth.abs() >= radius {
             return f64::NEG_INFINITY;
         }
-        let x = (radius * radius - depth * depth).sqrt();
+        let x = (radius * radius - depth * depth).sqrt() * self.secant(s_mm);
         let features = &outline.shaft.features;
         if features.flats.is_empty() && features.keyways.is_empty() {
             return x + side * axis.x;

@@ -1,0 +1,102 @@
+//! `axis.csv` of a run folder: where the axis of the part stands at every station, and what of it turns.
+
+use serde::{Deserialize, Serialize};
+
+use super::{RunFolder, RunFolderError};
+use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
+
+/// A row of `axis.csv`: the axis at a station after a pass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisRow {
+    /// Pass, from 1.
+    pub pass: u32,
+    /// Middle of the station, mm.
+    pub z_mm: f64,
+    /// Height of the axis over the optical axis, what stands still of it, mm.
+    pub x_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub u_x_mm: f64,
+    /// Departure from the chord between the first and the last station, mm.
+    pub bend_x_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub u_bend_x_mm: f64,
+    /// What turns with the part, upwards at spindle angle 0, mm; empty where the angles do not tell it.
+    pub turning_x_mm: Option<f64>,
+    /// What turns with the part, towards the camera at spindle angle 0, mm.
+    pub turning_y_mm: Option<f64>,
+    /// Standard uncertainty of either, mm.
+    pub u_turning_mm: Option<f64>,
+    /// Radial run-out of the axis, mm: twice what turns.
+    pub run_out_mm: Option<f64>,
+    /// What stands still towards the camera: not seen.
+    pub still_y: String,
+    /// Spindle angles seen.
+    pub angles: usize,
+}
+
+impl AxisRow {
+    /// The rows of a pass.
+    pub fn of(pass: u32, axis: &AxisLine) -> Vec<Self> {
+        let bend = axis.bend_mm();
+        axis.stations
+            .iter()
+            .zip(bend)
+            .map(|(s, (_, bend_x_mm, u_bend_x_mm))| Self {
+                pass,
+                z_mm: s.z_mm,
+                x_mm: s.x_mm,
+                u_x_mm: s.u_mm(),
+                bend_x_mm,
+                u_bend_x_mm,
+                turning_x_mm: s.turning.map(|t| t.x_mm),
+                turning_y_mm: s.turning.map(|t| t.y_mm),
+                u_turning_mm: s.turning.map(|t| t.u_mm),
+                run_out_mm: s.turning.map(|t| t.run_out_mm()),
+                still_y: STILL_TOWARDS_CAMERA.to_owned(),
+                angles: s.angles,
+            })
+            .collect()
+    }
+}
+
+/// What `run --json` says of the axis after a pass.
+pub fn axis_json(rows: &[AxisRow], pass: u32) -> serde_json::Value {
+    let own: Vec<&AxisRow> = rows.iter().filter(|r| r.pass == pass).collect();
+    let most = |f: &dyn Fn(&AxisRow) -> Option<f64>| {
+        own.iter().filter(|r| f(r).is_some()).copied().max_by(|a, b| {
+            let size = |r: &AxisRow| f(r).map_or(0.0, f64::abs);
+            size(a).total_cmp(&size(b))
+        })
+    };
+    let (Some(bend), turning) = (most(&|r| Some(r.bend_x_mm)), most(&|r| r.run_out_mm)) else {
+        return serde_json::Value::Null;
+    };
+    serde_json::json!({
+        "stations": own.len(),
+        "max_bend_x_mm": bend.bend_x_mm,
+        "max_bend_x_at_z_mm": bend.z_mm,
+        "u_max_bend_x_mm": bend.u_bend_x_mm,
+        "max_run_out_mm": turning.and_then(|r| r.run_out_mm),
+        "max_run_out_at_z_mm": turning.map(|r| r.z_mm),
+        "u_max_run_out_mm": turning.and_then(|r| r.u_turning_mm).map(|u| 2.0 * u),
+        "still_towards_camera": STILL_TOWARDS_CAMERA,
+    })
+}
+
+impl RunFolder {
+    /// Writes `axis.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_axis(&self, rows: &[AxisRow]) -> Result<(), RunFolderError> {
+        self.write_csv("axis.csv", rows)
+    }
+
+    /// Reads `axis.csv`; empty where there is none.
+    ///
+    /// # Errors
+    /// Where it cannot be read or parsed.
+    pub fn axis(&self) -> Result<Vec<AxisRow>, RunFolderError> {
+        self.read_csv("axis.csv")
+    }
+}
