@@ -13,10 +13,10 @@ pub(super) const BRIGHTEST: f64 = 4.0;
 /// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
 const EXPLAINED: f64 = 1.1;
 
-/// Pixels of the shadow between the ends from which on they state its noise: to a tenth; and a column's. A shadow that lies farther beyond
-/// the end shows its tail alone, which states level and noise only together.
+/// Squares expected of the shadow's pixels between the ends from which on they state its noise: to a tenth; and a pixel's, which is .41 of
+/// a shadow at one step below the end's border and .28 at one and a half: what shows its tail alone states level and noise only together.
 const OWN_NOISE: f64 = 50.0;
-const OWN_SHARE: f64 = 2.0;
+const OWN_SHARE: f64 = 0.35;
 /// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
 /// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
 const OF_LINE: f64 = 0.25;
@@ -46,7 +46,7 @@ struct Sums {
     telling: f64,
     flank: [f64; 2],
     on_flank: f64,
-    in_dark: [f64; 2],
+    in_dark: [f64; 3],
     /// Change of `right` by a relative change of the noise.
     by_noise: DVector<f64>,
 }
@@ -112,7 +112,7 @@ impl Joint<'_> {
             telling: 0.0,
             flank: [0.0; 2],
             on_flank: 0.0,
-            in_dark: [0.0; 2],
+            in_dark: [0.0; 3],
             by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
@@ -137,7 +137,7 @@ impl Joint<'_> {
             sums.chi2 += score.chi2;
             sums.telling += (score.telling - 1.0).max(0.0);
             sums.on_flank += score.on_flank;
-            sums.in_dark = [sums.in_dark[0] + score.in_dark[0], sums.in_dark[1] + score.in_dark[1]];
+            sums.in_dark.iter_mut().zip(score.in_dark).for_each(|(sum, one)| *sum += one);
             sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
         }
         self.add_priors(&mut sums);
@@ -290,8 +290,8 @@ impl Joint<'_> {
 
     /// By how much the flat shadow's own pixels, where it is clipped in part, scatter more than the noise taken; `None` of too few.
     fn own_noise(&self, sums: &Sums) -> Option<f64> {
-        let [chi2, expected] = sums.in_dark;
-        let enough = expected > OWN_NOISE.max(OWN_SHARE * self.columns.len() as f64);
+        let [chi2, expected, pixels] = sums.in_dark;
+        let enough = expected > OWN_NOISE.max(OWN_SHARE * pixels);
         (self.likelihood.ends.low.is_finite() && enough).then(|| chi2 / expected)
     }
 

@@ -82,8 +82,8 @@ pub(super) struct Score {
     pub(super) flank: [f64; 2],
     /// Pixels on the flank.
     pub(super) on_flank: f64,
-    /// The same as `chi2` and `telling` over the flat shadow alone.
-    pub(super) in_dark: [f64; 2],
+    /// The same as `chi2` and `telling` over the flat shadow alone, and its pixels.
+    pub(super) in_dark: [f64; 3],
     /// Change of the gradient by a relative change of the noise.
     pub(super) by_noise: Gradient,
     /// Pixels left out.
@@ -201,6 +201,7 @@ impl<'a> Likelihood<'a> {
                 let square = if sampled.between { (pixel.m - pixel.mean).powi(2) } else { 0.0 };
                 score.in_dark[0] += square / pixel.noise;
                 score.in_dark[1] += sampled.expected;
+                score.in_dark[2] += 1.0;
             }
             if sampled.between {
                 let square = (pixel.m - pixel.mean).powi(2);
