@@ -17,6 +17,7 @@ use crate::control::{ControlError, ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::nc::{Dialect, NcError, NcSettings};
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
+use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::RenderError;
 use crate::render::contamination::Contamination;
@@ -244,6 +245,9 @@ pub struct Job {
     pub process: ProcessSettings,
     /// The gauge.
     pub gauge: GaugeSettings,
+    /// A touch probe: where it stands, the loop takes its diameters from it in place of the camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<ProbeSettings>,
     /// The controller.
     pub control: ControlSettings,
     /// The control that the offsets go to: what its rounding leaves of them is what the controller is told. Without one
@@ -271,6 +275,7 @@ impl Default for Job {
             departures: Departures::default(),
             process: ProcessSettings::default(),
             gauge: GaugeSettings::default(),
+            probe: None,
             control: ControlSettings::default(),
             nc: None,
         }
@@ -413,6 +418,11 @@ impl Job {
         positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
         self.check_stages()?;
+        if let Some(probe) = &self.probe {
+            return probe.validate().map_err(|e| {
+                JobError::at(format!("probe.{}", e.key), format!("{} must be {}", e.value, e.right))
+            });
+        }
         self.check_scan()?;
         self.check_masters()
     }
@@ -453,6 +463,9 @@ impl Job {
             ));
         }
         self.part.check_aim()?;
+        if self.probe.is_some() {
+            return Ok(());
+        }
         if self.scan.angles < 2 {
             return Err(JobError::at(
                 "scan.angles",
