@@ -58,7 +58,7 @@ fn the_papers_controller_brings_the_part_into_its_tolerance() {
     assert_eq!(last.profile.stations.len(), 6);
     assert_eq!(last.frames, 6 * 4, "two touches a diameter, two diameters a station");
     // semi-finishing is not compensated, finishing is
-    assert!(controlled[1].plan.offset.o_mm.iter().all(|o| *o == 0.0));
+    assert!(controlled[1].plan.offset.o_mm.iter().all(|o| o.abs() < 1e-9));
     assert!(last.plan.offset.o_mm.iter().all(|o| *o > 0.005), "{:?}", last.plan.offset);
     assert!(true_error(last) < 0.25 * true_error(&uncontrolled[2]));
     let verdict = part_verdict(&job(), &last.profile).expect("a tolerance");
@@ -161,6 +161,36 @@ fn what_cannot_be_is_refused() {
     assert!(cell.touch(None, &[]).unwrap_err().to_string().contains("no touch probe"));
     let started = ClosedLoop::start(&job, Box::new(cell), None);
     assert!(matches!(started, Err(LoopError::Cell(_))));
+}
+
+/// From the command line: a run, its report, and the program that does the same at the machine.
+#[test]
+fn a_run_and_its_program_on_the_command_line() {
+    let shadowgauge = |args: &[&str]| {
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(args).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (run.status.code(), text(&run.stdout), text(&run.stderr))
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run").display().to_string();
+    let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/probe_000.toml");
+    let (code, table, said) =
+        shadowgauge(&["run", config, "--out", &out, "--backend", "cpu", "--no-reference"]);
+    assert_eq!(code, Some(0), "{table}{said}");
+    let page = std::fs::read_to_string(folder.path().join("run/report.html")).unwrap();
+    assert!(page.contains("guideway between master and part"));
+    let (code, text, said) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc", "--form", "probing"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(text.matches("G38.2 X").count(), 12, "{text}");
+    assert!(text.contains("(PROBED AT Z 200. 160. 120. 80. 40. 6.)"), "the listed stations\n{text}");
+    let (code, text, said) =
+        shadowgauge(&["nc", &out, "--dialect", "linuxcnc", "--form", "probing", "--pass", "1"]);
+    assert!(code == Some(2) && text.is_empty() && said.contains("--pass 2 or later"), "{said}");
+    // the offsets of the run as knots: probed after the cut, for the tolerance belongs to this pass
+    let (code, text, said) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc"]);
+    assert!(code == Some(0) && text.contains("PROBES AGAIN"), "{said}{text}");
+    let (_, text, _) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc", "--pass", "2"]);
+    assert!(text.contains("DOES NOT MEASURE AGAIN: THE TOLERANCE"), "{text}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ mod profile;
 mod settings;
 
 pub use calibration::{CalibrationError, MasterTouches, ProbeCalibration, calibrate};
-pub use profile::{Pair, corrected, of_master, orders, pairs, profile};
+pub use profile::{Pair, common_parts, corrected, of_master, orders, pairs, profile};
 pub use settings::{ProbeSettings, ProbeTemperature, SettingError, Sides, Stylus};
 
 use serde::{Deserialize, Serialize};

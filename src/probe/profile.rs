@@ -142,6 +142,15 @@ pub fn of_master(settings: &ProbeSettings, calibration: &ProbeCalibration, read_
 
 /// Standard uncertainty that all stations share, mm.
 fn u_common(settings: &ProbeSettings, calibration: &ProbeCalibration, d_mm: f64) -> f64 {
+    common_parts(settings, calibration, d_mm).iter().fold(0.0, |u: f64, part| u.hypot(part.1))
+}
+
+/// Sources of the common uncertainty of a diameter near `d_mm`, each with its standard uncertainty, mm.
+pub fn common_parts(
+    settings: &ProbeSettings,
+    calibration: &ProbeCalibration,
+    d_mm: f64,
+) -> [(&'static str, f64); 7] {
     let s = settings;
     let warm = d_mm * 1e-6 * s.temperature.expansion_um_per_m_k * s.temperature.u_k;
     // a ball y beside the axis reads √((R + ρ)² − y²): y²/2·(1/(R + ρ) − 1/(R' + ρ)) less than on a master, twice; the mean of
@@ -152,12 +161,18 @@ fn u_common(settings: &ProbeSettings, calibration: &ProbeCalibration, d_mm: f64)
     // a rectangle of half width yields/2 (GUM 4.3.7)
     let softness = 0.5 * yields_mm(s) / 3.0_f64.sqrt();
     let one_side = match s.sides {
-        Sides::One => 2e-3 * s.u_axis_um.hypot(s.u_guideway_um).hypot(s.u_drift_um),
+        Sides::One => 2e-3,
         Sides::Two => 0.0,
     };
-    [calibration.u_correction_mm, warm, height, softness, one_side]
-        .iter()
-        .fold(0.0, |u: f64, part| u.hypot(*part))
+    [
+        ("calibration on the masters", calibration.u_correction_mm),
+        ("temperature of the part", warm),
+        ("height of the ball beside the axis", height.abs()),
+        ("yielding of the part to the touch", softness),
+        ("axis of the part", one_side * s.u_axis_um),
+        ("guideway between master and part", one_side * s.u_guideway_um),
+        ("drift of X since the calibration", one_side * s.u_drift_um),
+    ]
 }
 
 #[cfg(test)]

@@ -98,6 +98,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     form_section(&mut page, &sections, &parts, view.form)?;
     uncertainty(&mut page, &rows)?;
     budget(&mut page, view, &rows)?;
+    super::probe_report::budget(&mut page, view)?;
     calibration(&mut page, view)?;
     Ok(RunPage { html: page.finish(), files })
 }

@@ -176,8 +176,14 @@ impl Scene<'_> {
     }
 
     fn judge(&self, events: &[Event]) -> Result<(), (usize, String)> {
+        // a ball that has touched lies in the part by its pre-travel: straight out is free
+        let mut touched = false;
         for event in events {
+            let after_touch = std::mem::replace(&mut touched, matches!(event.deed, Deed::Probe { .. }));
             let judged = match &event.deed {
+                Deed::Move { from, to, rapid: true } if after_touch && is_outwards(*from, *to) => {
+                    self.judge_way(&self.probe, *from, *to, "in rapid").map(drop)
+                }
                 Deed::Move { from, to, rapid } => {
                     let tool = if event.with_probe { &self.probe } else { &self.tool };
                     self.judge_move(tool, *from, *to, *rapid)
@@ -205,17 +211,11 @@ impl Scene<'_> {
 
     /// A probing move keeps clear of everything but the part, even where no touch ends it.
     fn judge_probing(&self, from: Point, target: Point) -> Result<(), String> {
-        let way = way(from, target);
-        self.inside_travel(target, &way)?;
         if !self.is_clear(&self.probe, from) {
+            let way = way(from, target);
             return Err(format!("a probing move begins where the probe touches something, {way}"));
         }
-        let (a, b) = ((from.z, 0.5 * from.x), (target.z, 0.5 * target.x));
-        let swept: Vec<Convex> = self.probe.iter().map(|t| t.swept(a, b)).collect();
-        match self.solids.iter().find(|s| swept.iter().any(|p| p.meets(&s.shape))) {
-            Some(solid) => Err(format!("the probe touches the {} {way}", solid.what)),
-            None => Ok(()),
-        }
+        self.judge_way(&self.probe, from, target, "in a probing move").map(drop)
     }
 
     fn inside_travel(&self, to: Point, way: &str) -> Result<(), String> {
@@ -228,20 +228,26 @@ impl Scene<'_> {
         Ok(())
     }
 
-    fn judge_move(&self, tool: &[Convex], from: Point, to: Point, rapid: bool) -> Result<(), String> {
+    /// What the tool sweeps on its way, clear of every solid and inside the travel.
+    fn judge_way(&self, tool: &[Convex], from: Point, to: Point, how: &str) -> Result<Vec<Convex>, String> {
         let way = way(from, to);
         self.inside_travel(to, &way)?;
+        let (a, b) = ((from.z, 0.5 * from.x), (to.z, 0.5 * to.x));
+        let swept: Vec<Convex> = tool.iter().map(|t| t.swept(a, b)).collect();
+        match self.solids.iter().find(|s| swept.iter().any(|t| t.meets(&s.shape))) {
+            Some(solid) => Err(format!("{how} the tool touches the {} {way}", solid.what)),
+            None => Ok(swept),
+        }
+    }
+
+    fn judge_move(&self, tool: &[Convex], from: Point, to: Point, rapid: bool) -> Result<(), String> {
+        let way = way(from, to);
         let both = (from.x - to.x).abs() > SAME_MM && (from.z - to.z).abs() > SAME_MM;
         if rapid && both && from.x.min(to.x) < self.change.x_mm {
             return Err(format!("X and Z move in rapid together below the change position, {way}"));
         }
-        let (a, b) = ((from.z, 0.5 * from.x), (to.z, 0.5 * to.x));
-        let swept: Vec<Convex> = tool.iter().map(|t| t.swept(a, b)).collect();
+        let swept = self.judge_way(tool, from, to, if rapid { "in rapid" } else { "in feed" })?;
         let touches = |shape: &Convex| swept.iter().any(|s| s.meets(shape));
-        let how = if rapid { "in rapid" } else { "in feed" };
-        if let Some(solid) = self.solids.iter().find(|s| touches(&s.shape)) {
-            return Err(format!("{how} the tool touches the {} {way}", solid.what));
-        }
         if !rapid {
             return self.not_too_deep(from, to);
         }
@@ -249,7 +255,7 @@ impl Scene<'_> {
             return Err(format!("in rapid the tool touches the {} {way}", solid.what));
         }
         // a start beside the stock may lie within the clearance: leaving it radially is free
-        let leaves = !both && to.x > from.x;
+        let leaves = is_outwards(from, to);
         if !leaves && self.kept_clear.iter().any(touches) {
             return Err(format!("in rapid the tool comes closer to the stock than half the clearance {way}"));
         }
@@ -315,6 +321,10 @@ impl Scene<'_> {
 
 fn way(from: Point, to: Point) -> String {
     format!("from X {:.3} Z {:.3} to X {:.3} Z {:.3}", from.x, from.z, to.x, to.z)
+}
+
+fn is_outwards(from: Point, to: Point) -> bool {
+    (from.z - to.z).abs() <= SAME_MM && to.x > from.x
 }
 
 /// The smaller X of a move at `z`.
