@@ -3,6 +3,7 @@
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
+mod probe;
 mod scan;
 mod stations;
 mod workpiece;
@@ -419,9 +420,7 @@ impl Job {
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
         self.check_stages()?;
         if let Some(probe) = &self.probe {
-            return probe.validate().map_err(|e| {
-                JobError::at(format!("probe.{}", e.key), format!("{} must be {}", e.value, e.right))
-            });
+            return probe::check(probe, &self.masters);
         }
         self.check_scan()?;
         self.check_masters()

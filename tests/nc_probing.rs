@@ -181,21 +181,23 @@ fn a_probe_that_may_hit_something_is_refused() {
             let said = replay::check(&changed(&text, change), &scene).expect_err("refused").to_string();
             assert!(said.contains(word), "{dialect:?}, {word}: {said}");
         };
-        let with = |from: &'static str, to: &'static str| {
-            move |l: &str| if l.starts_with(from) { l.replacen(from, to, 1) } else { l.to_owned() }
-        };
         let code = if dialect == Dialect::Linuxcnc { "G38.2" } else { "G31" };
-        refused(
-            &|l| if l.starts_with(code) { l.replace(code, "G00").replace(" F50.", "") } else { l.into() },
-            "stock",
-        );
-        refused(
-            &|l| if l.starts_with(code) { l.replace(code, "G01") } else { l.into() },
-            "the probe in the carrier",
-        );
-        // along the part before it is up again
-        refused(&|l| if l == "G00 X27." { "-".into() } else { l.into() }, "stock");
-        refused(&with("G94", "-"), if dialect == Dialect::Linuxcnc { "per minute" } else { "" });
+        // the second touch: what the first left could be read again
+        let second = text.match_indices(code).nth(1).expect("two touches").0;
+        let rapid = format!("{}G00{}", &text[..second], text[second + code.len()..].replacen(" F50.", "", 1));
+        let said = replay::check(&rapid, &scene).expect_err("refused").to_string();
+        assert!(said.contains("in rapid the tool touches the stock"), "{dialect:?}: {said}");
+        let feed = |l: &str| if l.starts_with(code) { l.replace(code, "G01") } else { l.to_owned() };
+        refused(&feed, "the probe in the carrier");
+        let along = |l: &str| if l == "G00 X27." { "-".to_owned() } else { l.to_owned() };
+        refused(&along, "begins in the part");
+        // along the part before it is up at the clear diameter
+        let low = |l: &str| if l == "G00 X27." { "G00 X24.".to_owned() } else { l.to_owned() };
+        refused(&low, "half the clearance");
+        let skew = |l: &str| if l.starts_with(code) { format!("{l} Z100.") } else { l.to_owned() };
+        refused(&skew, "must move X alone");
+        let per_turn = |l: &str| if ["G94", "G98"].contains(&l) { "-".to_owned() } else { l.to_owned() };
+        refused(&per_turn, "per minute");
         let off = if dialect == Dialect::Linuxcnc { "M5" } else { "M05" };
         let ends = text.rfind(&format!("\n{off}\n")).expect("the end");
         let second = text[..ends].rfind(&format!("\n{off}\n")).expect("before the second cycle");

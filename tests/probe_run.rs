@@ -153,6 +153,7 @@ fn what_cannot_be_is_refused() {
     assert!(said(&|j| probe(j).angles = 1).contains("probe.angles"));
     assert!(said(&|j| probe(j).sides = Sides::Two).contains("probe.sides"));
     assert!(said(&|j| probe(j).temperature.u_k = -1.0).contains("probe.temperature.u_k"));
+    assert!(said(&|j| j.masters.pins.clear()).contains("masters.pins"));
     // the calibration of a camera is none of the probe's, and a cell without a probe says so
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let (job, mut camera) = (job(), job());
