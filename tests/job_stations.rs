@@ -88,6 +88,8 @@ fn a_run_measures_and_corrects_the_listed_stations() {
     let mut job: Job = toml::from_str(SMALL).unwrap();
     job.part.tolerance = None;
     job.control.controller = ControllerName::Ilc;
+    // few stations lie far apart: between them the shaft bends by more than a reading may be off its neighbours
+    job.control.guards.outlier_limit_mm = 0.03;
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
     let cell = SimulatedCell::new(&job, &renderer).unwrap();
     let mut turning = ClosedLoop::start(&job, Box::new(cell), None).unwrap();
@@ -99,6 +101,7 @@ fn a_run_measures_and_corrects_the_listed_stations() {
         let d = station.reading.value().expect("every station is shown");
         assert!((d.d_mm - truth).abs() < 4.0 * d.u_mm(), "{station:?}, true {truth}");
     }
+    assert!(turning.held().is_none(), "{:?}", turning.held());
     let plan = turning.plan();
     assert!(plan.station_z_mm == z && plan.offset.o_mm.iter().any(|o| o.abs() > 1e-4), "{plan:?}");
     let settings = NcSettings { least_knots: 41, ..NcSettings::default() };

@@ -157,7 +157,7 @@ impl ProbeSettings {
         let count = |key, value: usize, least: usize, right| {
             require((least..=360).contains(&value), key, value as f64, right)
         };
-        count("angles", self.angles, 2, "2 to 360: the scatter of one says nothing of the section's form")?;
+        count("angles", self.angles, 2, "2 to 360: one has no scatter to state an uncertainty by")?;
         count("master_diameters", self.master_diameters, 2, "2 to 360")?;
         let lengths = [
             ("ball_mm", self.ball_mm),
