@@ -5,15 +5,19 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use thiserror::Error;
 
+mod touch;
+
 use crate::control::{PartAndTool, PartEvent};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::job::{Job, MasterPin};
 use crate::plan::{PassPlan, ScanPlan};
+use crate::probe::{Touch, TouchOrder};
 use crate::process::{BaseForm, ProcessError, Stock, TurningProcess};
 use crate::render::form::form_shaft;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
 use crate::shaft::{Pose, ProfileKnot, Shaft};
 use crate::truth;
+use touch::TrueProbe;
 
 /// A cell that cannot do what it was told.
 #[derive(Debug, Error)]
@@ -28,6 +32,9 @@ pub enum CellError {
     /// The cell does not change parts.
     #[error("this cell turns one part only")]
     OnePart,
+    /// The cell has no probe.
+    #[error("this cell has no touch probe")]
+    NoProbe,
 }
 
 /// A lathe with a gauge on its carriage, real or simulated.
@@ -49,6 +56,14 @@ pub trait TurningCell {
     /// # Errors
     /// Where no frame can be taken at all.
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
+
+    /// Touches of the part as it now is, or of master pin `master` of the job, in the order asked for, spindle still.
+    ///
+    /// # Errors
+    /// Where the cell has no probe.
+    fn touch(&mut self, _master: Option<usize>, _orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
+        Err(CellError::NoProbe)
+    }
 
     /// Clamps the next blank of a batch; `part` counts from 0, the one the cell began with.
     ///
@@ -87,6 +102,7 @@ pub struct SimulatedCell<'a> {
     pass: u32,
     stock: Stock,
     batch: Batch,
+    probe: Option<TrueProbe>,
 }
 
 /// What is filmed: the two count their frames apart.
@@ -146,6 +162,9 @@ impl<'a> SimulatedCell<'a> {
             clock_ns: 0,
             pass: 0,
             stock,
+            probe: job.probe.as_ref().map(|probe| {
+                TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
+            }),
             batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
         })
     }
@@ -180,6 +199,10 @@ impl TurningCell for SimulatedCell<'_> {
         self.master_frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
         Ok(self.film(scenes?, stops, Film::Master))
+    }
+
+    fn touch(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
+        self.touches(master, orders)
     }
 
     fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), CellError> {

@@ -5,6 +5,7 @@
 mod evidence;
 mod masters;
 mod pass_before;
+mod touches;
 
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,7 @@ use thiserror::Error;
 use crate::cell::{CellError, TurningCell};
 use crate::conformity::DecisionRule;
 pub use evidence::Evidence;
+pub use touches::Calibrated;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
@@ -50,6 +52,12 @@ pub enum LoopError {
     /// The gauge cannot be calibrated.
     #[error("calibration: {0}")]
     Calibration(#[from] CalibrationError),
+    /// The probe cannot be calibrated.
+    #[error("calibration: {0}")]
+    Probe(#[from] crate::probe::CalibrationError),
+    /// A calibration that is none of the job's instrument.
+    #[error("calibration: the job measures with {0}, the calibration given is none of it")]
+    OtherInstrument(&'static str),
     /// A master pin could not be measured.
     #[error("calibration: no frame of master pin {pin} could be measured: {why}")]
     Master {
@@ -140,7 +148,7 @@ pub struct ClosedLoop<'a> {
     job: &'a Job,
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
-    calibration: Calibration,
+    calibration: Calibrated,
     controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
     /// What the controller asked for; `offset` is what the machine's program made of it.
@@ -186,18 +194,13 @@ impl<'a> ClosedLoop<'a> {
     pub fn start(
         job: &'a Job,
         mut cell: Box<dyn TurningCell + 'a>,
-        calibration: Option<Calibration>,
+        calibration: Option<Calibrated>,
     ) -> Result<Self, LoopError> {
         job.check()?;
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
         let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
-        let gauge = Gauge::new(job.gauge.clone())?;
-        let calibration = match calibration {
-            Some(known) => known,
-            None => masters::calibrate(job, cell.as_mut(), &gauge)?,
-        };
-        let gauge = gauge.expecting(calibration.misfit());
+        let (gauge, calibration) = touches::instrument(job, cell.as_mut(), calibration)?;
         let offset = DiameterOffset::zero(stations);
         Ok(Self {
             job,
@@ -278,7 +281,7 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// The calibration in force.
-    pub fn calibration(&self) -> &Calibration {
+    pub fn calibration(&self) -> &Calibrated {
         &self.calibration
     }
 
@@ -357,8 +360,12 @@ impl<'a> ClosedLoop<'a> {
     }
 
     fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
+        if let Some((settings, probe)) = self.by_probe() {
+            return self.touch_part(pass, settings, &probe, progress);
+        }
+        let camera = self.calibration.camera()?;
         let plan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, plan.frames(), &self.calibration, self.gauge.stream());
+        let mut measured = Measured::new(self.job, plan.frames(), camera, self.gauge.stream());
         let mut source = self.cell.scan(&plan)?;
         while let Some(frame) = measured.wait(source.as_mut())? {
             let spent = measured.take(frame);
@@ -382,6 +389,10 @@ impl<'a> ClosedLoop<'a> {
         let (Some(pin), frames) = (self.job.masters.pins.first(), self.job.masters.check_frames) else {
             return Ok(None);
         };
+        if let Some((settings, probe)) = self.by_probe() {
+            return self.touch_master(settings, &probe);
+        }
+        let camera = self.calibration.camera()?;
         if frames == 0 {
             return Ok(None);
         }
@@ -390,7 +401,7 @@ impl<'a> ClosedLoop<'a> {
         while let Some(frame) = source.next_frame()? {
             if let Ok(edges) = self.gauge.edges(&frame.view()) {
                 let columns = edges.top.len();
-                diameters.extend(self.calibration.diameters(&edges).mean(0..columns).value().map(|d| d.d_mm));
+                diameters.extend(camera.diameters(&edges).mean(0..columns).value().map(|d| d.d_mm));
             }
             source.recycle(frame);
         }

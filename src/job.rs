@@ -3,7 +3,9 @@
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
+mod probe;
 mod scan;
+mod stations;
 mod workpiece;
 
 use schemars::JsonSchema;
@@ -16,6 +18,7 @@ use crate::control::{ControlError, ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
 use crate::nc::{Dialect, NcError, NcSettings};
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
+use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::RenderError;
 use crate::render::contamination::Contamination;
@@ -55,6 +58,10 @@ pub struct Part {
     pub aim_mm: f64,
     /// Length of a station, mm.
     pub station_mm: f64,
+    /// Middles of the stations, mm from the chuck face, ascending, where they do not lie side by side from end to end: each
+    /// takes `station_mm` and lies inside the part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station_z_mm: Option<Vec<f64>>,
     /// Tolerance of the finished part; without one no verdict is given.
     #[serde(default)]
     pub tolerance: Option<Tolerance>,
@@ -70,6 +77,7 @@ impl Default for Part {
             nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
             aim_mm: 0.0,
             station_mm: 5.0,
+            station_z_mm: None,
             tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
             conformance_probability: PROBABILITY,
         }
@@ -89,8 +97,12 @@ impl Part {
         self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
     }
 
-    /// Middles of the stations, mm from the chuck face; a rest shorter than a station at the end is left out.
+    /// Middles of the stations, mm from the chuck face: those listed, else side by side from the chuck face on, where a rest
+    /// shorter than a station at the end is left out.
     pub fn station_z_mm(&self) -> Vec<f64> {
+        if let Some(listed) = &self.station_z_mm {
+            return listed.clone();
+        }
         let count = (self.length_mm / self.station_mm + 1e-9).floor() as usize;
         (0..count).map(|i| (i as f64 + 0.5) * self.station_mm).collect()
     }
@@ -144,6 +156,7 @@ impl Part {
                 "gives more than 100 000 stations; 1 to 10 mm is usual",
             ));
         }
+        stations::check(self)?;
         if self.nominal_diameter_mm.is_empty() {
             return Err(JobError::at("part.nominal_diameter_mm", "is empty; give the diameter of each pass"));
         }
@@ -233,6 +246,9 @@ pub struct Job {
     pub process: ProcessSettings,
     /// The gauge.
     pub gauge: GaugeSettings,
+    /// A touch probe: where it stands, the loop takes its diameters from it in place of the camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<ProbeSettings>,
     /// The controller.
     pub control: ControlSettings,
     /// The control that the offsets go to: what its rounding leaves of them is what the controller is told. Without one
@@ -260,6 +276,7 @@ impl Default for Job {
             departures: Departures::default(),
             process: ProcessSettings::default(),
             gauge: GaugeSettings::default(),
+            probe: None,
             control: ControlSettings::default(),
             nc: None,
         }
@@ -308,6 +325,7 @@ impl Job {
             1 => vec![self.part.length_mm / 2.0],
             n => (0..n).map(|i| first + (last - first) * i as f64 / steps).collect(),
         };
+        let field_z_mm = stations::fields_that_show(&self.part, field_z_mm, half);
         let angle_deg = (0..self.scan.angles).map(|i| 180.0 * i as f64 / self.scan.angles as f64).collect();
         ScanPlan { field_z_mm, angle_deg }
     }
@@ -401,6 +419,9 @@ impl Job {
         positive("cutting.speed_m_per_min", self.cutting.speed_m_per_min)?;
         positive("cutting.feed_mm_per_rev", self.cutting.feed_mm_per_rev)?;
         self.check_stages()?;
+        if let Some(probe) = &self.probe {
+            return probe::check(probe, &self.masters);
+        }
         self.check_scan()?;
         self.check_masters()
     }
@@ -441,6 +462,9 @@ impl Job {
             ));
         }
         self.part.check_aim()?;
+        if self.probe.is_some() {
+            return Ok(());
+        }
         if self.scan.angles < 2 {
             return Err(JobError::at(
                 "scan.angles",

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the same for all
-//! three. The instrument (`gauge`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
+//! three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
 //! `tests/architecture.rs` holds the direction of imports.
 
 // -- 0 vocabulary: types, and the rule of conformity
@@ -20,6 +20,7 @@ pub mod shaft;
 pub mod control;
 pub mod gauge;
 pub mod nc;
+pub mod probe;
 pub mod process;
 pub mod render;
 pub mod source;

@@ -9,11 +9,12 @@ use syn::visit::{self, Visit};
 
 /// Rooms by layer; a file imports lower layers and its own room (layer 3: its whole layer).
 const VOCABULARY: [&str; 5] = ["frame", "shaft", "profile", "plan", "conformity"];
-const STAGES: [&str; 8] = ["process", "render", "gauge", "control", "source", "nc", "tool", "machine"];
+const STAGES: [&str; 9] =
+    ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "cell", "job", "closed_loop", "studies"];
 const SURFACE: [&str; 6] = ["config", "files", "run_folder", "report", "cli", "main"];
 /// The instrument must not see what only the simulation knows.
-const INSTRUMENT: [&str; 4] = ["gauge", "control", "nc", "source"];
+const INSTRUMENT: [&str; 5] = ["gauge", "probe", "control", "nc", "source"];
 const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config", "cli"];
 
 fn layer(room: &str) -> Option<usize> {

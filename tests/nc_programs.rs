@@ -1,8 +1,9 @@
 //! NC programs: what they say, and what LinuxCNC's own interpreter makes of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use std::process::Command;
+mod linuxcnc;
 
+use linuxcnc::{Move, interpret};
 use shadowgauge::nc::replay::{self, Deed, Point};
 use shadowgauge::nc::{
     Dialect, Direction, GeometryOffset, MacroProgram, NcError, NcSettings, Path, Remeasure, Spindle,
@@ -173,51 +174,6 @@ fn linuxcnc_has_no_u_words_and_no_variable_3000() {
     }
 }
 
-/// Where a move ends, (x radius, z), and whether it is in rapid.
-type Move = ((f64, f64), bool);
-
-/// What LinuxCNC's interpreter prints of a program: its moves as ((x radius, z), in rapid), and all of it; `None`
-/// without it.
-fn interpret(program: &str) -> Option<(Vec<Move>, String)> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("program.ngc");
-    std::fs::write(&file, program).expect("written");
-    let table = folder.path().join("tool.tbl");
-    std::fs::write(&table, "T1 P1 X0 Z0\n").expect("written");
-    // it maps ~/.tool.mmap: two at once in one home end with a bus error
-    let run = Command::new("rs274")
-        .env("HOME", folder.path())
-        .current_dir(folder.path())
-        .arg("-t")
-        .arg(&table)
-        .arg("-g")
-        .arg(&file)
-        .output();
-    let output = match run {
-        Ok(output) => output,
-        Err(e) => {
-            eprintln!(
-                "SKIPPED: LinuxCNC's rs274 cannot be run ({e}); install the Debian package linuxcnc-uspace"
-            );
-            return None;
-        }
-    };
-    let printed =
-        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    let moved = |line: &str| {
-        let (inside, rapid) = match (line.split_once("STRAIGHT_FEED("), line.split_once("STRAIGHT_TRAVERSE("))
-        {
-            (Some((_, rest)), _) => (rest, false),
-            (_, Some((_, rest))) => (rest, true),
-            _ => return None,
-        };
-        let numbers: Vec<f64> =
-            inside.split(')').next()?.split(',').filter_map(|n| n.trim().parse().ok()).collect();
-        Some(((*numbers.first()?, *numbers.get(2)?), rapid))
-    };
-    Some((printed.lines().filter_map(moved).collect(), printed))
-}
-
 fn feeds(moves: &[Move]) -> Vec<(f64, f64)> {
     moves.iter().filter(|m| !m.1).map(|m| m.0).collect()
 }
@@ -251,8 +207,15 @@ fn rs274_prints_the_radius_that_was_intended() {
 fn replayed(text: &str, settings: &NcSettings) -> Vec<Move> {
     let origin = Point { x: 0.0, z: 0.0 };
     let variables = vec![(820, 0.0)];
-    let control =
-        replay::Control { dialect: Dialect::Linuxcnc, settings, start: origin, reference: origin, variables };
+    let control = replay::Control {
+        dialect: Dialect::Linuxcnc,
+        settings,
+        start: origin,
+        reference: origin,
+        variables,
+        with_probe: false,
+        surface: None,
+    };
     let events = replay::run(text, &control).expect("understood");
     let moved = |deed: &Deed| match deed {
         Deed::Move { to, rapid, .. } => Some(((0.5 * to.x, to.z), *rapid)),

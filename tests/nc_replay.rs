@@ -119,6 +119,8 @@ fn run(text: &str, case: &Case, dialect: Dialect, start: Point) -> Vec<Event> {
         start,
         reference: Point { x: change.x_mm, z: change.z_mm },
         variables: vec![(820, 0.0)],
+        with_probe: false,
+        surface: None,
     };
     replay::run(text, &control).unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }
@@ -348,7 +350,7 @@ fn a_program_that_touches_is_refused_with_its_block() {
     refused("G28 U0.", "G28 U0. W0.", &["X and Z move in rapid together"]);
     refused("G28 U0.", "G28 X0.", &["G28 is understood with"]);
     refused("G43", "G41", &["G41 is not understood"]);
-    refused("G18 G21 G40 G99", "G18 G21 G40 G98", &["G98 is not understood"]);
+    refused("G18 G21 G40 G99", "G18 G21 G40 G98", &["per revolution"]);
     refused("G18 G21 G40 G99", "G18 G40 G99", &["G21"]);
     refused("G96 S80 M03", "G96 S80 M04", &["without the spindle turning"]);
     refused("G96 D2000. S80.0 M3", "G96 D2000. S80.0", &["without the spindle turning"]);

@@ -7,7 +7,8 @@ use crate::config;
 use crate::files::OutputFile;
 use crate::job::{Job, JobError};
 use crate::nc::{
-    self, Dialect, Direction, MacroProgram, NcError, NcSettings, TurningProgram, Workpiece, Written,
+    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, TurningProgram, Workpiece,
+    Written,
 };
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
@@ -20,6 +21,9 @@ enum Form {
     Knots,
     /// Macro variables of a line: the least-squares paper's program.
     Macro,
+    /// The least-squares paper's whole program: it probes the part, fits the line, cuts and probes again; the offsets of the
+    /// run are not used.
+    Probing,
 }
 
 /// Arguments of `nc`.
@@ -33,7 +37,7 @@ pub struct NcArgs {
     /// The pass to be cut; the last one of the run by default.
     #[arg(long, value_name = "N")]
     pass: Option<u32>,
-    /// Knots along z, or macro variables of a line.
+    /// Knots along z, macro variables of a line, or a program that measures its own correction with a touch probe.
     #[arg(long, value_enum, default_value = "knots")]
     form: Form,
     /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around the part, clearances,
@@ -73,6 +77,7 @@ pub fn run(args: &NcArgs) -> CommandResult {
     let text = match args.form {
         Form::Knots => knots(args, &settings, &pass)?,
         Form::Macro => line(args, &job, &settings, &pass)?,
+        Form::Probing => probing(args, &job, &settings, &pass)?,
     };
     match &args.out {
         Some(path) => {
@@ -148,7 +153,7 @@ impl Pass {
             old: offsets(number.saturating_sub(1)),
             piece: workpiece(job, number),
             reason: format!("{}{held}", first.status),
-            limits_mm: tolerance.map(|t| (t.nominal_mm + t.lower_mm, t.nominal_mm + t.upper_mm)),
+            limits_mm: tolerance.map(|t| t.limits_mm()),
             plan,
         })
     }
@@ -163,6 +168,8 @@ fn workpiece(job: &Job, pass: u32) -> Workpiece {
             FeedDirection::TowardsTailstock => Direction::TowardsTailstock,
         },
         steady_z_mm: job.process.support.steady_rests.iter().map(|rest| rest.z_mm).collect(),
+        probe_z_mm: job.part.station_z_mm.clone().unwrap_or_default(),
+        tolerance_mm: job.part.tolerance.map(|t| t.limits_mm()),
         ..Workpiece::new(job.part.length_mm, job.part.stock_diameter_mm, before_mm)
     }
 }
@@ -175,10 +182,13 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     let stations = job.part.station_z_mm();
     if rows.len() != stations.len() {
         return Err(format!(
-            "offsets.csv: pass {pass} has {} rows, the part has {} stations (part.station_mm = {}); a row for each is needed",
+            "offsets.csv: pass {pass} has {} rows, the part has {} stations ({}); a row for each is needed",
             rows.len(),
             stations.len(),
-            job.part.station_mm
+            match job.part.station_z_mm {
+                Some(_) => "part.station_z_mm".to_owned(),
+                None => format!("part.station_mm = {}", job.part.station_mm),
+            }
         ));
     }
     let target = job.part.target_mm(pass);
@@ -267,4 +277,26 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
         ));
     }
     Ok(written)
+}
+
+fn probing(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {
+    if pass.plan.pass < 2 {
+        return Err(Failure::refuse(
+            "pass 1 cuts the blank: a program that probes corrects what the pass before left; give --pass 2 or later",
+        ));
+    }
+    let program = ProbingProgram {
+        nominal_mm: pass.plan.nominal_mm,
+        piece: pass.piece.clone(),
+        pass: pass.plan.pass,
+        cutting: job.cutting,
+        limits_mm: pass.limits_mm,
+        settings,
+    };
+    if args.dry_run {
+        return Err(Failure::refuse(
+            "--form probing makes its offsets at the machine: there is none to list",
+        ));
+    }
+    written(args, program.write(args.dialect))
 }

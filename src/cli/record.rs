@@ -3,10 +3,9 @@
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
-use crate::closed_loop::{ClosedLoop, LoopError, PassResult, Sample, part_verdict};
+use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, Sample, part_verdict};
 use crate::control::OnAlarm;
 use crate::control::conformity::Verdict;
-use crate::gauge::Calibration;
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
@@ -228,7 +227,7 @@ fn decision_word(result: &PassResult) -> &'static str {
     }
 }
 
-fn read_calibration(folder: &RunFolder) -> Result<Calibration, Failure> {
+fn read_calibration(folder: &RunFolder) -> Result<Calibrated, Failure> {
     let text = folder.read_text("calibration.json").map_err(folder_failure)?;
     serde_json::from_str(&text)
         .map_err(|e| Failure::fail(format!("{}: {e}", folder.path().join("calibration.json").display())))

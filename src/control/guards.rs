@@ -127,7 +127,7 @@ fn check_plausible(g: &Guarded<'_>) -> Result<(), Refusal> {
 
 fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
     let (z, e, limits) = (&g.plan.station_z_mm, &g.errors.e_mm, g.limits);
-    let bends = second_differences(e);
+    let bends = second_differences(z, e);
     let scatter = robust_scatter(&bends);
     if scatter > limits.scatter_limit_mm {
         return Err(guard(format!(
@@ -137,7 +137,7 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
         )));
     }
     let limit = limits.outlier_limit_mm.max(OUTLIER_SCATTERS * scatter);
-    let off = (0..e.len()).map(|i| (i, off_neighbours(e, i)));
+    let off = (0..e.len()).map(|i| (i, off_neighbours(z, e, i)));
     match off.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|(_, off)| !within(*off, limit)) {
         Some((i, off)) => Err(guard(format!(
             "outlier: the reading at z = {} mm is {:.2} µm off what its neighbours say, limit {:.2} µm",
@@ -321,8 +321,17 @@ pub(crate) fn held_undersize(g: &Guarded<'_>) -> Option<String> {
     check_undersize(g, &next, &g.plan.offset.o_mm).err().map(|refusal| refusal.reason.to_string())
 }
 
-fn second_differences(e: &[f64]) -> Vec<f64> {
-    e.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect()
+/// How far each inner station lies off the line through its neighbours, scaled so that scatter of one reading weighs as in
+/// e₀ − 2e₁ + e₂ of even stations.
+fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
+    let bend = |(z, e): (&[f64], &[f64])| {
+        let share = (z[1] - z[0]) / (z[2] - z[0]);
+        let weights = [1.0 - share, -1.0, share];
+        let square: f64 = weights.iter().map(|w| w * w).sum();
+        let off: f64 = weights.iter().zip(e).map(|(w, e)| w * e).sum();
+        off * (SECOND_DIFFERENCE / square).sqrt()
+    };
+    z.windows(3).zip(e.windows(3)).map(bend).collect()
 }
 
 /// Standard deviation of one reading from the median magnitude of second differences: slopes drop out.
@@ -335,31 +344,42 @@ fn robust_scatter(second_differences: &[f64]) -> f64 {
 
 /// Difference of a station from what its neighbours say: inside, the median of the four lines through two of them; next
 /// to an end, the parabola through three; at an end, the line fitted to four.
-fn off_neighbours(e: &[f64], i: usize) -> f64 {
+fn off_neighbours(z: &[f64], e: &[f64], i: usize) -> f64 {
     let n = e.len();
     if n < 5 {
         return 0.0;
     }
-    // least squares over x = 1, 2, 3, 4, taken at x = 0
-    let line = |a: f64, b: f64, _: f64, d: f64| a + 0.5 * (b - d);
-    let parabola = |a: f64, b: f64, c: f64| a / 3.0 + b - c / 3.0;
+    let line = |a: usize, b: usize| e[a] + (e[b] - e[a]) * (z[i] - z[a]) / (z[b] - z[a]);
     let predicted = match i {
-        0 => line(e[1], e[2], e[3], e[4]),
-        1 => parabola(e[0], e[2], e[3]),
-        _ if i + 1 == n => line(e[n - 2], e[n - 3], e[n - 4], e[n - 5]),
-        _ if i + 2 == n => parabola(e[n - 1], e[n - 3], e[n - 4]),
+        0 => fitted_line(&z[1..5], &e[1..5], z[i]),
+        1 => parabola([0, 2, 3].map(|k| (z[k], e[k])), z[i]),
+        _ if i + 1 == n => fitted_line(&z[n - 5..n - 1], &e[n - 5..n - 1], z[i]),
+        _ if i + 2 == n => parabola([n - 1, n - 3, n - 4].map(|k| (z[k], e[k])), z[i]),
         _ => {
-            let mut lines = [
-                2.0 * e[i - 1] - e[i - 2],
-                2.0 * e[i + 1] - e[i + 2],
-                0.5 * (e[i - 1] + e[i + 1]),
-                0.5 * (e[i - 2] + e[i + 2]),
-            ];
+            let mut lines = [line(i - 1, i - 2), line(i + 1, i + 2), line(i - 1, i + 1), line(i - 2, i + 2)];
             lines.sort_by(f64::total_cmp);
             0.5 * (lines[1] + lines[2])
         }
     };
     e[i] - predicted
+}
+
+/// Least-squares line through points, at `at`.
+fn fitted_line(z: &[f64], e: &[f64], at: f64) -> f64 {
+    let n = z.len() as f64;
+    let (middle, mean) = (z.iter().sum::<f64>() / n, e.iter().sum::<f64>() / n);
+    let spread: f64 = z.iter().map(|z| (z - middle).powi(2)).sum();
+    let slope = z.iter().zip(e).map(|(z, e)| (z - middle) * (e - mean)).sum::<f64>() / spread;
+    mean + slope * (at - middle)
+}
+
+/// Parabola through three points, at `at` (Lagrange).
+fn parabola(points: [(f64, f64); 3], at: f64) -> f64 {
+    let share = |k: usize| {
+        let others = (0..3).filter(|j| *j != k);
+        others.map(|j| (at - points[j].0) / (points[k].0 - points[j].0)).product::<f64>()
+    };
+    (0..3).map(|k| points[k].1 * share(k)).sum()
 }
 
 /// Index and value of the first element whose magnitude is not within the limit.
@@ -375,4 +395,28 @@ fn within(value: f64, limit: f64) -> bool {
 /// Largest magnitude; NaN if any is.
 fn largest(values: &[f64]) -> f64 {
     values.iter().map(|v| v.abs()).fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stations that lie unevenly say no more and no less of one another than even ones.
+    #[test]
+    fn uneven_stations_have_no_outlier_on_a_line_or_at_an_end_parabola() {
+        let z = [3.0, 11.0, 30.5, 40.0, 57.0, 58.0, 90.0];
+        let line: Vec<f64> = z.iter().map(|z| 0.2 - 0.003 * z).collect();
+        assert!((0..7).all(|i| off_neighbours(&z, &line, i).abs() < 1e-12));
+        assert!(second_differences(&z, &line).iter().all(|d| d.abs() < 1e-12));
+        let square: Vec<f64> = z.iter().map(|z| 1e-4 * z * z).collect();
+        assert!(off_neighbours(&z, &square, 1).abs() < 1e-12 && off_neighbours(&z, &square, 5).abs() < 1e-12);
+        let even = [0.0, 5.0, 10.0, 15.0, 20.0];
+        let e = [0.01, 0.02, 0.05, -0.01, 0.0];
+        let wanted = [0.01 - 2.0 * 0.02 + 0.05, 0.02 - 2.0 * 0.05 - 0.01, 0.05 + 2.0 * 0.01];
+        let found = second_differences(&even, &e);
+        assert!(found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        // a + (b − d)/2 at an end, a/3 + b − c/3 beside it
+        assert!((off_neighbours(&even, &e, 0) - (e[0] - (e[1] + 0.5 * (e[2] - e[4])))).abs() < 1e-12);
+        assert!((off_neighbours(&even, &e, 1) - (e[1] - (e[0] / 3.0 + e[2] - e[3] / 3.0))).abs() < 1e-12);
+    }
 }

@@ -153,6 +153,44 @@ impl Dialect {
          stands, in the machine builder's manual)"
     }
 
+    /// Spindle off.
+    pub(super) fn spindle_off(self) -> &'static str {
+        match self {
+            Self::Fanuc | Self::Gsk => "M05",
+            Self::Linuxcnc => "M5",
+        }
+    }
+
+    /// Feeds are mm/min from here on.
+    pub(super) fn feed_per_minute(self) -> &'static str {
+        match self {
+            Self::Fanuc | Self::Gsk => "G98",
+            Self::Linuxcnc => "G94",
+        }
+    }
+
+    /// Feeds are mm per revolution from here on.
+    pub(super) fn feed_per_revolution(self) -> &'static str {
+        match self {
+            Self::Fanuc | Self::Gsk => "G99",
+            Self::Linuxcnc => "G95",
+        }
+    }
+
+    /// A move that ends at the probe's touch.
+    pub(super) fn probing_move(self) -> &'static str {
+        match self {
+            Self::Fanuc | Self::Gsk => "G31",
+            Self::Linuxcnc => "G38.2",
+        }
+    }
+
+    /// `probe.skip_variable`, and where the answer stands.
+    pub(super) fn look_up_skip_variable(self) -> &'static str {
+        "probe.skip_variable = the # variable in which G31 leaves X of the touch (table of system variables in the \
+         control's manual)"
+    }
+
     /// Stops with an alarm where `left op right` holds; `label` is unique in the program.
     pub(super) fn alarm_if(self, label: u32, condition: (&str, &str, &str), text: &str) -> Vec<String> {
         let (left, op, right) = condition;

@@ -20,6 +20,7 @@ impl Skeleton<'_> {
         let mut texts = about.to_vec();
         texts.extend(self.setup());
         texts.extend(self.extent());
+        texts.extend(self.judged());
         texts.extend(self.assumed(smallest_mm));
         if d.changes_at_reference() {
             texts.push("not verified on a control: run dry above the part first".to_owned());
@@ -71,6 +72,53 @@ impl Skeleton<'_> {
         let cut = format!("cuts in feed from Z {} to Z {}", mm(route.z_first), mm(route.z_last));
         let (least, full) = (mm(s.least_z_mm), mm(route.full_from_mm));
         vec![cut, format!("stays uncut: Z 0 to {least}, nose fillet to Z {full}")]
+    }
+
+    /// Whether the part is measured after this cut, and against what.
+    fn judged(&self) -> Vec<String> {
+        let s = self.settings;
+        let mut texts = Vec::new();
+        if let Some(probe) = s.probe {
+            texts.push(format!(
+                "probe: tool {}, ball {}, read less {} is the diameter, U {}",
+                probe.tool,
+                mm(probe.ball_mm),
+                number(probe.correction_mm, 5),
+                number(probe.expanded_u_mm, 4)
+            ));
+        }
+        let range = |(low, high): (f64, f64)| format!("{} to {}", number(low, 4), number(high, 4));
+        match (self.limits_mm, self.piece.tolerance_mm) {
+            (Some(limits), _) => {
+                if let Some(m) = s.remeasure {
+                    texts.push(format!(
+                        "measures again by M{:02}: alarm outside {}",
+                        m.m_code,
+                        range(limits)
+                    ));
+                }
+                if let Some(proven) = s.probe.and_then(|p| Self::proven_limits(&p, limits).ok()) {
+                    texts.push(format!(
+                        "probes again: alarm outside {}, the tolerance {} less U",
+                        range(proven),
+                        range(limits)
+                    ));
+                }
+                if s.remeasure.is_none() && s.probe.is_none() {
+                    texts.push(format!(
+                        "does not measure again: whether the part lies in {} is not checked here, nc.remeasure and \
+                         nc.probe are not stated",
+                        range(limits)
+                    ));
+                }
+            }
+            (None, Some(limits)) => texts.push(format!(
+                "does not measure again: the tolerance {} belongs to the last pass",
+                range(limits)
+            )),
+            (None, None) => {}
+        }
+        texts
     }
 
     /// What the machine's data do not state.

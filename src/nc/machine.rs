@@ -157,6 +157,8 @@ impl NcSettings {
             self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
             self.geometry_offset.is_none().then(|| dialect.look_up_geometry_offset()),
             self.spindle.is_none().then(|| dialect.look_up_spindle()),
+            (dialect == Dialect::Gsk && self.probe.is_some_and(|p| p.skip_variable.is_none()))
+                .then(|| dialect.look_up_skip_variable()),
         ]
         .into_iter()
         .flatten()

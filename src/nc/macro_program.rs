@@ -73,7 +73,7 @@ impl MacroProgram<'_> {
     }
 
     /// Commanded diameter at `z`: the inverse of the error line, mm.
-    fn cone_mm(&self, z: f64) -> f64 {
+    pub(super) fn cone_mm(&self, z: f64) -> f64 {
         let x = (self.piece.length_mm - z) / self.piece.length_mm;
         let v = self.values();
         v.v812 + (v.v811 - v.v812) * x
@@ -86,7 +86,6 @@ impl MacroProgram<'_> {
     pub fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
         let (s, v) = (self.settings, self.values());
         s.validate()?;
-        self.check()?;
         let nominal = self.diameter_mm.0.max(self.diameter_mm.1);
         let route = skeleton::check(s, &self.piece, nominal, dialect)?;
         let skeleton = Skeleton {
@@ -99,22 +98,19 @@ impl MacroProgram<'_> {
             wear_mm: 0.0,
             limits_mm: self.limits_mm,
         };
-        if Self::z_at_chuck(&skeleton) >= self.piece.length_mm * (1.0 - X_START) {
-            return Err(NcError::Plan(format!(
-                "the cut would end at Z {} mm, before the first point of the line: lower nc.least_z_mm",
-                Self::z_at_chuck(&skeleton)
-            )));
-        }
+        self.check(&skeleton)?;
         let mut lines = self.head(&skeleton);
         lines.extend(self.variables(dialect));
         lines.extend(self.guards(&skeleton));
         lines.extend(self.far_end(&skeleton));
         lines.extend(skeleton.approach());
         lines.extend(skeleton.cut(&self.points(&skeleton)));
-        lines.extend(skeleton.after());
+        lines.extend(skeleton.after(nominal)?);
         let text = lines.join("\n") + "\n";
         let ends = [0.0, self.piece.length_mm].map(|z| (z, self.cone_mm(z)));
-        replay::check(&text, &skeleton.scene(ends.to_vec()))?;
+        let mut scene = skeleton.scene(ends.to_vec());
+        scene.surface = skeleton.surface(nominal);
+        replay::check(&text, &scene)?;
         Ok(Written { text, cut: v, uncut: skeleton.uncut() })
     }
 
@@ -137,7 +133,13 @@ impl MacroProgram<'_> {
         skeleton.head(&title, &about, v.v811.min(v.v812))
     }
 
-    fn check(&self) -> Result<(), NcError> {
+    pub(super) fn check(&self, skeleton: &Skeleton<'_>) -> Result<(), NcError> {
+        if Self::z_at_chuck(skeleton) >= self.piece.length_mm * (1.0 - X_START) {
+            return Err(NcError::Plan(format!(
+                "the cut would end at Z {} mm, before the first point of the line: lower nc.least_z_mm",
+                Self::z_at_chuck(skeleton)
+            )));
+        }
         let v = self.values();
         let numbers = [v.v810, v.v811, v.v812, self.piece.length_mm, self.piece.before_mm, self.unit_mm];
         if numbers.iter().any(|n| !(n.is_finite() && *n > 0.0)) {
@@ -159,30 +161,46 @@ impl MacroProgram<'_> {
 
     fn variables(&self, dialect: Dialect) -> Vec<String> {
         let coefficient = |value| number(value, COEFFICIENT_DECIMALS);
-        let (start, end) = self.diameter_mm;
-        let unit = number(self.unit_mm, 6);
-        let mut lines = vec![
-            format!("#800={}", number(start, 5)),
-            format!("#801={}", number(end, 5)),
-            format!("#802={}", coefficient(self.line.b)),
-            format!("#803={}", coefficient(self.line.a)),
-            "#804=[#802*1./6.+#803]".to_owned(),
-            "#805=[#802+#803]".to_owned(),
-        ];
-        lines.push(format!("#810=[#800-#804*{unit}]"));
-        lines.push(format!("#811=[#801-#805*{unit}]"));
-        lines.push(dialect.comment("the cone at the free end, x = 0"));
-        lines.push("#812=[#810-[#811-#810]/5.]".to_owned());
+        let mut lines = self.diameters();
+        lines.push(format!("#802={}", coefficient(self.line.b)));
+        lines.push(format!("#803={}", coefficient(self.line.a)));
+        lines.extend(self.equations(dialect));
         lines
     }
 
+    /// #800 and #801.
+    pub(super) fn diameters(&self) -> Vec<String> {
+        let (start, end) = self.diameter_mm;
+        vec![format!("#800={}", number(start, 5)), format!("#801={}", number(end, 5))]
+    }
+
+    /// Equations 9, 10, 7, 8 of #802 and #803, and the cone's end.
+    pub(super) fn equations(&self, dialect: Dialect) -> Vec<String> {
+        let unit = number(self.unit_mm, 6);
+        vec![
+            "#804=[#802*1./6.+#803]".to_owned(),
+            "#805=[#802+#803]".to_owned(),
+            format!("#810=[#800-#804*{unit}]"),
+            format!("#811=[#801-#805*{unit}]"),
+            dialect.comment("the cone at the free end, x = 0"),
+            "#812=[#810-[#811-#810]/5.]".to_owned(),
+        ]
+    }
+
     fn guards(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
-        let limit = number(self.settings.correction_limit_mm, 4);
         let mut lines = skeleton.once("OFFSET WAS USED ALREADY");
+        lines.extend(self.limits(skeleton.dialect));
+        lines
+    }
+
+    /// Alarms where the cone is too far from the diameters aimed at.
+    pub(super) fn limits(&self, dialect: Dialect) -> Vec<String> {
+        let limit = number(self.settings.correction_limit_mm, 4);
+        let mut lines = Vec::new();
         for (label, difference) in [(102, "ABS[#800-#810]"), (103, "ABS[#801-#811]"), (104, "ABS[#800-#812]")]
         {
             let condition = (difference, "GT", limit.as_str());
-            lines.extend(skeleton.dialect.alarm_if(label, condition, "CORRECTION OUT OF RANGE"));
+            lines.extend(dialect.alarm_if(label, condition, "CORRECTION OUT OF RANGE"));
         }
         lines
     }
@@ -193,7 +211,7 @@ impl MacroProgram<'_> {
     }
 
     /// The last point of the part lies at the chuck: the cone ends clear of it, on the same line.
-    fn far_end(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
+    pub(super) fn far_end(&self, skeleton: &Skeleton<'_>) -> Vec<String> {
         let length = self.piece.length_mm;
         let share = (length - Self::z_at_chuck(skeleton)) / length;
         let rest = number((share - X_START) / (1.0 - X_START), 9);
@@ -201,7 +219,7 @@ impl MacroProgram<'_> {
     }
 
     /// From the free end to the chuck, level in the air beyond the end face; or the other way.
-    fn points(&self, skeleton: &Skeleton<'_>) -> Vec<(String, f64)> {
+    pub(super) fn points(&self, skeleton: &Skeleton<'_>) -> Vec<(String, f64)> {
         let (length, route) = (self.piece.length_mm, &skeleton.route);
         let sixth = round3(length * (1.0 - X_START));
         let beyond = route.z_first.max(route.z_last);

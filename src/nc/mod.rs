@@ -20,6 +20,8 @@ mod line;
 mod machine;
 mod macro_program;
 mod path;
+mod probe;
+mod probing_program;
 pub mod replay;
 mod route;
 mod skeleton;
@@ -34,6 +36,8 @@ pub use machine::{
 };
 pub use macro_program::{MacroProgram, MacroValues};
 pub use path::{Path, dry_run};
+pub use probe::NcProbe;
+pub use probing_program::ProbingProgram;
 pub use route::Workpiece;
 pub use turning::{TurningProgram, Written};
 
@@ -133,6 +137,9 @@ pub struct NcSettings {
     pub correction_limit_mm: f64,
     /// Re-measure after the cut and raise an alarm outside the limits.
     pub remeasure: Option<Remeasure>,
+    /// A touch probe in the tool carrier: the part is probed after its last pass, and `--form probing` measures before it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probe: Option<NcProbe>,
     /// How the control takes X of a wear offset; no default for fanuc and gsk.
     pub wear_x: Option<WearX>,
     /// Which digits of a T word choose the geometry offset; no default for fanuc and gsk.
@@ -174,6 +181,7 @@ impl Default for NcSettings {
             knot_tolerance_mm: 0.0002,
             correction_limit_mm: 0.3,
             remeasure: None,
+            probe: None,
             wear_x: None,
             geometry_offset: None,
             spindle: None,
@@ -220,6 +228,7 @@ impl NcSettings {
             require(value >= 0.0 && value.is_finite(), key, value, "a length of 0 mm or more")?;
         }
         self.validate_surroundings()?;
+        self.probe.map_or(Ok(()), |probe| probe.validate(self))?;
         let knots = self.least_knots;
         require((2..=1000).contains(&knots), "nc.least_knots", knots as f64, "a number of 2 to 1000")
     }

@@ -33,11 +33,13 @@ impl Path {
         };
         let mut count = settings.least_knots;
         loop {
-            let knots = sample(plan, wear_mm, count, decimals);
+            // where even knots do not do, those of stations that lie unevenly do
+            let at_stations = count > 4 * plan.station_z_mm.len();
+            let knots = sample(plan, wear_mm, count, decimals, at_stations);
             let path = Self { in_force: in_force(plan, &knots, wear_mm), knots, wear_mm };
             let rounding = 1.5 * 10f64.powi(-(decimals as i32));
             let close = path.largest_departure(plan) <= settings.knot_tolerance_mm + rounding;
-            if close || count > 4 * plan.station_z_mm.len() {
+            if close || at_stations {
                 return path.checked(plan, settings);
             }
             count = 2 * count - 1;
@@ -96,13 +98,18 @@ fn round(value: f64, decimals: usize) -> f64 {
     (value * scale).round() / scale
 }
 
-/// Knots from the last station to the first.
-fn sample(plan: &PassPlan, wear: f64, count: usize, decimals: usize) -> Vec<(f64, f64)> {
+/// Even knots from the last station to the first; with `at_stations` those of the stations among them.
+fn sample(plan: &PassPlan, wear: f64, count: usize, decimals: usize, at_stations: bool) -> Vec<(f64, f64)> {
     let z = &plan.station_z_mm;
     let (first, last) = (z[0], z[z.len() - 1]);
     let x = |at: f64| round(plan.nominal_mm - interpolate(z, &plan.offset.o_mm, at) - wear, decimals);
     let at = |i: usize| round(first + (last - first) * i as f64 / (count - 1) as f64, 3);
-    let mut knots: Vec<(f64, f64)> = (0..count).rev().map(|i| (at(i), x(at(i)))).collect();
+    let mut places: Vec<f64> = (0..count).map(at).collect();
+    if at_stations {
+        places.extend(z.iter().map(|z| round(*z, 3)));
+        places.sort_by(f64::total_cmp);
+    }
+    let mut knots: Vec<(f64, f64)> = places.into_iter().rev().map(|at| (at, x(at))).collect();
     knots.dedup_by(|a, b| a.0 == b.0);
     knots
 }

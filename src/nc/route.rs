@@ -38,12 +38,24 @@ pub struct Workpiece {
     pub direction: Direction,
     /// Middles of steady rests that the run knows of, mm.
     pub steady_z_mm: Vec<f64>,
+    /// Places that a probe touches, Z ascending, mm; the six of paper 000 where none are listed.
+    pub probe_z_mm: Vec<f64>,
+    /// Lower and upper limit of the finished part, mm, whichever pass is written; `None` where no tolerance is stated.
+    pub tolerance_mm: Option<(f64, f64)>,
 }
 
 impl Workpiece {
     /// A part without steady rests, cut towards the chuck.
     pub fn new(length_mm: f64, stock_mm: f64, before_mm: f64) -> Self {
-        Self { length_mm, stock_mm, before_mm, direction: Direction::default(), steady_z_mm: Vec::new() }
+        Self {
+            length_mm,
+            stock_mm,
+            before_mm,
+            direction: Direction::default(),
+            steady_z_mm: Vec::new(),
+            probe_z_mm: Vec::new(),
+            tolerance_mm: None,
+        }
     }
 
     pub(super) fn check(&self, nominal_mm: f64) -> Result<(), NcError> {

@@ -74,8 +74,21 @@ impl Skeleton<'_> {
         lines
     }
 
+    /// What follows the cut: measuring, where it is asked for, and the end.
+    ///
+    /// # Errors
+    /// Places that the probe cannot touch, a tolerance that it cannot prove.
+    pub(super) fn after(&self, nominal_mm: f64) -> Result<Vec<String>, NcError> {
+        let mut lines = self.after_cut();
+        if let Some((probe, limits)) = self.probes_after() {
+            lines.extend(self.probe_again(&probe, nominal_mm, Some(limits))?);
+        }
+        lines.extend(self.dialect.end());
+        Ok(lines)
+    }
+
     /// Back to the change position; there the offset is cancelled and, on request, the part measured.
-    pub(super) fn after(&self) -> Vec<String> {
+    pub(super) fn after_cut(&self) -> Vec<String> {
         let (d, s) = (self.dialect, self.settings);
         let mut lines = d.to_change(self.route.change);
         lines.push(format!("#{RAN_LAST}={}", self.identity()));
@@ -90,7 +103,6 @@ impl Skeleton<'_> {
             lines.extend(d.alarm_if(106, (&smallest, "LT", &number(low, 4)), "PART UNDERSIZE"));
             lines.extend(d.alarm_if(107, (&largest, "GT", &number(high, 4)), "PART OVERSIZE"));
         }
-        lines.extend(d.end());
         lines
     }
 }

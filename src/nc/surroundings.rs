@@ -87,6 +87,8 @@ impl<'a> Skeleton<'a> {
             stock,
             kept_clear,
             tool: tool(s, route, piece.direction),
+            probe: s.probe.map(|p| p.outlines()).unwrap_or_default(),
+            surface: None,
             change: route.change,
             commanded,
             cut_between: (route.z_first.min(route.z_last), end),

@@ -48,9 +48,9 @@ impl<'a> TurningProgram<'a> {
         lines.extend(skeleton.once("PASS WAS CUT ALREADY"));
         lines.extend(skeleton.approach());
         lines.extend(skeleton.cut(&points(&skeleton, &path)));
-        lines.extend(skeleton.after());
+        lines.extend(skeleton.after(self.plan.nominal_mm)?);
         let text = lines.join("\n") + "\n";
-        replay::check(&text, &skeleton.scene(self.commanded()))?;
+        replay::check(&text, &self.scene_of(&skeleton))?;
         Ok(Written { text, cut: path, uncut: skeleton.uncut() })
     }
 
@@ -59,7 +59,13 @@ impl<'a> TurningProgram<'a> {
     /// # Errors
     /// As [`Self::write`], but for the replay.
     pub fn scene(&self, dialect: Dialect) -> Result<replay::Scene<'a>, NcError> {
-        self.prepare(dialect).map(|(_, skeleton)| skeleton.scene(self.commanded()))
+        self.prepare(dialect).map(|(_, skeleton)| self.scene_of(&skeleton))
+    }
+
+    fn scene_of(&self, skeleton: &Skeleton<'a>) -> replay::Scene<'a> {
+        let mut scene = skeleton.scene(self.commanded());
+        scene.surface = skeleton.surface(self.plan.nominal_mm);
+        scene
     }
 
     fn commanded(&self) -> Vec<(f64, f64)> {

@@ -5,6 +5,7 @@ mod calibration_report;
 mod form_report;
 pub mod html;
 pub mod plot;
+mod probe_report;
 mod run_report;
 mod sample;
 mod washers_report;

@@ -100,6 +100,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     axis_section(&mut page, &view.folder.axis()?)?;
     uncertainty(&mut page, &rows)?;
     budget(&mut page, view, &rows)?;
+    super::probe_report::budget(&mut page, view)?;
     calibration(&mut page, view)?;
     Ok(RunPage { html: page.finish(), files })
 }

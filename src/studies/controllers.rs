@@ -4,9 +4,8 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::cell::SimulatedCell;
-use crate::closed_loop::{ClosedLoop, LoopError};
+use crate::closed_loop::{Calibrated, ClosedLoop, LoopError};
 use crate::control::{ControllerName, OnAlarm};
-use crate::gauge::Calibration;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::render::Renderer;
@@ -106,7 +105,7 @@ pub fn run(
 fn turn(
     job: &Job,
     renderer: &Renderer,
-    calibration: &mut Option<Calibration>,
+    calibration: &mut Option<Calibrated>,
 ) -> Result<Vec<PassError>, LoopError> {
     let cell = SimulatedCell::new(job, renderer)?;
     let mut turning = ClosedLoop::start(job, Box::new(cell), calibration.take())?;

@@ -7,9 +7,8 @@
 use serde::Serialize;
 
 use crate::cell::SimulatedCell;
-use crate::closed_loop::{ClosedLoop, LoopError, PassResult};
+use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult};
 use crate::control::{OnAlarm, PartEvent};
-use crate::gauge::Calibration;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::render::Renderer;
@@ -131,7 +130,7 @@ fn turn(
     job: &Job,
     batch: &Batch,
     renderer: &Renderer,
-    calibration: &mut Option<Calibration>,
+    calibration: &mut Option<Calibrated>,
     done: &mut dyn FnMut(u32),
 ) -> Result<Vec<PartPass>, LoopError> {
     let cell = SimulatedCell::new(job, renderer)?;

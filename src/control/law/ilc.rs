@@ -36,7 +36,7 @@ impl Law for IlcLaw {
     }
 }
 
-/// Q for stations of even pitch; `None` where nothing is filtered (cutoff 0 or below two stations, fewer than three).
+/// Q; the curvature of stations of uneven pitch is that of the parabola through three of them. `None` where nothing is filtered (cutoff 0 or below two stations, fewer than three).
 pub(crate) fn q_filter(cutoff_mm: f64, station_z_mm: &[f64]) -> Option<DMatrix<f64>> {
     let n = station_z_mm.len();
     let span = station_z_mm.last()? - station_z_mm.first()?;
@@ -45,11 +45,47 @@ pub(crate) fn q_filter(cutoff_mm: f64, station_z_mm: &[f64]) -> Option<DMatrix<f
         return None;
     }
     let mu = (2.0 - 2.0 * (std::f64::consts::TAU / per_wave).cos()).powi(-2);
-    let second = DMatrix::from_fn(n - 2, n, |row, column| match column.wrapping_sub(row) {
-        0 | 2 => 1.0,
-        1 => -2.0,
-        _ => 0.0,
+    let second = DMatrix::from_fn(n - 2, n, |row, column| {
+        let weights = curvature(&station_z_mm[row..row + 3], span / (n as f64 - 1.0));
+        weights.get(column.wrapping_sub(row)).copied().unwrap_or(0.0)
     });
     let system = DMatrix::identity(n, n) + second.transpose() * second * mu;
     system.cholesky().map(|c| c.inverse())
+}
+
+/// Departure of a pitch from the mean one that is rounding of decimal places of stations.
+const EVEN: f64 = 1e-9;
+
+/// Weights of three stations in the second derivative of the parabola through them, times the square of the mean pitch.
+fn curvature(z: &[f64], pitch: f64) -> [f64; 3] {
+    let (before, after) = ((z[1] - z[0]) / pitch, (z[2] - z[1]) / pitch);
+    if (before - 1.0).abs() < EVEN && (after - 1.0).abs() < EVEN {
+        return [1.0, -2.0, 1.0];
+    }
+    let scale = 2.0 / (before + after);
+    [scale / before, -scale * (1.0 / before + 1.0 / after), scale / after]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stations where they will: a straight line passes, a zigzag does not, and even pitch is the limit of uneven.
+    #[test]
+    fn stations_of_uneven_pitch_are_filtered_alike() {
+        let z = [6.0, 40.0, 80.0, 95.0, 160.0, 200.0];
+        let q = q_filter(300.0, &z).expect("a filter");
+        let line = DVector::from_iterator(6, z.iter().map(|z| 0.3 - 0.01 * z));
+        assert!((&q * &line - &line).amax() < 1e-9);
+        let zigzag = DVector::from_fn(6, |i, _| if i % 2 == 0 { 1.0 } else { -1.0 });
+        assert!((&q * &zigzag).amax() < 0.5, "{}", &q * &zigzag);
+        let even: Vec<f64> = (0..6).map(|i| 40.0 * f64::from(i)).collect();
+        let nearly: Vec<f64> = (0..6).map(|i| 40.0 * f64::from(i) + 1e-5 * f64::from(i % 2)).collect();
+        let apart = (q_filter(300.0, &even).unwrap() - q_filter(300.0, &nearly).unwrap()).amax();
+        assert!(apart < 1e-5, "{apart}");
+        // the parabola z²: its second derivative is 2 anywhere
+        let square: f64 =
+            curvature(&[1.0, 3.0, 4.0], 1.0).iter().zip([1.0, 9.0, 16.0]).map(|(w, y)| w * y).sum();
+        assert!((square - 2.0).abs() < 1e-12);
+    }
 }

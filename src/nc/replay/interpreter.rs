@@ -1,12 +1,13 @@
 //! Runs a program block by block, as its control would, and lists what happens.
 //!
 //! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43
-//! G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO,
+//! G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO,
 //! WHILE DO END, and LinuxCNC's `o` words. Everything else is refused: what is not understood cannot be shown to be safe.
 //! Positions are those of the programmed point of the nose, with the wear offset in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
+use super::touch::Surface;
 use crate::nc::machine::{GeometryOffset, WearX};
 use crate::nc::{Dialect, NcSettings};
 
@@ -38,6 +39,15 @@ pub enum Deed {
     ToolChange(Point),
     /// The part is measured.
     Measure(Point),
+    /// The probe goes down and touches, or finds nothing.
+    Probe {
+        /// Where it begins.
+        from: Point,
+        /// Where it ends.
+        to: Point,
+        /// Where it would have ended without a touch.
+        target: Point,
+    },
     /// The program stops with an alarm.
     Alarm(String),
 }
@@ -49,6 +59,8 @@ pub struct Event {
     pub block: usize,
     /// What it does.
     pub deed: Deed,
+    /// Whether the probe, not the turning tool, is in the carrier.
+    pub with_probe: bool,
 }
 
 /// Where a program is refused: line from 1, and why.
@@ -66,47 +78,55 @@ pub struct Control<'a> {
     pub reference: Point,
     /// Variables that are set already.
     pub variables: Vec<(u32, f64)>,
+    /// Whether the probe is in the carrier.
+    pub with_probe: bool,
+    /// What a probe meets; nothing where it is not given.
+    pub surface: Option<Surface>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
+pub(super) enum Motion {
     Rapid,
     Feed,
 }
 
 /// Modal state; `None` is what the program has not said yet.
 #[derive(Clone, Debug, Default)]
-struct Modal {
-    motion: Option<Motion>,
+pub(super) struct Modal {
+    pub(super) motion: Option<Motion>,
     /// Diameter of one unit of X.
     x_unit: Option<f64>,
     plane: bool,
     millimetres: bool,
     no_nose_compensation: bool,
     absolute: bool,
-    feed_per_revolution: bool,
-    feed: Option<f64>,
+    pub(super) feed_per_revolution: bool,
+    pub(super) feed: Option<f64>,
     speed: bool,
-    spindle: Option<u32>,
+    pub(super) spindle: Option<u32>,
     tool_selected: Option<u32>,
     tool_called: bool,
 }
 
 /// A program being run.
 pub(super) struct Interpreter<'a> {
-    control: &'a Control<'a>,
+    pub(super) control: &'a Control<'a>,
     program: &'a Program,
-    variables: Variables,
+    pub(super) variables: Variables,
     wear: std::collections::HashMap<u32, f64>,
     /// Diameter that the wear offset in force adds to X.
-    shift: f64,
-    at: Point,
-    modal: Modal,
+    pub(super) shift: f64,
+    pub(super) at: Point,
+    pub(super) modal: Modal,
+    /// Whether the probe is in the carrier.
+    pub(super) with_probe: bool,
+    /// Whether a feed has moved the tool.
+    pub(super) has_cut: bool,
     events: Vec<Event>,
 }
 
 /// What follows a block.
-enum Next {
+pub(super) enum Next {
     Line,
     Jump(usize),
     End,
@@ -114,14 +134,14 @@ enum Next {
 
 /// The numbers of a block by letter.
 #[derive(Default)]
-struct Words {
+pub(super) struct Words {
     g: Vec<f64>,
     m: Vec<u32>,
     other: Vec<(char, f64)>,
 }
 
 impl Words {
-    fn get(&self, letter: char) -> Option<f64> {
+    pub(super) fn get(&self, letter: char) -> Option<f64> {
         self.other.iter().find(|w| w.0 == letter).map(|w| w.1)
     }
 }
@@ -136,6 +156,8 @@ impl<'a> Interpreter<'a> {
             wear: std::collections::HashMap::new(),
             shift: 0.0,
             at: control.start,
+            with_probe: control.with_probe,
+            has_cut: false,
             modal: Modal {
                 // system A: X and Z are absolute, X a diameter by parameter
                 x_unit: is_lathe_control.then_some(1.0),
@@ -162,8 +184,8 @@ impl<'a> Interpreter<'a> {
         Err((line + 1, format!("the program goes on after {MOST_BLOCKS} blocks")))
     }
 
-    fn happens(&mut self, line: usize, deed: Deed) {
-        self.events.push(Event { block: line + 1, deed });
+    pub(super) fn happens(&mut self, line: usize, deed: Deed) {
+        self.events.push(Event { block: line + 1, deed, with_probe: self.with_probe });
     }
 
     fn block(&mut self, line: usize) -> Result<Next, String> {
@@ -333,6 +355,9 @@ impl<'a> Interpreter<'a> {
         for &m in &words.m {
             end |= self.miscellaneous(line, m)?;
         }
+        if words.g.iter().any(|g| [31.0, 38.2].contains(g)) {
+            return self.probing_move(line, words);
+        }
         let takes_axes = motion_only || !words.g.iter().any(|g| [10.0, 28.0, 50.0].contains(g));
         if takes_axes {
             self.travel(line, words)?;
@@ -349,6 +374,7 @@ impl<'a> Interpreter<'a> {
             (70, true) => self.modal.x_unit = Some(1.0),
             (80, true) => self.modal.x_unit = Some(2.0),
             (100, false) => self.write_offset(words)?,
+            (310, false) | (382, true) => {}
             (180, _) => self.modal.plane = true,
             (210, _) => self.modal.millimetres = true,
             (280, false) => self.go_to_reference(line, words)?,
@@ -362,11 +388,39 @@ impl<'a> Interpreter<'a> {
             (650, false) => return self.alarm(line, words).map(Some),
             (800, true) => self.modal.motion = None,
             (900, true) => self.modal.absolute = true,
-            (950, true) | (990, false) => self.modal.feed_per_revolution = true,
+            (950, true) | (990, false) => self.feed_mode(true),
+            (940, true) | (980, false) => self.feed_mode(false),
             (960 | 970, _) => {}
             _ => return Err(format!("G{g} is not understood")),
         }
         Ok(None)
+    }
+
+    /// A feed of the other mode does not count any more.
+    fn feed_mode(&mut self, per_revolution: bool) {
+        self.modal.feed_per_revolution = per_revolution;
+        self.modal.feed = None;
+    }
+
+    /// Diameter of one unit of X, where absolute positions can be taken.
+    pub(super) fn x_unit(&self) -> Result<f64, String> {
+        let m = &self.modal;
+        let unit =
+            m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
+        if !(m.plane && m.millimetres && m.no_nose_compensation) {
+            return Err("G18, G21 and G40 must come before the first move".into());
+        }
+        Ok(unit)
+    }
+
+    /// Whether `tool` is the probe; another than that and the turning tool is refused.
+    fn is_probe(&self, tool: u32) -> Option<bool> {
+        let settings = self.control.settings;
+        match settings.probe {
+            _ if tool == settings.tool => Some(false),
+            Some(probe) if tool == probe.tool => Some(true),
+            _ => None,
+        }
     }
 
     fn alarm(&mut self, line: usize, words: &Words) -> Result<Next, String> {
@@ -417,9 +471,10 @@ impl<'a> Interpreter<'a> {
             return Ok(());
         }
         let (tool, offset) = (word as u32 / 100, word as u32 % 100);
-        if tool != settings.tool {
+        let Some(with_probe) = self.is_probe(tool) else {
             return Err(format!("T{word:04} calls tool {tool}, not tool {}", settings.tool));
-        }
+        };
+        self.with_probe = with_probe;
         if offset != 0 && offset != tool && settings.geometry_offset != Some(GeometryOffset::ByTool) {
             return Err(format!("T{word:04} takes the geometry of offset {offset}, which is not the tool's"));
         }
@@ -442,9 +497,10 @@ impl<'a> Interpreter<'a> {
             }
             5 => self.modal.spindle = None,
             6 if self.control.dialect == Dialect::Linuxcnc => {
-                if self.modal.tool_selected != Some(self.control.settings.tool) {
+                let Some(with_probe) = self.modal.tool_selected.and_then(|tool| self.is_probe(tool)) else {
                     return Err(format!("M6 does not change to tool {}", self.control.settings.tool));
-                }
+                };
+                self.with_probe = with_probe;
                 // LinuxCNC stops the spindle at a tool change
                 (self.modal.spindle, self.modal.tool_called) = (None, true);
                 self.happens(line, Deed::ToolChange(self.at));
@@ -464,13 +520,8 @@ impl<'a> Interpreter<'a> {
         if words.get('X').or(words.get('Z')).is_none() {
             return Ok(());
         }
-        let m = &self.modal;
-        let unit =
-            m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
-        if !(m.plane && m.millimetres && m.no_nose_compensation) {
-            return Err("G18, G21 and G40 must come before the first move".into());
-        }
-        let motion = m.motion.ok_or("a position without G00 or G01")?;
+        let unit = self.x_unit()?;
+        let motion = self.modal.motion.ok_or("a position without G00 or G01")?;
         if motion == Motion::Feed {
             self.may_feed()?;
         }
@@ -478,6 +529,7 @@ impl<'a> Interpreter<'a> {
             x: words.get('X').map_or(self.at.x, |x| x * unit + self.shift),
             z: words.get('Z').unwrap_or(self.at.z),
         };
+        self.has_cut |= motion == Motion::Feed;
         self.go(line, to, motion == Motion::Rapid);
         Ok(())
     }
@@ -486,6 +538,9 @@ impl<'a> Interpreter<'a> {
         let m = &self.modal;
         if !m.tool_called {
             return Err("a feed before the tool is called".into());
+        }
+        if self.with_probe {
+            return Err("a feed with the probe in the carrier".into());
         }
         if !(m.feed_per_revolution && m.feed.is_some_and(|f| f > 0.0 && f.is_finite())) {
             return Err("a feed needs F above 0, per revolution".into());

@@ -1,6 +1,6 @@
 //! Judges what a program does: see the list in [`super`].
 
-use super::{Control, Convex, Deed, Event, Point, run};
+use super::{Control, Convex, Deed, Event, Point, Surface, run};
 use crate::nc::machine::{ChangePosition, Travel};
 use crate::nc::{Dialect, NcError, NcSettings};
 
@@ -37,6 +37,10 @@ pub struct Scene<'a> {
     pub kept_clear: Vec<Convex>,
     /// Outlines of the tool about the programmed point, (Z, radius).
     pub tool: Vec<Convex>,
+    /// Outlines of the probe about its programmed point; none without a probe.
+    pub probe: Vec<Convex>,
+    /// What the probe meets.
+    pub surface: Option<Surface>,
     /// Where the tool is changed.
     pub change: ChangePosition,
     /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
@@ -54,19 +58,52 @@ pub struct Scene<'a> {
 /// # Errors
 /// [`NcError::Block`] with the first block that does what it must not.
 pub fn check(text: &str, scene: &Scene<'_>) -> Result<usize, NcError> {
-    let refused = |(block, what): (usize, String)| NcError::Block {
+    let mut starts: Vec<(Point, bool)> = scene.starts().into_iter().map(|at| (at, false)).collect();
+    if !scene.probe.is_empty() {
+        // the program before may have left the probe in the carrier
+        starts.extend(scene.starts_of(&scene.probe).into_iter().map(|at| (at, true)));
+    }
+    from(text, scene, &starts)
+}
+
+/// Replays `text` from the change position alone: enough where another replay of the same text has begun everywhere.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_once(text: &str, scene: &Scene<'_>) -> Result<usize, NcError> {
+    from(text, scene, &[(scene.at_change(), false)])
+}
+
+/// Replays `text` from the change position: it must keep clear of everything until it stops with an alarm.
+///
+/// # Errors
+/// As [`check`]; a program that runs to its end.
+pub fn must_alarm(text: &str, scene: &Scene<'_>) -> Result<(), NcError> {
+    let refused = refusal(text);
+    let mut events = run(text, &scene.control(scene.at_change())).map_err(&refused)?;
+    match events.pop() {
+        Some(Event { deed: Deed::Alarm(_), .. }) => scene.judge(&events).map_err(refused),
+        _ => Err(refused((text.lines().count(), "the program ends where it must raise an alarm".into()))),
+    }
+}
+
+fn refusal(text: &str) -> impl Fn((usize, String)) -> NcError + '_ {
+    |(block, what)| NcError::Block {
         block,
         text: text.lines().nth(block.saturating_sub(1)).unwrap_or_default().trim().to_owned(),
         what,
-    };
-    let starts = scene.starts();
+    }
+}
+
+fn from(text: &str, scene: &Scene<'_>, starts: &[(Point, bool)]) -> Result<usize, NcError> {
+    let refused = refusal(text);
     let mut first: Option<Vec<Event>> = None;
-    for &start in &starts {
-        let control = scene.control(start);
-        let events = run(text, &control).map_err(refused)?;
+    for &(start, with_probe) in starts {
+        let control = Control { with_probe, ..scene.control(start) };
+        let events = run(text, &control).map_err(&refused)?;
         // once the tool is where another start has brought it, the rest is the same
         let same = first.as_ref().map_or(0, |f| common_end(f, &events));
-        scene.judge(&events[..events.len() - same]).map_err(refused)?;
+        scene.judge(&events[..events.len() - same]).map_err(&refused)?;
         if first.is_none() {
             let last = text.lines().count();
             scene.covers(&events).map_err(|what| refused((last, what)))?;
@@ -92,21 +129,31 @@ impl Scene<'_> {
             start,
             reference: Point { x: self.change.x_mm, z: self.change.z_mm },
             variables: self.variables.clone(),
+            with_probe: false,
+            surface: self.surface.clone(),
         }
+    }
+
+    fn at_change(&self) -> Point {
+        Point { x: self.change.x_mm, z: self.change.z_mm }
     }
 
     /// Start positions that are clear of every solid: a lattice over the room between chuck and change position, and
     /// places just beside the corners of the solids.
     pub fn starts(&self) -> Vec<Point> {
+        self.starts_of(&self.tool)
+    }
+
+    fn starts_of(&self, tool: &[Convex]) -> Vec<Point> {
         let end = self.change.z_mm.max(self.cut_between.1);
-        let mut places = vec![Point { x: self.change.x_mm, z: self.change.z_mm }];
+        let mut places = vec![self.at_change()];
         for i in 0..LATTICE.0 {
             for j in 0..LATTICE.1 {
                 let (z, x) = (i as f64 / (LATTICE.0 - 1) as f64, j as f64 / (LATTICE.1 - 1) as f64);
                 places.push(Point { x: 1.5 * x * self.change.x_mm, z: 1.25 * z * end });
             }
         }
-        let ((left, bottom), (right, _)) = self.tool.first().map_or(((0.0, 0.0), (0.0, 0.0)), Convex::bounds);
+        let ((left, bottom), (right, _)) = tool.first().map_or(((0.0, 0.0), (0.0, 0.0)), Convex::bounds);
         for solid in self.solids.iter().chain(&self.stock) {
             for &(z, r) in solid.shape.points().iter().filter(|p| p.0.abs() < 1e3 && p.1 < 1e3) {
                 let x = 2.0 * (r - bottom + BESIDE_MM);
@@ -118,20 +165,30 @@ impl Scene<'_> {
         // the reference point lies at the end of the travel
         let most = if self.dialect.changes_at_reference() { self.change.x_mm } else { f64::INFINITY };
         let reachable = |p: &Point| (0.0..=most).contains(&p.x) && self.travel.is_none_or(|t| within(&t, *p));
-        places.retain(|p| reachable(p) && self.is_clear(*p));
+        places.retain(|p| reachable(p) && self.is_clear(tool, *p));
         places
     }
 
-    fn is_clear(&self, at: Point) -> bool {
+    fn is_clear(&self, tool: &[Convex], at: Point) -> bool {
         let by = (at.z, 0.5 * at.x);
-        let free = |shape: &Convex| !self.tool.iter().any(|t| t.moved(by).meets(shape));
+        let free = |shape: &Convex| !tool.iter().any(|t| t.moved(by).meets(shape));
         self.solids.iter().chain(&self.stock).all(|s| free(&s.shape))
     }
 
     fn judge(&self, events: &[Event]) -> Result<(), (usize, String)> {
+        // a ball that has touched lies in the part by its pre-travel: straight out is free
+        let mut touched = false;
         for event in events {
+            let after_touch = std::mem::replace(&mut touched, matches!(event.deed, Deed::Probe { .. }));
             let judged = match &event.deed {
-                Deed::Move { from, to, rapid } => self.judge_move(*from, *to, *rapid),
+                Deed::Move { from, to, rapid: true } if after_touch && is_outwards(*from, *to) => {
+                    self.judge_way(&self.probe, *from, *to, "in rapid").map(drop)
+                }
+                Deed::Move { from, to, rapid } => {
+                    let tool = if event.with_probe { &self.probe } else { &self.tool };
+                    self.judge_move(tool, *from, *to, *rapid)
+                }
+                Deed::Probe { from, target, .. } => self.judge_probing(*from, *target),
                 Deed::ToolChange(at) => self.only_at_change("the tool is changed", *at),
                 Deed::Measure(at) => self.only_at_change("the part is measured", *at),
                 Deed::Alarm(text) => Err(format!("the replay ends with the alarm {text}")),
@@ -152,25 +209,45 @@ impl Scene<'_> {
         ))
     }
 
-    fn judge_move(&self, from: Point, to: Point, rapid: bool) -> Result<(), String> {
-        let way = format!("from X {:.3} Z {:.3} to X {:.3} Z {:.3}", from.x, from.z, to.x, to.z);
+    /// A probing move keeps clear of everything but the part, even where no touch ends it.
+    fn judge_probing(&self, from: Point, target: Point) -> Result<(), String> {
+        if !self.is_clear(&self.probe, from) {
+            let way = way(from, target);
+            return Err(format!("a probing move begins where the probe touches something, {way}"));
+        }
+        self.judge_way(&self.probe, from, target, "in a probing move").map(drop)
+    }
+
+    fn inside_travel(&self, to: Point, way: &str) -> Result<(), String> {
         if let Some(travel) = self.travel.filter(|t| !within(t, to)) {
             return Err(format!(
                 "it leaves the travel (X {} to {}, Z {} to {}) {way}",
                 travel.x_mm.0, travel.x_mm.1, travel.z_mm.0, travel.z_mm.1
             ));
         }
+        Ok(())
+    }
+
+    /// What the tool sweeps on its way, clear of every solid and inside the travel.
+    fn judge_way(&self, tool: &[Convex], from: Point, to: Point, how: &str) -> Result<Vec<Convex>, String> {
+        let way = way(from, to);
+        self.inside_travel(to, &way)?;
+        let (a, b) = ((from.z, 0.5 * from.x), (to.z, 0.5 * to.x));
+        let swept: Vec<Convex> = tool.iter().map(|t| t.swept(a, b)).collect();
+        match self.solids.iter().find(|s| swept.iter().any(|t| t.meets(&s.shape))) {
+            Some(solid) => Err(format!("{how} the tool touches the {} {way}", solid.what)),
+            None => Ok(swept),
+        }
+    }
+
+    fn judge_move(&self, tool: &[Convex], from: Point, to: Point, rapid: bool) -> Result<(), String> {
+        let way = way(from, to);
         let both = (from.x - to.x).abs() > SAME_MM && (from.z - to.z).abs() > SAME_MM;
         if rapid && both && from.x.min(to.x) < self.change.x_mm {
             return Err(format!("X and Z move in rapid together below the change position, {way}"));
         }
-        let (a, b) = ((from.z, 0.5 * from.x), (to.z, 0.5 * to.x));
-        let swept: Vec<Convex> = self.tool.iter().map(|t| t.swept(a, b)).collect();
+        let swept = self.judge_way(tool, from, to, if rapid { "in rapid" } else { "in feed" })?;
         let touches = |shape: &Convex| swept.iter().any(|s| s.meets(shape));
-        let how = if rapid { "in rapid" } else { "in feed" };
-        if let Some(solid) = self.solids.iter().find(|s| touches(&s.shape)) {
-            return Err(format!("{how} the tool touches the {} {way}", solid.what));
-        }
         if !rapid {
             return self.not_too_deep(from, to);
         }
@@ -178,7 +255,7 @@ impl Scene<'_> {
             return Err(format!("in rapid the tool touches the {} {way}", solid.what));
         }
         // a start beside the stock may lie within the clearance: leaving it radially is free
-        let leaves = !both && to.x > from.x;
+        let leaves = is_outwards(from, to);
         if !leaves && self.kept_clear.iter().any(touches) {
             return Err(format!("in rapid the tool comes closer to the stock than half the clearance {way}"));
         }
@@ -240,6 +317,14 @@ impl Scene<'_> {
         }
         Err(format!("the part is not cut to size from Z {reached:.3} on, its end face lies at Z {end:.3}"))
     }
+}
+
+fn way(from: Point, to: Point) -> String {
+    format!("from X {:.3} Z {:.3} to X {:.3} Z {:.3}", from.x, from.z, to.x, to.z)
+}
+
+fn is_outwards(from: Point, to: Point) -> bool {
+    (from.z - to.z).abs() <= SAME_MM && to.x > from.x
 }
 
 /// The smaller X of a move at `z`.

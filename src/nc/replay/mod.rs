@@ -7,6 +7,8 @@
 //! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the travel,
 //! - no rapid comes closer to the stock than half the clearance, and none moves X and Z together below the change position,
 //! - the tool is changed, and the part measured, at the change position alone,
+//! - the probe goes down to the part in probing moves alone, radially and with the spindle standing still, and neither its
+//!   ball nor its body touches anything else, even where no touch stops it,
 //! - no feed cuts below the commanded diameter,
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
 
@@ -15,10 +17,12 @@ mod expression;
 mod flow;
 mod interpreter;
 mod judge;
+mod touch;
 
 pub use convex::Convex;
 pub use interpreter::{Control, Deed, Event, Fault, Point};
-pub use judge::{Scene, Solid, check};
+pub use judge::{Scene, Solid, check, check_once, must_alarm};
+pub use touch::Surface;
 
 /// Runs a program from one start position and lists what it does.
 ///

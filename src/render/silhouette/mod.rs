@@ -261,6 +261,17 @@ impl Turned<'_> {
         EdgePair { top_mm: self.edge(z_mm, true), bottom_mm: self.edge(z_mm, false) }
     }
 
+    /// Radius of the slice at z in machine direction `angle` (radians from x towards y), about its own axis, mm.
+    pub fn radius_at(&self, z_mm: f64, angle: f64) -> f64 {
+        self.outline.radius_mm(z_mm, angle - self.sin.atan2(self.cos))
+    }
+
+    /// Where the slice's axis stands, mm along x and y from that of the spindle; the pose before a camera is not in it.
+    pub fn axis_mm(&self, z_mm: f64) -> (f64, f64) {
+        let axis = self.axis(z_mm);
+        (axis.x, axis.y)
+    }
+
     /// Distance of the slice's axis from the focal plane, mm towards the camera.
     pub fn axis_y_mm(&self, z_mm: f64) -> f64 {
         self.axis(z_mm).y

@@ -1,0 +1,164 @@
+//! The probe as the loop's instrument: its calibration, its scan, its look at a master.
+
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::evidence::Stamp;
+use super::{ClosedLoop, FrameReading, LoopError, Progress, Scanned, masters};
+use crate::cell::TurningCell;
+use crate::frame::FrameMeta;
+use crate::gauge::form::Cutoff;
+use crate::gauge::turn_form::TurnAverager;
+use crate::gauge::{Calibration, Gauge};
+use crate::job::Job;
+use crate::probe::{self, MasterTouches, ProbeCalibration, ProbeSettings, Touch};
+use crate::profile::{Diameter, Reading, Reason};
+
+/// The calibration of the instrument that a job measures with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Calibrated {
+    /// Of the camera.
+    Camera(Box<Calibration>),
+    /// Of the touch probe.
+    Probe(ProbeCalibration),
+}
+
+impl From<Calibration> for Calibrated {
+    fn from(calibration: Calibration) -> Self {
+        Self::Camera(Box::new(calibration))
+    }
+}
+
+impl Calibrated {
+    /// Of the camera.
+    ///
+    /// # Errors
+    /// Where the calibration is the probe's.
+    pub(super) fn camera(&self) -> Result<&Calibration, LoopError> {
+        match self {
+            Self::Camera(camera) => Ok(camera),
+            Self::Probe(_) => Err(LoopError::OtherInstrument("the camera")),
+        }
+    }
+}
+
+/// The instrument that a job measures with, calibrated on its masters unless a calibration is given.
+pub(super) fn instrument(
+    job: &Job,
+    cell: &mut dyn TurningCell,
+    known: Option<Calibrated>,
+) -> Result<(Gauge, Calibrated), LoopError> {
+    let gauge = Gauge::new(job.gauge.clone())?;
+    let calibration = match (known, &job.probe) {
+        (Some(known), _) => known,
+        (None, Some(probe)) => Calibrated::Probe(calibrate(job, probe, cell)?),
+        (None, None) => masters::calibrate(job, cell, &gauge)?.into(),
+    };
+    match (&calibration, &job.probe) {
+        (Calibrated::Camera(camera), None) => Ok((gauge.expecting(camera.misfit()), calibration)),
+        (Calibrated::Probe(_), Some(_)) => Ok((gauge, calibration)),
+        (_, None) => Err(LoopError::OtherInstrument("the camera")),
+        (_, Some(_)) => Err(LoopError::OtherInstrument("the probe")),
+    }
+}
+
+/// Touches every master pin.
+fn calibrate(
+    job: &Job,
+    settings: &ProbeSettings,
+    cell: &mut dyn TurningCell,
+) -> Result<ProbeCalibration, LoopError> {
+    let mut masters = Vec::new();
+    for (index, pin) in job.masters.pins.iter().enumerate() {
+        let orders = probe::orders(settings, &[0.0], settings.master_diameters, pin.diameter_mm);
+        let pairs = probe::pairs(&cell.touch(Some(index), &orders)?);
+        let u_mm = pin.expanded_u_mm / pin.coverage_factor;
+        masters.push(MasterTouches { diameter_mm: pin.diameter_mm, u_mm, pairs });
+    }
+    Ok(probe::calibrate(settings, &masters)?)
+}
+
+impl<'a> ClosedLoop<'a> {
+    /// The probe and its calibration, where the job measures with one.
+    pub(super) fn by_probe(&self) -> Option<(&'a ProbeSettings, ProbeCalibration)> {
+        match (&self.calibration, &self.job.probe) {
+            (Calibrated::Probe(probe), Some(settings)) => Some((settings, *probe)),
+            _ => None,
+        }
+    }
+
+    /// Touches the stations, one after another.
+    pub(super) fn touch_part(
+        &mut self,
+        pass: u32,
+        settings: &ProbeSettings,
+        calibration: &ProbeCalibration,
+        progress: Progress<'_>,
+    ) -> Result<Scanned, LoopError> {
+        let start = Instant::now();
+        let part = &self.job.part;
+        let (z_mm, count) = (part.station_z_mm(), settings.angles);
+        let expected = if pass == 0 { part.stock_diameter_mm } else { part.target_mm(pass) };
+        let orders = probe::orders(settings, &z_mm, count, expected);
+        let touches = self.cell.touch(None, &orders)?;
+        progress(touches.len(), orders.len());
+        let waited = start.elapsed();
+        let pairs = probe::pairs(&touches);
+        let profile = probe::profile(settings, calibration, &pairs, count, pass);
+        let one_u = (2.0 * settings.touch_variance_mm2()).sqrt();
+        let readings = pairs.iter().map(|pair| FrameReading {
+            frame_id: pair.id,
+            t_ns: pair.t_ns,
+            angle_deg: pair.angle_deg,
+            z_mm: pair.z_mm,
+            reading: match pair.read_mm {
+                Some(read) => Reading::Value(Diameter {
+                    d_mm: probe::corrected(settings, calibration, read),
+                    u_random_mm: one_u,
+                    u_common_mm: calibration.u_correction_mm,
+                }),
+                None => Reading::Gap(Reason::NotScanned),
+            },
+        });
+        let missed = touches.iter().filter(|t| t.x_mm.is_none());
+        let said = |t: &Touch| {
+            format!(
+                "touch {}: nothing at Z {} mm, {}° within probe.reach_mm",
+                t.id, t.order.z_mm, t.order.angle_deg
+            )
+        };
+        let stamp =
+            |t: &Touch| Stamp::of(&FrameMeta { frame_id: t.id, t_ns: t.t_ns, ..FrameMeta::default() });
+        Ok(Scanned {
+            profile,
+            form: TurnAverager::new(z_mm, part.station_mm).finish(Cutoff::default()),
+            readings: readings.collect(),
+            sample: None,
+            frames: touches.len(),
+            refused: missed.map(said).collect(),
+            waited,
+            measured: Duration::ZERO,
+            ends: touches.first().map(stamp).zip(touches.last().map(stamp)),
+        })
+    }
+
+    /// Touches the first master pin again: its diameter less the certified one, mm; `None` where the job does not look at
+    /// masters again.
+    pub(super) fn touch_master(
+        &mut self,
+        settings: &ProbeSettings,
+        calibration: &ProbeCalibration,
+    ) -> Result<Option<f64>, LoopError> {
+        let Some(pin) = self.job.masters.pins.first().filter(|_| self.job.masters.check_frames > 0) else {
+            return Ok(None);
+        };
+        let orders = probe::orders(settings, &[0.0], settings.master_diameters, pin.diameter_mm);
+        let pairs = probe::pairs(&self.cell.touch(Some(0), &orders)?);
+        let read: Vec<f64> = pairs.iter().filter_map(|p| p.read_mm).collect();
+        // a pin that is not touched reads nothing, which is as far off as can be
+        let mean = read.iter().sum::<f64>() / read.len().max(1) as f64;
+        Ok(Some(probe::of_master(settings, calibration, mean) - pin.diameter_mm))
+    }
+}

@@ -1,0 +1,285 @@
+//! A touch probe in the tool carrier, and its cycle in a program.
+//!
+//! The programmed point of the probe is the lowest point of its ball in X and the middle of the ball in Z. A cycle comes down
+//! from the clear diameter in a move that ends at the touch (`G31`, `G38.2`), keeps the position of the touch in a macro
+//! variable, goes up radially and along the part at the clear diameter: what lies in the way stops it in its measuring feed.
+//! Spindle and coolant stand still, the feed is per minute.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::dialect::{Dialect, number};
+use super::replay::{Convex, Surface};
+use super::route::round3;
+use super::skeleton::Skeleton;
+use super::{NcError, NcSettings};
+
+/// The paper's places: x = 1/6 … 1 from the free end, as shares of the length.
+const PLACES: u32 = 6;
+/// Most places that fit into the variables and labels of a program.
+const MOST_PLACES: usize = 12;
+/// First variables of what is found before and after the cut.
+pub(super) const BEFORE: u32 = 841;
+pub(super) const AFTER: u32 = 861;
+/// Labels of the alarms: result out of range before and after, undersize, oversize.
+const LABEL_BEFORE: u32 = 110;
+const LABEL_AFTER: u32 = 130;
+const LABEL_UNDER: u32 = 150;
+const LABEL_OVER: u32 = 170;
+/// Farther than anything in a lathe, mm.
+const FAR_MM: f64 = 1e4;
+/// Tangents that circumscribe the ball, over its lower half.
+const BALL_TANGENTS: u32 = 13;
+
+/// `[nc.probe]`: what a program needs to know of the probe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NcProbe {
+    /// Tool number of the probe, 1-99; on fanuc and gsk its offset has the same number.
+    pub tool: u32,
+    /// X that a touch reads on a master less the master's diameter, mm: setting and pre-travel, from a calibration at the
+    /// measuring feed.
+    pub correction_mm: f64,
+    /// Expanded uncertainty (k = 2) of a probed diameter, mm: taken off both limits of the tolerance (ISO 14253-1).
+    pub expanded_u_mm: f64,
+    /// Diameter of the ball, mm.
+    #[serde(default = "ball")]
+    pub ball_mm: f64,
+    /// Measuring feed, mm/min.
+    #[serde(default = "feed")]
+    pub feed_mm_per_min: f64,
+    /// How far below the expected surface a probing move ends where nothing is touched, mm (radial): less than the stylus may
+    /// be deflected.
+    #[serde(default = "reach")]
+    pub reach_mm: f64,
+    /// Diameter of the stem, mm.
+    #[serde(default = "stem")]
+    pub stem_mm: f64,
+    /// From the lowest point of the ball to the probe's body, mm (radial).
+    #[serde(default = "stylus")]
+    pub stylus_mm: f64,
+    /// Diameter of the body, mm.
+    #[serde(default = "body")]
+    pub body_mm: f64,
+    /// Variable in which the control leaves X of the touch: #5061 of fanuc; gsk has no default; 5061 of linuxcnc is fixed.
+    #[serde(default)]
+    pub skip_variable: Option<u32>,
+}
+
+fn ball() -> f64 {
+    6.0
+}
+
+fn feed() -> f64 {
+    50.0
+}
+
+fn reach() -> f64 {
+    1.0
+}
+
+fn stem() -> f64 {
+    4.0
+}
+
+fn stylus() -> f64 {
+    50.0
+}
+
+fn body() -> f64 {
+    40.0
+}
+
+impl NcProbe {
+    pub(super) fn validate(&self, settings: &NcSettings) -> Result<(), NcError> {
+        let tool = f64::from(self.tool);
+        let other = (1..=99).contains(&self.tool) && self.tool != settings.tool;
+        super::require(other, "nc.probe.tool", tool, "a number of 1 to 99 that is not nc.tool")?;
+        let size = self.correction_mm.abs();
+        let small = "a length of -1 to 1 mm: set the probe's X nearer";
+        super::require(size <= 1.0, "nc.probe.correction_mm", self.correction_mm, small)?;
+        let u = self.expanded_u_mm;
+        super::require(u > 0.0 && u <= 0.1, "nc.probe.expanded_u_mm", u, "a length above 0 up to 0.1 mm")?;
+        let right = "a feed of 1 to 2000 mm/min";
+        let feed = self.feed_mm_per_min;
+        super::require((1.0..=2000.0).contains(&feed), "nc.probe.feed_mm_per_min", feed, right)?;
+        // a move without a touch must end outside the range in which a result is taken
+        let least = 0.75 * settings.correction_limit_mm;
+        let right = "at least 0.75 of nc.correction_limit_mm, at most 5 mm";
+        let reach = self.reach_mm;
+        super::require(reach >= least && reach <= 5.0, "nc.probe.reach_mm", reach, right)?;
+        let lengths = [
+            ("nc.probe.ball_mm", self.ball_mm),
+            ("nc.probe.stem_mm", self.stem_mm),
+            ("nc.probe.body_mm", self.body_mm),
+        ];
+        for (key, value) in lengths {
+            super::require(value > 0.0 && value <= 200.0, key, value, "a length above 0 up to 200 mm")?;
+        }
+        let long = self.stylus_mm > self.ball_mm && self.stylus_mm <= 500.0;
+        super::require(long, "nc.probe.stylus_mm", self.stylus_mm, "a length above nc.probe.ball_mm")
+    }
+
+    /// Variable of the touch.
+    pub(super) fn variable(&self, dialect: Dialect) -> u32 {
+        match dialect {
+            Dialect::Linuxcnc => 5061,
+            Dialect::Fanuc | Dialect::Gsk => self.skip_variable.unwrap_or(5061),
+        }
+    }
+
+    /// Outlines of ball, stem and body about the programmed point.
+    pub(super) fn outlines(&self) -> Vec<Convex> {
+        let r = 0.5 * self.ball_mm;
+        let step = std::f64::consts::PI / f64::from(BALL_TANGENTS - 1);
+        let out = r / (0.5 * step).cos();
+        let corner = |i: u32| {
+            let (sin, cos) = (std::f64::consts::PI + (f64::from(i) + 0.5) * step).sin_cos();
+            (out * cos, r + out * sin)
+        };
+        let mut ball: Vec<(f64, f64)> = (0..BALL_TANGENTS - 1).map(corner).collect();
+        ball.extend([(-r, r), (r, r), (-r, self.ball_mm), (r, self.ball_mm)]);
+        let column = |width: f64, from: f64| {
+            let half = 0.5 * width;
+            Convex::hull(vec![(-half, from), (half, from), (half, FAR_MM), (-half, FAR_MM)])
+        };
+        vec![Convex::hull(ball), column(self.stem_mm, r), column(self.body_mm, self.stylus_mm)]
+    }
+}
+
+/// A cycle along the part: what is expected, and where its results go.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cycle<'a> {
+    /// Places, Z falling, mm.
+    pub(super) places: &'a [f64],
+    /// Diameter that the touches are expected at, mm.
+    pub(super) expected_mm: f64,
+    /// First variable of the results.
+    pub(super) variable: u32,
+}
+
+impl Skeleton<'_> {
+    /// The probe where the part is probed after this program's cut.
+    pub(super) fn probes_after(&self) -> Option<(NcProbe, (f64, f64))> {
+        self.settings.probe.zip(self.limits_mm)
+    }
+
+    /// Places that the probe touches, Z falling, mm: those of the part, else the paper's six, the one at the chuck moved
+    /// to where ball and body are clear of what is not cut and of the room behind Z 0.
+    ///
+    /// # Errors
+    /// Where a listed place cannot be touched, or too many or too few are listed.
+    pub(super) fn places(&self, probe: &NcProbe) -> Result<Vec<f64>, NcError> {
+        let (length, ball) = (self.piece.length_mm, 0.5 * probe.ball_mm);
+        let body = if self.settings.chuck.is_none() { 0.5 * probe.body_mm } else { 0.0 };
+        // over an uncut collar the ball would touch the collar
+        let least = (self.route.full_from_mm + ball).max(body);
+        let mut places: Vec<f64> = match &self.piece.probe_z_mm[..] {
+            [] => (1..=PLACES)
+                .map(|i| round3((length * (1.0 - f64::from(i) / f64::from(PLACES))).max(least)))
+                .collect(),
+            listed => listed.iter().rev().map(|z| round3(*z)).collect(),
+        };
+        places.dedup();
+        if !(2..=MOST_PLACES).contains(&places.len()) {
+            return Err(NcError::Plan(format!(
+                "{} places are probed (part.station_z_mm); a program holds 2 to {MOST_PLACES}",
+                places.len()
+            )));
+        }
+        if let Some(z) = places.iter().find(|z| **z < least - 1e-9 || **z > length - ball) {
+            return Err(NcError::Plan(format!(
+                "the probe cannot touch at Z {z} mm (part.station_z_mm): its ball and body are clear from Z {least} mm \
+                 (what stays uncut; the room behind Z 0 where nc.chuck is not stated) to {} mm",
+                length - ball
+            )));
+        }
+        Ok(places)
+    }
+
+    /// To the change position, the probe, along the places, and back to the change position.
+    pub(super) fn cycle(&self, probe: &NcProbe, cycle: Cycle<'_>) -> Vec<String> {
+        let (d, route) = (self.dialect, &self.route);
+        let mut lines = d.to_change(route.change);
+        lines.push(d.spindle_off().to_owned());
+        lines.extend(d.tool(probe.tool, probe.tool));
+        lines.push(d.feed_per_minute().to_owned());
+        let target = number(cycle.expected_mm - 2.0 * probe.reach_mm, 3);
+        let limit = number(self.settings.correction_limit_mm, 4);
+        let label = if cycle.variable == BEFORE { LABEL_BEFORE } else { LABEL_AFTER };
+        for ((i, z), n) in cycle.places.iter().enumerate().zip(0_u32..) {
+            match i {
+                0 => lines.extend(d.approach(route.change, *z, route.clear_mm)),
+                _ => lines.push(format!("G00 Z{}", number(*z, 3))),
+            }
+            let variable = format!("#{}", cycle.variable + n);
+            lines.push(format!("{} X{target} F{}", d.probing_move(), number(probe.feed_mm_per_min, 1)));
+            lines.push(format!("{variable}={}", self.touched(probe)));
+            lines.push(format!("G00 X{}", number(route.clear_mm, 3)));
+            let off = format!("ABS[{variable}-{}]", number(cycle.expected_mm, 4));
+            lines.extend(d.alarm_if(label + n, (&off, "GT", &limit), "PROBE RESULT OUT OF RANGE"));
+        }
+        lines.extend(d.to_change(route.change));
+        lines.push(d.feed_per_revolution().to_owned());
+        lines
+    }
+
+    /// The diameter of the touch, as an expression.
+    fn touched(&self, probe: &NcProbe) -> String {
+        let variable = probe.variable(self.dialect);
+        let read = match self.dialect {
+            // its #5061 is a radius, under G7, too
+            Dialect::Linuxcnc => format!("2.*#{variable}"),
+            Dialect::Fanuc | Dialect::Gsk => format!("#{variable}"),
+        };
+        let sign = if probe.correction_mm < 0.0 { '+' } else { '-' };
+        format!("[{read}{sign}{}]", number(probe.correction_mm.abs(), 5))
+    }
+
+    /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U at both ends.
+    ///
+    /// # Errors
+    /// Where U leaves nothing of the tolerance.
+    pub(super) fn proven_limits(probe: &NcProbe, limits: (f64, f64)) -> Result<(f64, f64), NcError> {
+        let (low, high) = (limits.0 + probe.expanded_u_mm, limits.1 - probe.expanded_u_mm);
+        if low < high {
+            return Ok((low, high));
+        }
+        Err(NcError::Plan(format!(
+            "nc.probe.expanded_u_mm = {} leaves nothing of the tolerance of {} to {} mm: no result could prove conformity",
+            probe.expanded_u_mm, limits.0, limits.1
+        )))
+    }
+
+    /// Probes the part after the cut; at the change position its alarms, where a tolerance is given.
+    ///
+    /// # Errors
+    /// Places or limits that cannot be.
+    pub(super) fn probe_again(
+        &self,
+        probe: &NcProbe,
+        nominal_mm: f64,
+        limits: Option<(f64, f64)>,
+    ) -> Result<Vec<String>, NcError> {
+        let places = self.places(probe)?;
+        let mut lines =
+            self.cycle(probe, Cycle { places: &places, expected_mm: nominal_mm, variable: AFTER });
+        let Some(limits) = limits else { return Ok(lines) };
+        let (low, high) = Self::proven_limits(probe, limits)?;
+        for n in (0_u32..).take(places.len()) {
+            let found = format!("#{}", AFTER + n);
+            let d = self.dialect;
+            lines.extend(d.alarm_if(LABEL_UNDER + n, (&found, "LT", &number(low, 4)), "PART UNDERSIZE"));
+            lines.extend(d.alarm_if(LABEL_OVER + n, (&found, "GT", &number(high, 4)), "PART OVERSIZE"));
+        }
+        Ok(lines)
+    }
+
+    /// What a probe meets in a replay, where the part before and after the cut is as ordered.
+    pub(super) fn surface(&self, nominal_mm: f64) -> Option<Surface> {
+        self.settings.probe?;
+        // what the correction removes is gone: the part is as aimed at, or in the middle of its tolerance
+        let after = self.limits_mm.map_or(nominal_mm, |(low, high)| 0.5 * (low + high));
+        Some(Surface { before: vec![(0.0, self.piece.before_mm)], after: vec![(0.0, after)] })
+    }
+}
