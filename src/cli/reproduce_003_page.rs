@@ -245,8 +245,7 @@ fn fig_11(rows: &[Row]) -> Chart {
         x_label: "pass".to_owned(),
         y_label: "error at 250 mm / µm of diameter".to_owned(),
         series,
-        // Room for the legend above the last points.
-        y_range: Some((-20.0, 620.0)),
+        x_labels: Some(4),
         ..Chart::default()
     }
 }

@@ -350,3 +350,24 @@ fn from_outside_the_binary() {
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("table_1[0].force_n"), "{text}");
 }
+
+/// The least-squares paper's experiment: both groups are turned, rendered and measured.
+#[test]
+fn two_groups_through_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let output = command(&["reproduce", "000", "--backend", "cpu", "--json", "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
+    let find = |id: &str| rows.iter().find(|row| row["id"] == id).unwrap_or_else(|| panic!("no row {id}"));
+    let ours = |id: &str| find(id)["ours"].as_f64().unwrap();
+    // The compensated group meets the target; the other keeps the line's mean of about 49 µm.
+    assert!((ours("experiment.frames.compensated") - 23.2).abs() < 0.004);
+    assert!((ours("experiment.frames.contrast") - 23.2488).abs() < 0.004);
+    assert!(ours("experiment.frames.reading") < 0.002);
+    assert_eq!(find("experiment.frames.change")["verdict"], "consistent");
+    // The paper's means lie .19 mm above the target for a reason that it does not give.
+    assert_eq!(find("experiment.frames.contrast")["verdict"], "undetermined");
+    assert!(out.join("fig2.svg").exists() && out.join("fig2_x.svg").exists());
+    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().matches("<svg").count() == 2);
+}

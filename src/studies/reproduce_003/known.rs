@@ -9,7 +9,7 @@ const GROWTH: &str = "copied errors level off, their factor being below 1; the t
 const FIG_8: &str = "the printed errors fall faster with the speed than the printed forces do (fig8.linear), which no static beam can follow";
 
 /// The misses, at the inputs that the binary carries.
-pub const KNOWN_MISSES: [KnownMiss; 11] = [
+pub const KNOWN_MISSES: [KnownMiss; 12] = [
     KnownMiss {
         id: "fig7.position",
         ours: 0.28700,
@@ -17,13 +17,13 @@ pub const KNOWN_MISSES: [KnownMiss; 11] = [
     },
     KnownMiss {
         id: "fig7.node71",
-        ours: 0.24670,
+        ours: 0.24597,
         reason: "a load that stays at node 71 is not what the figures show: they are plotted over the cutting point and agree with a load \
                  that travels with it (fig7.compliance)",
     },
     KnownMiss {
         id: "table1.handbook",
-        ours: 5.3,
+        ours: 5.3211,
         reason: "Table 1's forces are about nine times the handbook's with this tool's angles, which Table 2's follow; its own C is 4775 N",
     },
     KnownMiss { id: "fig8.row7", ours: 2.45239, reason: FIG_8 },
@@ -38,5 +38,6 @@ pub const KNOWN_MISSES: [KnownMiss; 11] = [
     KnownMiss { id: "fig11.physical.none.pass4", ours: 0.16196, reason: GROWTH },
     KnownMiss { id: "fig11.physical.growth", ours: 1.49964, reason: GROWTH },
     KnownMiss { id: "fig11.physical.absolute.pass3", ours: 0.09400, reason: ABSOLUTE },
+    KnownMiss { id: "fig11.physical.absolute.pass4", ours: 0.05196, reason: ABSOLUTE },
     KnownMiss { id: "fig11.physical.absolute.worst", ours: 0.87036, reason: ABSOLUTE },
 ];
