@@ -11,7 +11,7 @@ use crate::closed_loop::{ClosedLoop, LoopError};
 use crate::control::ControllerName;
 use crate::job::Job;
 use crate::nc::LineFit;
-use crate::process::{DisturbanceSettings, ForceLaw, GuidewayPoint, PowerLaw, ProcessSettings};
+use crate::process::{DisturbanceSettings, FittedRange, ForceLaw, GuidewayPoint, PowerLaw, ProcessSettings};
 use crate::render::Renderer;
 use crate::studies::reproduction::{Accept, Row};
 
@@ -73,8 +73,9 @@ fn job(inputs: &Inputs, line: &LineFit) -> Result<Job, ExperimentError> {
     // Away from the part by half the error of diameter; x = 1 at the chuck.
     let away = |x: f64| 1e3 * 0.5 * inputs.unit_mm * (line.a + line.b * x);
     job.process = ProcessSettings {
-        // The force that a handbook gives this tool: the paper's line is the whole error, and bending adds little to it.
-        force: ForceLaw::Power(PowerLaw::table_2()),
+        // The force that a handbook gives such a tool, over the handbook's depths: the paper's line is the whole error, and bending
+        // adds little to it.
+        force: ForceLaw::Power(PowerLaw { fitted: FittedRange::default(), ..PowerLaw::table_2() }),
         disturbance: DisturbanceSettings {
             guideway: vec![
                 GuidewayPoint { z_mm: 0.0, away_um: away(1.0) },
