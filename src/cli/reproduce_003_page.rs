@@ -61,7 +61,7 @@ fn figures(found: &Reproduction) -> Vec<Figure> {
         Figure {
             heading: "Fig. 7: depth of cut",
             file: "fig7_z",
-            caption: "Size error over the cutting point with Table 1's forces; dots: printed for 500 mm. Dashed: the line that a load \
+            caption: "Size error over the cutting point with Table 1's forces; dots: printed. Dashed: the line that a load \
                       fixed at node 71 leaves, with the first depth."
                 .to_owned(),
             chart: z(error, [over_z(&curves.fig_7), dashed(&curves.fixed_load)].concat()),
@@ -69,26 +69,26 @@ fn figures(found: &Reproduction) -> Vec<Figure> {
         Figure {
             heading: "Fig. 8: cutting speed",
             file: "fig8_z",
-            caption: "The same with Table 2's forces; dots: printed for 500 mm.".to_owned(),
+            caption: "The same with Table 2's forces; dots: printed.".to_owned(),
             chart: z(error, over_z(&curves.fig_8)),
         },
         Figure {
             heading: "Fig. 9: feed",
             file: "fig9_z",
-            caption: "The same with Table 1's law at a_p .20 mm and v 40 m/min; dots: printed for 500 mm.".to_owned(),
+            caption: "The same with Table 1's law at a depth and speed that are not printed; dots: printed.".to_owned(),
             chart: z(error, over_z(&curves.fig_9)),
         },
         Figure {
             heading: "Fig. 11a: four passes without compensation",
             file: "fig11a_z",
-            caption: "Error over z on the physical plant, whose force is scaled to the first printed error; dots: printed for 250 mm."
+            caption: "Error over z on the physical plant, whose force is scaled to the first printed error; dots: printed."
                 .to_owned(),
             chart: z("error / µm of diameter", over_z(&curves.fig_11_none)),
         },
         Figure {
             heading: "Fig. 11b: four passes under PID",
             file: "fig11b_z",
-            caption: "The same with the paper's gains, offsets accumulated; dots: printed for 250 mm.".to_owned(),
+            caption: "The same with the paper's gains, offsets accumulated; dots: printed.".to_owned(),
             chart: z("error / µm of diameter", over_z(&curves.fig_11_pid)),
         },
     ];
@@ -165,16 +165,23 @@ fn passes(curves: &Curves) -> Figure {
     Figure {
         heading: "Time over the number of passes",
         file: "passes",
-        caption: "Eq. 5 as printed gives the last of n passes; all n passes with tool changes and auxiliary time add up. The printed 24 \
-                  min (dashed) lies between one pass and two."
-            .to_owned(),
+        caption: format!(
+            "Eq. 5 as printed gives the last of n passes; all n passes with tool changes and auxiliary time add up. Dashed: the printed {} \
+             min.",
+            curves.printed_min
+        ),
         chart: Chart {
             x_label: "passes n".to_owned(),
             y_label: "time / min".to_owned(),
             series: vec![
                 Series::new("all passes", Mark::LineDots, 0, of(|t| t.total_min)),
                 Series::new("eq. 5 as printed", Mark::LineDots, 1, of(|t| t.equation_5_min)),
-                Series::new("printed", Mark::Dashed, 6, vec![(1.0, 24.0), (most, 24.0)]),
+                Series::new(
+                    "printed",
+                    Mark::Dashed,
+                    6,
+                    vec![(1.0, curves.printed_min), (most, curves.printed_min)],
+                ),
             ],
             x_labels: Some(curves.passes.len()),
             ..Chart::default()

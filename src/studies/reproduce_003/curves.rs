@@ -42,6 +42,8 @@ pub struct Curves {
     pub optimum_min: Option<f64>,
     /// Time over the number of passes at the printed cutting data.
     pub passes: Vec<PassTime>,
+    /// The printed time, min.
+    pub printed_min: f64,
 }
 
 /// Points of a curve over z.

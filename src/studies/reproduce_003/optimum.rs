@@ -28,6 +28,7 @@ pub(super) fn rows(
     };
     let at = problem.solution(point);
     curves.passes = times_over_passes(&problem, &point);
+    curves.printed_min = paper.time_min;
     let mut rows = times(inputs, config, &problem, &at, &curves.passes);
     rows.extend(limits(inputs, config, &problem, &at));
     rows.extend(best(inputs, config, &problem, (&at, curves)));
