@@ -38,6 +38,7 @@ mod render_gallery;
 mod reproduce;
 mod reproduce_000;
 mod reproduce_003;
+mod reproduce_003_page;
 mod run;
 mod schema;
 mod study;

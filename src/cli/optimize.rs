@@ -198,6 +198,16 @@ fn write(
         &["size error / µm", "time / min", "v / (m/min)", "f / (mm/r)", "a_p / mm"],
         &rows.iter().map(cells).collect::<Vec<_>>(),
     );
+    if let Some(chart) = generations_chart(study) {
+        let svg = chart.to_svg().map_err(Failure::fail)?;
+        page.figure(&svg, "Genetic algorithm: time of the best of every generation that keeps the limits; dashed: the optimum.");
+        folder.write("generations.svg", svg.as_bytes())?;
+    }
+    if !study.passes.is_empty() {
+        let svg = passes_chart(study).to_svg().map_err(Failure::fail)?;
+        page.figure(&svg, "Time over the number of passes at the optimum: eq. 5 gives the last pass alone.");
+        folder.write("passes.svg", svg.as_bytes())?;
+    }
     folder.write("front.csv", &csv_text(&rows)?)?;
     folder.write("front.svg", svg.as_bytes())?;
     folder.write("report.html", page.finish().as_bytes())
@@ -226,6 +236,38 @@ fn front_chart(problem: &Problem, study: &Study) -> Chart {
         x_label: "size error / µm of diameter".to_owned(),
         y_label: "machining time / min".to_owned(),
         series,
+        ..Chart::default()
+    }
+}
+
+fn generations_chart(study: &Study) -> Option<Chart> {
+    let (genetic, optimum) = (study.genetic.as_ref()?, study.optimum.as_ref()?);
+    let feasible = genetic.generations.iter().filter(|g| g.violation == 0.0);
+    let points: Vec<(f64, f64)> = feasible.map(|g| (g.generation as f64, g.time_min)).collect();
+    let ends = vec![(0.0, optimum.time_min), (points.last()?.0, optimum.time_min)];
+    Some(Chart {
+        x_label: "generation".to_owned(),
+        y_label: "machining time / min".to_owned(),
+        series: vec![
+            Series::new("best of the generation", Mark::Line, 2, points),
+            Series::new("optimum", Mark::Dashed, 1, ends),
+        ],
+        ..Chart::default()
+    })
+}
+
+fn passes_chart(study: &Study) -> Chart {
+    let of = |value: fn(&optimize::PassTime) -> f64| -> Vec<(f64, f64)> {
+        study.passes.iter().map(|t| (f64::from(t.passes), value(t))).collect()
+    };
+    Chart {
+        x_label: "passes n".to_owned(),
+        y_label: "time / min".to_owned(),
+        series: vec![
+            Series::new("all passes", Mark::LineDots, 0, of(|t| t.total_min)),
+            Series::new("eq. 5, the last pass", Mark::LineDots, 1, of(|t| t.equation_5_min)),
+        ],
+        x_labels: Some(study.passes.len()),
         ..Chart::default()
     }
 }

@@ -10,6 +10,7 @@ use super::Job;
 use crate::control::Workpiece;
 use crate::process::kienzle::KienzleLaw;
 use crate::process::material::{self, Material};
+use crate::process::tool_factors::ToolFactors;
 use crate::process::{FITTED_TO, ForceLaw, ToolSettings};
 
 /// Standard uncertainty of ln C where the material has no specific cutting force: handbooks' kc1.1 of metals run from about 500
@@ -61,12 +62,14 @@ struct Cut<'a> {
     tool: &'a ToolSettings,
 }
 
-/// The paper's law with the ratio of the materials' specific cutting forces.
+/// The paper's law with the ratio of the materials' specific cutting forces and the handbook's factors of another tool than the
+/// paper's.
 fn by_ratio(w: Workpiece, cut: &Cut<'_>, material: &Material) -> Option<Workpiece> {
     let chip_mm = KienzleLaw::mean_chip_mm(cut.feed_mm, cut.depth_mm, cut.tool);
     let specific = |m: &Material| m.kienzle.map(|k| k.kc11_n_per_mm2 * chip_mm.powf(-k.mc));
     let ratio = specific(material)? / specific(material::find(FITTED_TO)?)?;
-    Some(Workpiece { coefficient_n: w.coefficient_n * ratio, ..w })
+    let tool = ToolFactors::of(cut.tool).over(&ToolFactors::of(&ToolSettings::default()));
+    Some(Workpiece { coefficient_n: w.coefficient_n * ratio * tool.passive, ..w })
 }
 
 /// The tangent of Kienzle's law; wear, rake and the ratio of the normal force stay a handbook's.

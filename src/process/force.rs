@@ -7,6 +7,7 @@ use super::check::{Range, SettingsError};
 use super::kienzle::{EdgeLaw, KienzleLaw, THINNEST_CHIP_MM};
 use super::material::Material;
 use super::settings::ToolSettings;
+use super::tool_factors::ToolFactors;
 use crate::plan::CuttingData;
 
 /// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of materials.
@@ -52,10 +53,20 @@ pub struct FittedRange {
 }
 
 impl Default for FittedRange {
-    /// Tables 1 and 2 and Fig. 9 of the slender-shaft paper.
+    /// Where the slender-shaft paper bears the default law out: depths of Table 1, to which C and x are fitted; feeds of Fig. 9,
+    /// whose errors its y gives within 5 %; speeds of Table 2, whose own z is the same.
     fn default() -> Self {
         Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.05, 0.35], speed_m_per_min: [30.0, 100.0] }
     }
+}
+
+impl FittedRange {
+    /// Table 1 of the slender-shaft paper alone: one feed, one speed.
+    pub const TABLE_1: Self =
+        Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.10, 0.10], speed_m_per_min: [40.0, 40.0] };
+    /// Table 2 alone: one depth, one feed.
+    pub const TABLE_2: Self =
+        Self { depth_mm: [0.20, 0.20], feed_mm_per_rev: [0.10, 0.10], speed_m_per_min: [30.0, 100.0] };
 }
 
 /// F = C·a_p^x·f^y·v^z, the radial force in N, with a_p in mm, f in mm/r and v in m/min.
@@ -79,6 +90,9 @@ pub struct PowerLaw {
     pub feed_ratio: f64,
     /// Range of the data behind the numbers.
     pub fitted: FittedRange,
+    /// The tool behind the numbers (the slender-shaft paper's insert): another tool's forces follow by the handbook's factors,
+    /// see [`super::tool_factors`].
+    pub fitted_tool: ToolSettings,
 }
 
 impl Default for PowerLaw {
@@ -91,6 +105,7 @@ impl Default for PowerLaw {
             cutting_ratio: 2.5,
             feed_ratio: 1.0,
             fitted: FittedRange::default(),
+            fitted_tool: ToolSettings::default(),
         }
     }
 }
@@ -175,15 +190,15 @@ impl DepthLaw {
 }
 
 impl PowerLaw {
-    /// Table 1 of the slender-shaft paper: the depth series.
+    /// Table 1 of the slender-shaft paper: the depth series, over its own range.
     pub fn table_1() -> Self {
-        Self::default()
+        Self { fitted: FittedRange::TABLE_1, ..Self::default() }
     }
 
-    /// Table 2 of the slender-shaft paper: the speed series, whose forces are 9.14 times smaller than Table 1's at the
-    /// same cutting data. C is the geometric mean over its rows with z = -0.3 and Table 1's x.
+    /// Table 2 of the slender-shaft paper: the speed series at one depth, whose forces are 9.14 times smaller than Table 1's at the
+    /// same cutting data. C is the geometric mean over its rows with z = -0.3 and a handbook's x.
     pub fn table_2() -> Self {
-        Self { coefficient_n: 521.2, depth_exponent: 0.9, ..Self::default() }
+        Self { coefficient_n: 521.2, depth_exponent: 0.9, fitted: FittedRange::TABLE_2, ..Self::default() }
     }
 
     /// Radial force, N, at a depth in mm.
@@ -191,15 +206,24 @@ impl PowerLaw {
         self.at(cutting).force_n(depth_mm)
     }
 
-    /// The law at the cutting data given.
+    /// The law at the cutting data given, with the tool that it was fitted to.
     pub fn at(&self, cutting: &CuttingData) -> DepthLaw {
+        self.with_factors(cutting, &ToolFactors::ONE)
+    }
+
+    /// The law at the cutting data given, with another tool.
+    pub fn with_tool(&self, cutting: &CuttingData, tool: &ToolSettings) -> DepthLaw {
+        self.with_factors(cutting, &ToolFactors::of(tool).over(&ToolFactors::of(&self.fitted_tool)))
+    }
+
+    fn with_factors(&self, cutting: &CuttingData, tool: &ToolFactors) -> DepthLaw {
         let factor = cutting.feed_mm_per_rev.powf(self.feed_exponent)
             * cutting.speed_m_per_min.powf(self.speed_exponent);
         let shape = Shape::Power {
-            at_one_mm_n: self.coefficient_n * factor,
+            at_one_mm_n: self.coefficient_n * factor * tool.passive,
             exponent: self.depth_exponent,
-            cutting_ratio: self.cutting_ratio,
-            feed_ratio: self.feed_ratio,
+            cutting_ratio: self.cutting_ratio * (tool.cutting / tool.passive),
+            feed_ratio: self.feed_ratio * (tool.feed / tool.passive),
         };
         DepthLaw { shape, factor: 1.0 }
     }
@@ -222,7 +246,7 @@ impl PowerLaw {
             Range::NOT_NEGATIVE.check(&key, low)?;
             Range::between(low, f64::MAX).check(&key, high)?;
         }
-        Ok(())
+        self.fitted_tool.validate("force.power.fitted_tool")
     }
 }
 
@@ -231,7 +255,7 @@ impl ForceLaw {
     /// [`super::ProcessSettings::validate`] refuses that.
     pub fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
         match self {
-            Self::Power(law) => law.at(cutting),
+            Self::Power(law) => law.with_tool(cutting, tool),
             Self::Kienzle(law) => match law.at(cutting.feed_mm_per_rev, tool, material) {
                 Some(edge) => DepthLaw { shape: Shape::Edge(edge), factor: 1.0 },
                 None => PowerLaw::default().at(cutting).scaled(0.0),

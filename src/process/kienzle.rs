@@ -21,6 +21,7 @@ use super::check::{Range, SettingsError};
 use super::force::Components;
 use super::material::Material;
 use super::settings::ToolSettings;
+use super::tool_factors::ToolFactors;
 
 /// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises faster, mm.
 pub const THINNEST_CHIP_MM: f64 = 0.05;
@@ -35,7 +36,8 @@ pub struct KienzleLaw {
     pub mc: Option<f64>,
     /// ρ: force normal to the edge over cutting force. Handbooks give 0.3 to 0.5 for sharp tools; wear raises it.
     pub normal_ratio: f64,
-    /// Factor on all components for rake, speed and wear.
+    /// Factor on all components for speed and wear; rake and inclination of the tool have factors of their own
+    /// ([`super::tool_factors`]).
     pub correction: f64,
 }
 
@@ -87,6 +89,7 @@ impl KienzleLaw {
             sin_lead: lead.sin(),
             // cos 90° in doubles is 6e-17; the straight edge then has no radial share at all.
             cos_lead: if tool.lead_angle_deg == 90.0 { 0.0 } else { lead.cos() },
+            factors: ToolFactors::beside_the_edge(tool),
         })
     }
 }
@@ -100,6 +103,8 @@ pub struct EdgeLaw {
     nose_radius_mm: f64,
     sin_lead: f64,
     cos_lead: f64,
+    /// Rake and inclination.
+    factors: ToolFactors,
 }
 
 /// Nodes and weights of the eight-point Gauss-Legendre rule on 0..1, one half (the other is its mirror image).
@@ -135,7 +140,7 @@ impl EdgeLaw {
         let nose = self.nose_radius_mm * self.sin_engaged(depth_mm).powf(1.0 + self.exponent)
             / (1.0 + self.exponent);
         let straight = self.straight_mm(depth_mm) * self.sin_lead.powf(self.exponent) * self.cos_lead;
-        self.normal_ratio * self.per_length_n * (nose + straight)
+        self.factors.passive * self.normal_ratio * self.per_length_n * (nose + straight)
     }
 
     /// dF_p/da, N/mm: the edge element that the next depth engages.
@@ -145,7 +150,7 @@ impl EdgeLaw {
         } else {
             (self.sin_lead, self.cos_lead)
         };
-        self.normal_ratio * self.per_length_n * sin.powf(self.exponent - 1.0) * cos
+        self.factors.passive * self.normal_ratio * self.per_length_n * sin.powf(self.exponent - 1.0) * cos
     }
 
     /// All three components, N.
@@ -161,8 +166,8 @@ impl EdgeLaw {
         let feed =
             self.nose_radius_mm * power_of_sine(engaged, 1.0 + self.exponent) + straight * self.sin_lead;
         Components {
-            cutting_n: self.per_length_n * cutting,
-            feed_n: self.normal_ratio * self.per_length_n * feed,
+            cutting_n: self.factors.cutting * self.per_length_n * cutting,
+            feed_n: self.factors.feed * self.normal_ratio * self.per_length_n * feed,
             passive_n: self.passive_n(depth_mm),
         }
     }

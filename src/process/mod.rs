@@ -19,6 +19,7 @@ mod section;
 mod settings;
 pub mod stepped;
 mod texture;
+pub mod tool_factors;
 mod turning;
 
 pub use check::SettingsError;

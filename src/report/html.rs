@@ -13,7 +13,11 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:900px;mar
 h1{font-size:1.5em;margin-bottom:.2em}h2{font-size:1.15em;margin:1.8em 0 .4em;border-bottom:1px solid #ddd}\
 table{border-collapse:collapse;margin:.6em 0}th,td{padding:.25em .8em;text-align:right;border-bottom:1px solid #e4e4e4}\
 th{font-weight:600;background:#f6f6f6}td:first-child,th:first-child,td.s{text-align:left}td.s{font-size:.92em}figure{margin:1em 0}\
-figcaption,.note{color:#555;font-size:.92em}svg,img{max-width:100%;height:auto}.good{color:#00724f}.bad{color:#b33c00}code{background:#f3f3f3}";
+figcaption,.note{color:#555;font-size:.92em}svg,img{max-width:100%;height:auto}.good{color:#00724f}.bad{color:#b33c00}code{background:#f3f3f3}\
+@media(max-width:600px){figure{overflow-x:auto}figure svg{min-width:620px;max-width:none}table{display:block;overflow-x:auto}\
+th,td{padding:.25em .4em}}\
+@media(prefers-color-scheme:dark){:root{color-scheme:dark}body{background:#17191c;color:#dcdcdc}figure svg{background:#fff}\
+h2{border-color:#444}th,td{border-color:#3a3d41}th,code{background:#26292e}figcaption,.note{color:#a9adb3}.good{color:#3ecf9b}.bad{color:#ff9a6b}}";
 
 /// Cells of more letters hold a sentence, which is set from the left.
 const SENTENCE: usize = 32;

@@ -1,17 +1,84 @@
-//! What a reproduction of a paper reports: its figure, ours, and the verdict.
+//! What a reproduction of a paper reports: its figure, ours, the range accepted for ours, and the verdict that follows.
+//!
+//! No verdict is chosen: it is computed from figure, ours, range and what ours rests on ([`Basis`]).
+//!
+//! | basis | ours inside the range | outside |
+//! |---|---|---|
+//! | [`Basis::Prediction`] | reproduced | not reproduced |
+//! | [`Basis::InSample`] | consistent | not reproduced |
+//! | [`Basis::Printed`] | consistent | contradiction |
+//!
+//! A row that needs what the paper does not give is undetermined; one without figure and range is not in the paper. Only
+//! [`Basis::Printed`], which takes nothing but the paper's own figures and equations, can end in a contradiction: a constant of
+//! ours never does.
 
 use serde::Serialize;
 
 /// Verdict on one of a paper's figures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Ours agrees from the paper's own statements.
+    /// A prediction that was not fitted to the figure agrees with it.
     Reproduced,
-    /// Ours agrees within wider limits or with an assumption that the reason names.
+    /// A fit to the figure, an identity of the paper's equations or an input handed through agrees with it.
     Consistent,
-    /// The paper's figure cannot be right, or contradicts another of its figures; the reason says how.
+    /// The paper's own figures and equations contradict each other, by arithmetic or geometry without a constant of ours.
     Contradiction,
+    /// The paper lacks the data that the figure would follow from.
+    Undetermined,
+    /// Ours misses the figure.
+    NotReproduced,
+    /// The paper has no such figure.
+    NotInPaper,
+}
+
+impl Verdict {
+    /// All, in the order of a summary.
+    pub const ALL: [Self; 6] = [
+        Self::Reproduced,
+        Self::Consistent,
+        Self::Contradiction,
+        Self::Undetermined,
+        Self::NotReproduced,
+        Self::NotInPaper,
+    ];
+
+    /// As a reader sees it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::Consistent => "consistent",
+            Self::Contradiction => "contradiction",
+            Self::Undetermined => "undetermined",
+            Self::NotReproduced => "not reproduced",
+            Self::NotInPaper => "not in the paper",
+        }
+    }
+}
+
+/// What ours rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// A model whose constants were not fitted to the figure.
+    Prediction,
+    /// Constants fitted to the figure, an identity of the paper's equations, or an input.
+    InSample,
+    /// The paper's own figures and equations, and no constant of ours.
+    Printed,
+    /// Ours alone: there is no figure to compare with.
+    Ours,
+}
+
+/// What is accepted for ours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accept {
+    /// This share of the paper's figure on either side.
+    Relative(f64),
+    /// This much on either side of the paper's figure.
+    Absolute(f64),
+    /// From and to, for what the paper states without a number, or as a limit; either may be infinite.
+    Range(f64, f64),
 }
 
 /// A figure of the paper beside ours.
@@ -33,52 +100,207 @@ pub struct Row {
     pub verdict: Verdict,
     /// Why.
     pub reason: String,
+    /// What ours rests on.
+    pub basis: Basis,
+    /// Least accepted for ours; absent where nothing is compared.
+    pub accepted_from: Option<f64>,
+    /// Most accepted for ours.
+    pub accepted_to: Option<f64>,
+    /// What the paper would have to give; absent where nothing is missing.
+    pub missing: Option<String>,
+    /// Why a figure that is not reproduced is known not to be; absent for any other.
+    pub known_miss: Option<String>,
+}
+
+/// A figure that is known not to be reproduced: by how much, and why. A run that misses otherwise is no known miss.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownMiss {
+    /// The row.
+    pub id: &'static str,
+    /// Ours, in the row's unit; the miss is the known one within 5 % of the largest of it, the figure and their difference.
+    pub ours: f64,
+    /// Why ours misses.
+    pub reason: &'static str,
 }
 
 impl Row {
-    /// A row judged by hand.
-    pub fn judged(
+    fn new(
         (id, quantity, unit): (&str, &str, &str),
         paper: Option<f64>,
         ours: f64,
-        verdict: Verdict,
+        (basis, accept): (Basis, Option<Accept>),
         reason: impl Into<String>,
     ) -> Self {
-        Self {
+        let range = accept.and_then(|accept| accept.range(paper));
+        let mut row = Self {
             id: id.to_owned(),
             quantity: quantity.to_owned(),
             unit: unit.to_owned(),
             paper,
             ours,
             difference: paper.map(|p| ours - p),
-            verdict,
+            verdict: Verdict::NotInPaper,
             reason: reason.into(),
-        }
+            basis,
+            accepted_from: range.map(|r| r.0),
+            accepted_to: range.map(|r| r.1),
+            missing: None,
+            known_miss: None,
+        };
+        row.verdict = row.judged();
+        row
     }
 
-    /// Reproduced where ours lies within `limit` (relative) of the paper's figure, else a contradiction; the reason
-    /// gets the deviation.
-    pub fn within(names: (&str, &str, &str), paper: f64, ours: f64, limit: f64, reason: &str) -> Self {
-        let deviation = ours / paper - 1.0;
-        let inside = deviation.abs() <= limit;
-        let verdict = if inside { Verdict::Reproduced } else { Verdict::Contradiction };
-        let side = if inside { "within" } else { "outside" };
-        let text = format!("{:+.2} %, {side} {} %; {reason}", 100.0 * deviation, 100.0 * limit);
-        Self::judged(names, Some(paper), ours, verdict, text)
+    /// A prediction that was not fitted to the paper's figure, or, without one, to its statement.
+    pub fn predicted(
+        names: (&str, &str, &str),
+        paper: Option<f64>,
+        ours: f64,
+        accept: Accept,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self::new(names, paper, ours, (Basis::Prediction, Some(accept)), reason)
     }
 
-    /// Ours should be zero to `limit`: an identity of the paper's equations.
+    /// A fit to the figure, an identity, or an input.
+    pub fn in_sample(
+        names: (&str, &str, &str),
+        paper: Option<f64>,
+        ours: f64,
+        accept: Accept,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self::new(names, paper, ours, (Basis::InSample, Some(accept)), reason)
+    }
+
+    /// An identity of the paper's equations: ours should be zero to `limit`.
     pub fn identity(names: (&str, &str, &str), ours: f64, limit: f64, reason: &str) -> Self {
-        let verdict = if ours.abs() <= limit { Verdict::Reproduced } else { Verdict::Contradiction };
-        Self::judged(names, Some(0.0), ours, verdict, reason)
+        Self::in_sample(names, Some(0.0), ours, Accept::Absolute(limit), reason)
     }
 
-    /// Takes a reproduced row down to consistent: it needs an assumption that the paper does not state.
+    /// One of the paper's figures against what its other figures and equations give. `ours` must take no constant of ours.
+    pub fn printed(
+        names: (&str, &str, &str),
+        paper: Option<f64>,
+        ours: f64,
+        accept: Accept,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self::new(names, paper, ours, (Basis::Printed, Some(accept)), reason)
+    }
+
+    /// A figure that the paper does not have.
+    pub fn ours(names: (&str, &str, &str), ours: f64, reason: impl Into<String>) -> Self {
+        Self::new(names, None, ours, (Basis::Ours, None), reason)
+    }
+
+    /// What the row needs of the paper, each with whether the paper gives it.
     #[must_use]
-    pub fn by_assumption(mut self) -> Self {
-        if self.verdict == Verdict::Reproduced {
-            self.verdict = Verdict::Consistent;
-        }
+    pub fn needs(mut self, data: &[(&str, bool)]) -> Self {
+        let missing: Vec<&str> = data.iter().filter(|(_, given)| !given).map(|(name, _)| *name).collect();
+        self.missing = (!missing.is_empty()).then(|| missing.join(", "));
+        self.verdict = self.judged();
         self
+    }
+
+    /// Whether ours lies in the accepted range; `None` where nothing is compared.
+    pub fn inside(&self) -> Option<bool> {
+        let (from, to) = self.accepted_from.zip(self.accepted_to)?;
+        Some(self.ours >= from && self.ours <= to)
+    }
+
+    /// The verdict that follows from the other fields.
+    pub fn judged(&self) -> Verdict {
+        if self.missing.is_some() {
+            return Verdict::Undetermined;
+        }
+        match (self.basis, self.inside()) {
+            (_, None) | (Basis::Ours, _) => Verdict::NotInPaper,
+            (Basis::Prediction, Some(true)) => Verdict::Reproduced,
+            (Basis::InSample | Basis::Printed, Some(true)) => Verdict::Consistent,
+            // A number that does not exist contradicts nothing.
+            (Basis::Printed, Some(false)) if self.ours.is_finite() => Verdict::Contradiction,
+            (_, Some(false)) => Verdict::NotReproduced,
+        }
+    }
+
+    /// A figure missed for no reason that is known.
+    pub fn is_unexplained_miss(&self) -> bool {
+        self.verdict == Verdict::NotReproduced && self.known_miss.is_none()
+    }
+}
+
+impl Accept {
+    fn range(self, paper: Option<f64>) -> Option<(f64, f64)> {
+        match self {
+            Self::Relative(share) => paper.map(|p| (p - share * p.abs(), p + share * p.abs())),
+            Self::Absolute(limit) => paper.map(|p| (p - limit, p + limit)),
+            Self::Range(from, to) => Some((from, to)),
+        }
+    }
+}
+
+/// Share of a known miss within which it is the same one.
+const SAME_MISS: f64 = 0.05;
+
+/// Gives the rows that miss as known their reasons.
+pub fn explain(rows: &mut [Row], known: &[KnownMiss]) {
+    for row in rows.iter_mut().filter(|row| row.verdict == Verdict::NotReproduced) {
+        let size = row.difference.unwrap_or(0.0).abs().max(row.paper.unwrap_or(0.0).abs());
+        let reason = known
+            .iter()
+            .filter(|miss| miss.id == row.id)
+            .find(|miss| (row.ours - miss.ours).abs() <= SAME_MISS * size.max(miss.ours.abs()));
+        row.known_miss = reason.map(|miss| miss.reason.to_owned());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAMES: (&str, &str, &str) = ("t", "a figure", "mm");
+
+    #[test]
+    fn the_verdict_follows_from_basis_and_range() {
+        let at = |ours: f64| {
+            [
+                Row::predicted(NAMES, Some(10.0), ours, Accept::Relative(0.1), ""),
+                Row::in_sample(NAMES, Some(10.0), ours, Accept::Absolute(1.0), ""),
+                Row::printed(NAMES, None, ours, Accept::Range(9.0, 11.0), ""),
+                Row::ours(NAMES, ours, ""),
+            ]
+            .map(|row| row.verdict)
+        };
+        let inside = [Verdict::Reproduced, Verdict::Consistent, Verdict::Consistent, Verdict::NotInPaper];
+        let outside =
+            [Verdict::NotReproduced, Verdict::NotReproduced, Verdict::Contradiction, Verdict::NotInPaper];
+        assert_eq!((at(10.9), at(9.1)), (inside, inside));
+        assert_eq!((at(11.1), at(8.9)), (outside, outside));
+        // Nothing is contradicted by a number that does not exist.
+        assert_eq!(at(f64::NAN)[..3], [Verdict::NotReproduced; 3]);
+        let negative = Row::predicted(NAMES, Some(-10.0), -10.5, Accept::Relative(0.1), "");
+        assert_eq!(negative.verdict, Verdict::Reproduced);
+    }
+
+    #[test]
+    fn what_the_paper_lacks_leaves_a_figure_undetermined() {
+        let row = Row::printed(NAMES, Some(1.0), 5.0, Accept::Absolute(0.1), "");
+        assert_eq!(row.clone().needs(&[("n", true)]).verdict, Verdict::Contradiction);
+        let lacking = row.needs(&[("n", true), ("t_h", false), ("t_q", false)]);
+        assert_eq!((lacking.verdict, lacking.missing.as_deref()), (Verdict::Undetermined, Some("t_h, t_q")));
+    }
+
+    #[test]
+    fn a_known_miss_is_known_at_its_size_only() {
+        let known = [KnownMiss { id: "t", ours: 2.45, reason: "why" }];
+        let of = |ours: f64| {
+            let mut rows = [Row::predicted(NAMES, Some(2.1), ours, Accept::Relative(0.08), "")];
+            explain(&mut rows, &known);
+            (rows[0].known_miss.is_some(), rows[0].is_unexplained_miss())
+        };
+        assert_eq!(of(2.45), (true, false));
+        assert_eq!(of(2.9), (false, true));
+        assert_eq!(of(2.1), (false, false));
     }
 }

@@ -185,7 +185,7 @@ fn fillers(folder: &Path) -> Vec<(Vec<String>, &'static str)> {
     vec![
         (words("render JOB --backend cpu"), "frames.csv"),
         (words("study stability"), "report.html"),
-        (words("reproduce 000"), "report.html"),
+        (words("reproduce 000 --no-frames"), "report.html"),
     ]
 }
 

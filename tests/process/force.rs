@@ -9,7 +9,8 @@ fn steel() -> shadowgauge::process::material::Material {
 }
 
 fn kienzle(feed: f64, lead_angle_deg: f64) -> shadowgauge::process::DepthLaw {
-    let tool = ToolSettings { nose_radius_mm: 0.4, lead_angle_deg };
+    // 6°: the rake behind the tabulated kc1.1.
+    let tool = ToolSettings { nose_radius_mm: 0.4, lead_angle_deg, rake_deg: 6.0, ..ToolSettings::default() };
     let cutting = CuttingData { speed_m_per_min: 100.0, feed_mm_per_rev: feed };
     ForceLaw::Kienzle(KienzleLaw::default()).at(&cutting, &tool, &steel())
 }
@@ -51,7 +52,7 @@ fn kienzle_integrates_along_the_edge() {
 #[test]
 fn kienzle_without_a_nose_is_the_handbook_formula() {
     // κ_r = 90°, depth far above the nose: F_c = kc1.1·f^(1-mc)·a_p.
-    let tool = ToolSettings { nose_radius_mm: 1e-6, lead_angle_deg: 90.0 };
+    let tool = ToolSettings { nose_radius_mm: 1e-6, rake_deg: 6.0, ..ToolSettings::default() };
     let cutting = CuttingData { speed_m_per_min: 100.0, feed_mm_per_rev: 0.2 };
     let found = ForceLaw::Kienzle(KienzleLaw::default()).at(&cutting, &tool, &steel()).components(2.0);
     let expected = 2220.0 * 0.2f64.powf(0.86) * 2.0;
@@ -110,4 +111,51 @@ fn extrapolation_is_said() {
     assert!((KienzleLaw::mean_chip_mm(0.1, 0.25, &tool) - 0.05268).abs() < 1e-5);
     assert!(kienzle.extrapolation(&inside, [0.25, 0.3], &tool).is_empty());
     assert!(kienzle.extrapolation(&inside, [0.1, 0.3], &tool)[0].contains("chips"));
+}
+
+/// The tool's angles act on every component by the handbook's factors, and not at all on the tool that a law was fitted to.
+#[test]
+fn the_tools_angles_have_their_handbook_factors() {
+    let cutting = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
+    let steel = steel();
+    let at = |law: &ForceLaw, tool: &ToolSettings| law.at(&cutting, tool, &steel).components(0.25);
+    let law = ForceLaw::default();
+    let paper = ToolSettings::default();
+    let plain = PowerLaw::default().at(&cutting).components(0.25);
+    assert_eq!(at(&law, &paper), plain);
+    // Rake 15° -> 0°: between the lines of 10° (1) and 20° (.9, .7, .7), against 1.1, 1.4, 1.4.
+    let blunt = at(&law, &ToolSettings { rake_deg: 0.0, ..paper });
+    for (found, was, factor) in [
+        (blunt.cutting_n, plain.cutting_n, 1.1 / 0.95),
+        (blunt.passive_n, plain.passive_n, 1.4 / 0.85),
+        (blunt.feed_n, plain.feed_n, 1.4 / 0.85),
+    ] {
+        assert!((found / was / factor - 1.0).abs() < 1e-12, "{found} {was} {factor}");
+    }
+    // Lead angle 90° -> 45°: twice the radial force.
+    let oblique = at(&law, &ToolSettings { lead_angle_deg: 45.0, ..paper });
+    assert!((oblique.passive_n / plain.passive_n - 2.0).abs() < 1e-12);
+    // Relief and minor cutting edge angle have no factor.
+    assert_eq!(at(&law, &ToolSettings { relief_deg: 12.0, minor_angle_deg: 5.0, ..paper }), plain);
+    // Under Kienzle's law, lead angle and nose are in the integral: rake and inclination are left, against 6° and 0°.
+    let kienzle = ForceLaw::Kienzle(KienzleLaw::default());
+    let tabulated = at(&kienzle, &ToolSettings { rake_deg: 6.0, ..paper });
+    let sharper = at(&kienzle, &paper);
+    assert!((sharper.passive_n / tabulated.passive_n - 0.85 / 1.16).abs() < 1e-12);
+    assert!((sharper.cutting_n / tabulated.cutting_n - 0.95 / 1.04).abs() < 1e-12);
+}
+
+#[test]
+fn one_set_of_constants_a_table_over_its_own_range() {
+    let tool = ToolSettings::default();
+    let at = |speed_m_per_min, feed_mm_per_rev| CuttingData { speed_m_per_min, feed_mm_per_rev };
+    let (one, two) = (ForceLaw::Power(PowerLaw::table_1()), ForceLaw::Power(PowerLaw::table_2()));
+    assert!(one.extrapolation(&at(40.0, 0.1), [0.1, 0.38], &tool).is_empty());
+    assert!(two.extrapolation(&at(80.0, 0.1), [0.2, 0.2], &tool).is_empty());
+    assert!(one.extrapolation(&at(80.0, 0.1), [0.2, 0.2], &tool)[0].contains("speed"));
+    let deeper = two.extrapolation(&at(80.0, 0.1), [0.2, 0.25], &tool);
+    assert!(
+        deeper.len() == 1 && deeper[0].contains("depth 0.2000-0.2500 mm, fitted over 0.2-0.2"),
+        "{deeper:?}"
+    );
 }

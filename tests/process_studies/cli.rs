@@ -108,6 +108,14 @@ fn optimize_prints_the_optimum_and_writes_the_front() {
     assert_eq!(found["feasible"], true);
     assert!((found["optimum"]["time_min"].as_f64().unwrap() - 15.7616).abs() < 2e-3);
     assert!(found["genetic"]["gap"].as_f64().unwrap() < 2e-3);
+    // The last generation's best is the answer; the total of two passes is more than twice eq. 5's second, less than twice its first.
+    let generations = found["genetic"]["generations"].as_array().unwrap();
+    assert_eq!(generations.last().unwrap()["time_min"], found["genetic"]["solution"]["time_min"]);
+    let (one, two) = (&found["passes"][0], &found["passes"][1]);
+    let number = |v: &serde_json::Value| v.as_f64().unwrap();
+    let total = number(&two["total_min"]) - 0.5;
+    assert!(total > 2.0 * number(&two["equation_5_min"]) && total < 2.01 * number(&one["equation_5_min"]));
+    assert!(out.join("generations.svg").exists() && out.join("passes.svg").exists());
     assert!(std::fs::read_to_string(out.join("front.svg")).unwrap().contains("<svg"));
     assert!(std::fs::read_to_string(out.join("front.csv")).unwrap().lines().count() > 20);
     let seven = json(&["optimize", "configs/optimize_003.toml", "--json", "--seed", "7"]);

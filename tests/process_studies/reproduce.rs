@@ -4,17 +4,22 @@ use std::collections::HashSet;
 use std::process::Command;
 
 use shadowgauge::studies::optimize::OptimizeConfig;
-use shadowgauge::studies::reproduce_003::{Inputs, run};
-use shadowgauge::studies::reproduction::{Row, Verdict};
+use shadowgauge::studies::reproduce_003::{Inputs, KNOWN_MISSES, Reproduction, run};
+use shadowgauge::studies::reproduction::{Basis, Row, Verdict};
 
-const INPUTS: &str = include_str!("../../configs/reproduce_003.toml");
+pub const INPUTS: &str = include_str!("../../configs/reproduce_003.toml");
+pub const PROBLEM: &str = include_str!("../../configs/optimize_003.toml");
 
 fn problem() -> OptimizeConfig {
-    toml::from_str(include_str!("../../configs/optimize_003.toml")).unwrap()
+    toml::from_str(PROBLEM).unwrap()
+}
+
+fn found_of(inputs: &str) -> Reproduction {
+    run(&toml::from_str::<Inputs>(inputs).unwrap(), &problem(), None).unwrap()
 }
 
 fn rows_of(inputs: &str) -> Vec<Row> {
-    run(&toml::from_str::<Inputs>(inputs).unwrap(), &problem(), None).unwrap()
+    found_of(inputs).rows
 }
 
 fn row<'a>(rows: &'a [Row], id: &str) -> &'a Row {
@@ -45,6 +50,70 @@ fn every_row_has_a_name_a_number_and_a_reason() {
     }
 }
 
+/// The verdict of every row again, from what is written beside it and nothing else.
+pub fn verdict_again(row: &Row) -> &'static str {
+    if row.missing.is_some() {
+        return "undetermined";
+    }
+    let (Some(from), Some(to)) = (row.accepted_from, row.accepted_to) else { return "not_in_paper" };
+    match (row.basis, (from..=to).contains(&row.ours)) {
+        (Basis::Prediction, true) => "reproduced",
+        (_, true) => "consistent",
+        (Basis::Printed, false) => "contradiction",
+        (_, false) => "not_reproduced",
+    }
+}
+
+#[test]
+fn every_verdict_follows_from_figure_ours_and_range() {
+    let rows = rows_of(INPUTS);
+    for row in &rows {
+        let word = serde_json::to_value(row.verdict).unwrap();
+        assert_eq!(word, verdict_again(row), "{row:?}");
+        assert!(!row.is_unexplained_miss(), "{row:?}");
+        // Figure and range belong together.
+        if let (Some(paper), Some(from), Some(to)) = (row.paper, row.accepted_from, row.accepted_to) {
+            assert!(from <= paper && paper <= to, "{row:?}");
+        }
+    }
+    // All six occur, and every known miss is one.
+    for verdict in Verdict::ALL {
+        assert!(rows.iter().any(|row| row.verdict == verdict), "{verdict:?}");
+    }
+    for miss in KNOWN_MISSES {
+        assert_eq!(row(&rows, miss.id).verdict, Verdict::NotReproduced, "{miss:?}");
+    }
+}
+
+/// No verdict is written down: outside the module that computes them their names do not occur.
+#[test]
+fn no_verdict_is_a_literal() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join("src/studies"), root.join("src/cli")];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if !entry.ends_with("reproduction.rs") {
+                let text = std::fs::read_to_string(&entry).unwrap();
+                for name in [
+                    "Reproduced",
+                    "Consistent",
+                    "Contradiction",
+                    "Undetermined",
+                    "NotReproduced",
+                    "NotInPaper",
+                ] {
+                    assert!(!text.contains(&format!("Verdict::{name}")), "{}", entry.display());
+                }
+                files += 1;
+            }
+        }
+    }
+    assert!(files > 50, "{files}");
+}
+
 #[test]
 fn the_figures_are_reproduced_within_their_limits() {
     let rows = rows_of(INPUTS);
@@ -52,22 +121,92 @@ fn the_figures_are_reproduced_within_their_limits() {
         let seven = row(&rows, &format!("fig7.row{number}"));
         assert_eq!(seven.verdict, Verdict::Reproduced, "{seven:?}");
         let eight = row(&rows, &format!("fig8.row{number}"));
-        let expected = if number == 7 { Verdict::Contradiction } else { Verdict::Reproduced };
+        let expected = if number == 7 { Verdict::NotReproduced } else { Verdict::Reproduced };
         assert_eq!(eight.verdict, expected, "{eight:?}");
     }
-    // Known mismatch of 17 %.
+    // Known mismatch of 17 %: the paper's Fig. 8 does not follow its own Table 2 by a static model.
     let known = row(&rows, "fig8.row7");
     assert!((known.ours / known.paper.unwrap() - 1.17).abs() < 0.01, "{known:?}");
+    assert!(known.known_miss.as_ref().is_some_and(|why| why.contains("fig8.linear")));
+    let linear = row(&rows, "fig8.linear.row7");
+    assert!((linear.ours - 3.7 * 7.95 / 11.09).abs() < 1e-12);
+    assert_eq!(linear.verdict, Verdict::Contradiction);
+    assert_eq!(row(&rows, "fig7.linear.row7").verdict, Verdict::Consistent);
     for feed in ["0.05", "0.15", "0.25", "0.35"] {
         assert_eq!(row(&rows, &format!("fig9.f{feed}")).verdict, Verdict::Consistent);
     }
     for number in [1, 2, 3, 5, 6, 7, 8] {
-        assert_eq!(row(&rows, &format!("table1.row{number}")).verdict, Verdict::Reproduced);
+        assert_eq!(row(&rows, &format!("table1.row{number}")).verdict, Verdict::Consistent);
     }
     assert!((row(&rows, "table1.row4").ours - 0.22).abs() < 0.001);
     assert_eq!(row(&rows, "table1.row4").verdict, Verdict::Contradiction);
     assert!((row(&rows, "table2.row8").ours - 7.73).abs() < 0.05);
     assert!((row(&rows, "beam.E").ours / 2.1e11 - 1.0).abs() < 0.02);
+    // Both tables against the handbook's force with the tool's angles: C = 1950 N times .50 (lead 90°) times .85 (rake 15°) times
+    // .66·(.4/.5)^(ln(.82/.66)/ln 2) (nose .4 mm).
+    let handbook = 1950.0 * 0.5 * 0.85 * 0.66 * 0.8_f64.powf((0.82_f64 / 0.66).ln() / 2.0_f64.ln());
+    let force = |a: f64, v: f64| handbook * a.powf(0.901) * 0.1_f64.powf(0.6) * v.powf(-0.3);
+    let two = row(&rows, "table2.handbook");
+    assert!(
+        (two.ours / force(0.2, 30.0) - 1.0).abs() < 1e-9 && two.verdict == Verdict::Reproduced,
+        "{two:?}"
+    );
+    assert!((row(&rows, "table1.handbook").ours / force(0.1, 40.0) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn trends_and_the_fixed_load() {
+    let found = found_of(INPUTS);
+    for name in ["depth", "feed", "speed"] {
+        assert_eq!(row(&found.rows, &format!("trend.{name}")).verdict, Verdict::Reproduced);
+    }
+    assert!((row(&found.rows, "trend.feed.elasticity").ours - 0.6).abs() < 1e-9);
+    // A force that grows with the speed has the wrong trend.
+    let wrong = rows_of(&INPUTS.replacen("force_n = 7.24", "force_n = 30.0", 1).replacen("7.73", "30.0", 1));
+    assert_eq!(row(&wrong, "trend.speed").verdict, Verdict::NotReproduced);
+
+    // Clamped at 0, supported at L, load at a: w(z) = [z²(3a - z)/6 - R z²(3L - z)/6]/EI for z < a, R = a²(3L - a)/2L³, without shear.
+    let fixed = &found.curves.fixed_load[0];
+    let (length, a, inertia) =
+        (1000.0_f64, 1000.0 * 70.0 / 99.0, std::f64::consts::PI * 50.0_f64.powi(4) / 64.0);
+    let reaction = a * a * (3.0 * length - a) / (2.0 * length.powi(3));
+    let z: f64 = 500.0;
+    let bending = z * z * ((3.0 * a - z) - reaction * (3.0 * length - z)) / 6.0 / (2.1e5 * inertia);
+    let ours = row(&found.rows, "fig7.node71").ours;
+    // Shear adds about (d/L)² of the deflection.
+    assert!((ours / (2e3 * bending) - 1.0).abs() < 0.02 && ours > 2e3 * bending, "{ours} {}", 2e3 * bending);
+    let at = fixed.points.iter().min_by(|a, b| (a.0 - z).abs().total_cmp(&(b.0 - z).abs())).unwrap();
+    assert!((at.1 / 49.84 / ours - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn curves_over_z_carry_the_printed_figures() {
+    let found = found_of(INPUTS);
+    let curves = &found.curves;
+    for (figure, curves) in [("fig7", &curves.fig_7), ("fig8", &curves.fig_8)] {
+        for (curve, number) in curves.iter().zip([1, 3, 5, 7]) {
+            let largest = curve.points.iter().map(|p| p.1).fold(0.0, f64::max);
+            let row = row(&found.rows, &format!("{figure}.row{number}"));
+            assert!((largest / row.ours - 1.0).abs() < 1e-4, "{figure} {number}");
+            assert_eq!(curve.printed, Some((500.0, row.paper.unwrap())));
+        }
+    }
+    assert_eq!((curves.fig_9.len(), curves.fig_11_none.len(), curves.fig_11_pid.len()), (4, 4, 4));
+    // Every pass without control stays large in the middle; the first error is the paper's, by identification.
+    assert_eq!(row(&found.rows, "fig11.shape.none").ours, 4.0);
+    let first = &curves.fig_11_none[0];
+    let at = first.points.iter().find(|p| p.0 == 250.0).unwrap();
+    assert!((at.1 - 108.0).abs() < 1e-3 && first.printed == Some((250.0, 108.0)), "{at:?}");
+    // The genetic algorithm never gets worse from one generation to the next.
+    let generations = &curves.generations;
+    assert_eq!((generations.len(), generations[0].evaluations), (250, 40));
+    assert!(generations.windows(2).all(|w| w[1].violation < w[0].violation
+        || (w[1].violation == w[0].violation && w[1].time_min <= w[0].time_min)));
+    let end = generations.last().unwrap();
+    assert!(end.violation == 0.0 && end.time_min >= curves.optimum_min.unwrap() * (1.0 - 1e-9));
+    // π·1000·(40 - .5k)/(1000·.1·80), k = 1, 2, with .5 min once and tool wear of 1e-4.
+    let two = std::f64::consts::PI * (39.5 + 39.0) / 8.0 + 0.5;
+    assert!((curves.passes[1].total_min / two - 1.0).abs() < 1e-4, "{:?}", curves.passes[1]);
 }
 
 #[test]
@@ -108,10 +247,10 @@ fn the_physical_plant_grows_without_control_and_settles_with_it() {
     assert!(growth.ours > 1.1 && growth.ours < 1.6, "{growth:?}");
     let first = row(&rows, "fig11.physical.none.pass1");
     assert!((first.ours - 0.108).abs() < 1e-6, "{first:?}");
-    assert_eq!(growth.verdict, Verdict::Contradiction);
+    assert_eq!(growth.verdict, Verdict::NotReproduced);
     let (absolute, accumulated) =
         (row(&rows, "fig11.physical.absolute.worst"), row(&rows, "fig11.physical.accumulated.worst"));
-    assert!(accumulated.ours < 0.4 && accumulated.verdict == Verdict::Consistent, "{accumulated:?}");
+    assert!(accumulated.ours < 0.4 && accumulated.verdict == Verdict::Reproduced, "{accumulated:?}");
     assert!(absolute.ours > 2.0 * accumulated.ours, "{absolute:?}");
     assert!(row(&rows, "eq18.restored").ours > 0.05);
 }
@@ -122,8 +261,20 @@ fn the_optimum_and_the_genetic_algorithm() {
     assert!((row(&rows, "eq10.t").ours - 15.7616).abs() < 2e-3);
     assert!(row(&rows, "ga.median").ours <= 0.05 && row(&rows, "ga.worst").ours <= 0.2);
     assert!((row(&rows, "eq5").ours - 15.512).abs() < 1e-3);
-    assert_eq!(row(&rows, "eq4").verdict, Verdict::Contradiction);
-    assert_eq!(row(&rows, "eq10.table1").verdict, Verdict::Contradiction);
+    // Without tool change, auxiliary time and number of passes nothing contradicts the printed 24 min.
+    assert_eq!(row(&rows, "eq4").verdict, Verdict::Undetermined);
+    let given = "seeds = 20\ntool_change_min = 1.0\nauxiliary_min = 0.5\npasses = 1";
+    let given = rows_of(&INPUTS.replacen("seeds = 20", given, 1));
+    assert_eq!(row(&given, "eq4").verdict, Verdict::NotReproduced);
+    assert!(row(&rows, "eq10.table1").reason.contains("infeasible"));
+    // The depth of the optimum lies outside Table 2's own range, and the note says so.
+    let study = shadowgauge::studies::optimize::Problem::new(&problem()).unwrap();
+    let notes = study.notes(&shadowgauge::studies::optimize::Point {
+        speed_m_per_min: 80.0,
+        feed_mm_per_rev: 0.1,
+        depth_mm: 0.33792,
+    });
+    assert!(notes.len() == 1 && notes[0].contains("depth"), "{notes:?}");
 }
 
 #[test]
@@ -145,10 +296,11 @@ fn ours_follows_the_inputs() {
     assert!(moved(&slower, "eq5") && moved(&slower, "eq6"));
     // A paper's figure that cannot be met is no longer reproduced.
     let off = changed("error_um = 15.4", "error_um = 18.0");
-    assert_eq!(row(&off, "fig7.row1").verdict, Verdict::Contradiction);
+    assert_eq!(row(&off, "fig7.row1").verdict, Verdict::NotReproduced);
+    assert!(row(&off, "fig7.row1").is_unexplained_miss());
     let mut shorter = problem();
     shorter.part.length_mm = 800.0;
-    let rows = run(&toml::from_str(INPUTS).unwrap(), &shorter, None).unwrap();
+    let rows = run(&toml::from_str(INPUTS).unwrap(), &shorter, None).unwrap().rows;
     assert!(moved(&rows, "eq10.t"));
 }
 
@@ -164,14 +316,58 @@ fn from_outside_the_binary() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert!(rows.len() > 80, "{}", rows.len());
-    for key in ["id", "quantity", "unit", "paper", "ours", "difference", "verdict", "reason"] {
+    for key in [
+        "id",
+        "quantity",
+        "unit",
+        "paper",
+        "ours",
+        "difference",
+        "verdict",
+        "reason",
+        "basis",
+        "accepted_from",
+        "accepted_to",
+        "missing",
+        "known_miss",
+    ] {
         assert!(rows[0].get(key).is_some(), "{key}");
     }
-    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("<svg"));
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.matches("<svg").count() >= 8, "{}", page.matches("<svg").count());
+    for file in ["fig7_z", "fig8_z", "fig9_z", "fig11a_z", "fig11b_z", "fig11", "generations", "passes"] {
+        assert!(out.join(format!("{file}.svg")).exists(), "{file}");
+    }
+    // A figure that is missed for no known reason: exit 1.
+    let missed = folder.path().join("missed.toml");
+    std::fs::write(&missed, INPUTS.replacen("error_um = 15.4", "error_um = 18.0", 1)).unwrap();
+    let output = command(&["reproduce", "003", "--no-frames", "--inputs", missed.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     let bad = folder.path().join("bad.toml");
     std::fs::write(&bad, INPUTS.replacen("force_n = 49.84", "force_n = -1.0", 1)).unwrap();
     let output = command(&["reproduce", "003", "--no-frames", "--inputs", bad.to_str().unwrap()]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("table_1[0].force_n"), "{text}");
+}
+
+/// The least-squares paper's experiment: both groups are turned, rendered and measured.
+#[test]
+fn two_groups_through_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let output = command(&["reproduce", "000", "--backend", "cpu", "--json", "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
+    let find = |id: &str| rows.iter().find(|row| row["id"] == id).unwrap_or_else(|| panic!("no row {id}"));
+    let ours = |id: &str| find(id)["ours"].as_f64().unwrap();
+    // The compensated group meets the target; the other keeps the line's mean of about 49 µm.
+    assert!((ours("experiment.frames.compensated") - 23.2).abs() < 0.004);
+    assert!((ours("experiment.frames.contrast") - 23.2488).abs() < 0.004);
+    assert!(ours("experiment.frames.reading") < 0.002);
+    assert_eq!(find("experiment.frames.change")["verdict"], "consistent");
+    // The paper's means lie .19 mm above the target for a reason that it does not give.
+    assert_eq!(find("experiment.frames.contrast")["verdict"], "undetermined");
+    assert!(out.join("fig2.svg").exists() && out.join("fig2_x.svg").exists());
+    assert!(std::fs::read_to_string(out.join("report.html")).unwrap().matches("<svg").count() == 2);
 }

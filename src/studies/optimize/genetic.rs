@@ -7,6 +7,7 @@
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
+use serde::Serialize;
 
 use super::config::{GeneticSettings, Limits};
 use super::problem::{Point, Problem, Solution};
@@ -18,6 +19,21 @@ pub struct Best {
     pub solution: Solution,
     /// Evaluations of the model.
     pub evaluations: usize,
+    /// The best of every generation, the newborn one first.
+    pub generations: Vec<Generation>,
+}
+
+/// The best individual of a generation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Generation {
+    /// Number of the generation; 0 is the population drawn at random.
+    pub generation: usize,
+    /// Evaluations of the model so far.
+    pub evaluations: usize,
+    /// Its time, min.
+    pub time_min: f64,
+    /// How far it lies beyond the limits, relative; 0 for a feasible one.
+    pub violation: f64,
 }
 
 /// Speed, feed and depth, each as its share of its range.
@@ -44,18 +60,29 @@ pub fn minimise(problem: &Problem, settings: &GeneticSettings, seed: u64) -> Opt
     let mut evolution =
         Evolution { problem, settings, random: Pcg64::new(u128::from(seed), 0x6761), evaluations: 0 };
     let mut population: Vec<Individual> = (0..settings.population).map(|_| evolution.newborn()).collect();
+    let newborn = population.iter().min_by(|a, b| in_order(a, b));
+    let mut generations: Vec<Generation> =
+        newborn.map(|best| generation(0, evolution.evaluations, best)).into_iter().collect();
     while evolution.evaluations + settings.population <= settings.evaluations {
         let children: Vec<Individual> =
             (0..settings.population).map(|_| evolution.child(&population)).collect();
         population.extend(children);
-        population.sort_by(|a, b| {
-            a.violation.total_cmp(&b.violation).then_with(|| a.time_min.total_cmp(&b.time_min))
-        });
+        population.sort_by(in_order);
         population.truncate(settings.population);
+        generations.push(generation(generations.len(), evolution.evaluations, &population[0]));
     }
     let best = population.first().filter(|best| best.violation == 0.0)?;
     let solution = problem.solution(point(&problem.limits, &best.genes));
-    Some(Best { solution, evaluations: evolution.evaluations })
+    Some(Best { solution, evaluations: evolution.evaluations, generations })
+}
+
+/// Deb's order: smaller violations first, shorter times among the feasible.
+fn in_order(a: &Individual, b: &Individual) -> std::cmp::Ordering {
+    a.violation.total_cmp(&b.violation).then_with(|| a.time_min.total_cmp(&b.time_min))
+}
+
+fn generation(generation: usize, evaluations: usize, best: &Individual) -> Generation {
+    Generation { generation, evaluations, time_min: best.time_min, violation: best.violation }
 }
 
 fn point(limits: &Limits, genes: &Genes) -> Point {

@@ -42,6 +42,8 @@ pub struct Study {
     pub references: Vec<ReferenceResult>,
     /// Time against size error.
     pub front: Vec<Solution>,
+    /// Time against the number of passes, at the optimum; empty without one.
+    pub passes: Vec<PassTime>,
     /// Where the force law was used outside its data.
     pub notes: Vec<String>,
 }
@@ -57,6 +59,32 @@ pub struct GeneticResult {
     pub evaluations: usize,
     /// Seed.
     pub seed: u64,
+    /// The best of every generation.
+    pub generations: Vec<genetic::Generation>,
+}
+
+/// Time against the number of passes, at the optimum's cutting data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PassTime {
+    /// n.
+    pub passes: u32,
+    /// Equation 5 as printed: the time of the last of n passes, min.
+    pub equation_5_min: f64,
+    /// All n passes with their tool changes and the auxiliary time, min.
+    pub total_min: f64,
+}
+
+/// Passes over which the time is drawn.
+pub const MOST_PASSES: u32 = 8;
+
+/// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the stock lasts.
+pub fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
+    (1..=MOST_PASSES)
+        .map_while(|passes| {
+            let total_min = problem.total_time_min(point, passes)?;
+            Some(PassTime { passes, equation_5_min: problem.pass_time_min(point, passes), total_min })
+        })
+        .collect()
 }
 
 /// A given point beside the optimum.
@@ -98,10 +126,12 @@ pub fn study(problem: &Problem, config: &OptimizeConfig) -> Study {
                 gap,
                 evaluations: g.evaluations,
                 seed: config.genetic.seed,
+                generations: g.generations,
             })
         }),
         references: references.collect(),
         front: front::time_against_error(problem, config.front_points),
+        passes: found.as_ref().map_or(Vec::new(), |f| times_over_passes(problem, &f.solution.point)),
         notes: found.as_ref().map_or(Vec::new(), |f| problem.notes(&f.solution.point)),
     }
 }

@@ -6,7 +6,7 @@ use super::config::{Limits, OptimizeConfig, OptimizeError, TimeModel, ToolLife};
 use crate::plan::CuttingData;
 use crate::process::material::Material;
 use crate::process::stepped::{Piece, SteppedShaft};
-use crate::process::{ForceLaw, Section, ToolSettings};
+use crate::process::{ForceLaw, Section, ToolSettings, tool_factors};
 
 /// Cutting data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -126,8 +126,25 @@ impl Problem {
 
     /// t_j, min (equation 5).
     pub fn cutting_time_min(&self, p: &Point) -> f64 {
-        let turned = self.diameter_mm - 2.0 * self.passes * p.depth_mm;
+        self.turning_min(p, self.passes)
+    }
+
+    /// t_j of pass `pass`, min: equation 5 with n = `pass`.
+    pub fn pass_time_min(&self, p: &Point, pass: u32) -> f64 {
+        self.turning_min(p, f64::from(pass))
+    }
+
+    fn turning_min(&self, p: &Point, passes: f64) -> f64 {
+        let turned = self.diameter_mm - 2.0 * passes * p.depth_mm;
         std::f64::consts::PI * self.length_mm * turned / (1000.0 * p.feed_mm_per_rev * p.speed_m_per_min)
+    }
+
+    /// t of a stock turned down in `passes` passes at the same cutting data, min: equation 5 gives the time of the last of them; this is
+    /// Σ t_j(k) for k = 1 to n with the tool changes of all, and the auxiliary time once. None where nothing of the shaft would be left.
+    pub fn total_time_min(&self, p: &Point, passes: u32) -> Option<f64> {
+        let left = self.diameter_mm - 2.0 * f64::from(passes) * p.depth_mm;
+        let cutting: f64 = (1..=passes).map(|pass| self.pass_time_min(p, pass)).sum();
+        (left > 0.0).then(|| self.time_of(cutting, self.wear_per_min(p)))
     }
 
     /// 1/T, 1/min.
@@ -160,15 +177,15 @@ impl Problem {
         self.error_per_force_mm_per_n * self.force_n(p)
     }
 
-    /// Height of the feed marks f²/8r, µm.
+    /// Height of the feed marks, µm: f²/8r, or what the minor cutting edge leaves at feeds beyond the nose.
     pub fn roughness_um(&self, feed_mm_per_rev: f64) -> f64 {
-        1e3 * feed_mm_per_rev * feed_mm_per_rev / (8.0 * self.tool.nose_radius_mm)
+        1e3 * tool_factors::feed_mark_mm(feed_mm_per_rev, &self.tool)
     }
 
     /// Largest feed that bound and roughness allow, mm/r; may lie below the lower bound.
     pub fn largest_feed_mm_per_rev(&self) -> f64 {
-        let smooth = (8e-3 * self.tool.nose_radius_mm * self.roughness_limit_um).sqrt();
-        smooth.min(self.limits.feed_mm_per_rev[1])
+        let most = self.limits.feed_mm_per_rev[1];
+        tool_factors::largest_feed_mm_per_rev(1e-3 * self.roughness_limit_um, most, &self.tool)
     }
 
     /// How far size error and roughness lie above their limits, relative; zero for a feasible point within the bounds.

@@ -24,6 +24,9 @@ pub struct Inputs {
     pub optimum: OptimumInput,
     /// The controller and Fig. 11.
     pub pid: PidInput,
+    /// The shaft of Fig. 11 as it is taken here; the paper describes it by diameter and cutting data alone.
+    #[serde(default)]
+    pub plant: PlantInput,
 }
 
 /// The finite-element model.
@@ -42,6 +45,20 @@ pub struct Beam {
     pub poisson_ratio: f64,
     /// Position that Figs 7 to 9 are read at, mm.
     pub position_mm: f64,
+    /// Nodes of the finite-element model.
+    #[serde(default = "nodes")]
+    pub nodes: usize,
+    /// Node, from 1 at the chuck, at which forces are said to be applied.
+    #[serde(default = "loaded_node")]
+    pub loaded_node: usize,
+}
+
+fn nodes() -> usize {
+    100
+}
+
+fn loaded_node() -> usize {
+    71
 }
 
 /// Exponents of the force law that a table does not vary.
@@ -54,6 +71,41 @@ pub struct Handbook {
     pub feed_exponent: f64,
     /// Speed.
     pub speed_exponent: f64,
+    /// C of the radial force with a carbide tool of the handbook's reference geometry on steel of σ_b = 650 MPa, N (Ai Xing, Xiao
+    /// Shigang, Qiexiao yongliang jianming shouce, 1994; exponents .9, .6 and -.3): Tables 1 and 2 are compared with it.
+    #[serde(default = "passive_coefficient")]
+    pub passive_coefficient_n: f64,
+    /// Tangential over radial force, a rule of thumb.
+    #[serde(default = "cutting_ratio")]
+    pub cutting_ratio: f64,
+}
+
+fn passive_coefficient() -> f64 {
+    1950.0
+}
+
+fn cutting_ratio() -> f64 {
+    2.5
+}
+
+/// The shaft of Fig. 11 as it is taken here.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlantInput {
+    /// Length, mm: twice the position at which Fig. 11 is read.
+    pub length_mm: f64,
+    /// Diameter after the last of the four passes, mm (printed).
+    pub final_diameter_mm: f64,
+    /// Radial stiffness of spindle and chuck, N/µm.
+    pub chuck_n_per_um: f64,
+    /// Radial stiffness of the tailstock, N/µm.
+    pub tailstock_n_per_um: f64,
+}
+
+impl Default for PlantInput {
+    fn default() -> Self {
+        Self { length_mm: 500.0, final_diameter_mm: 25.0, chuck_n_per_um: 50.0, tailstock_n_per_um: 20.0 }
+    }
 }
 
 /// A row of Table 1 or 2.
@@ -153,6 +205,18 @@ pub struct OptimumInput {
     pub size_limit_mm: f64,
     /// Seeds of the genetic algorithm to run.
     pub seeds: u64,
+    /// t_h, min, which the paper does not print; given, eq. 4 is determined by it.
+    #[serde(default)]
+    pub tool_change_min: Option<f64>,
+    /// t_q, min, not printed.
+    #[serde(default)]
+    pub auxiliary_min: Option<f64>,
+    /// n of eq. 5, not printed.
+    #[serde(default)]
+    pub passes: Option<u32>,
+    /// C of the force law behind eq. 6, N, not printed: Tables 1 and 2 differ by nine times.
+    #[serde(default)]
+    pub force_coefficient_n: Option<f64>,
 }
 
 /// The controller and Fig. 11.
@@ -175,6 +239,9 @@ pub struct PidInput {
     pub transfer_gain: f64,
     /// Position Fig. 11 is read at, mm.
     pub position_mm: f64,
+    /// Change of the diameter over the change of the offset on the machine of Fig. 11, which the paper does not print.
+    #[serde(default)]
+    pub plant_gain: Option<f64>,
 }
 
 impl Inputs {
@@ -184,6 +251,31 @@ impl Inputs {
         positive("beam.diameter_mm", beam.diameter_mm)?;
         positive("beam.youngs_modulus_n_per_mm2", beam.youngs_modulus_n_per_mm2)?;
         positive("beam.youngs_modulus_printed_n_per_mm2", beam.youngs_modulus_printed_n_per_mm2)?;
+        if !(2..=10_000).contains(&beam.nodes) || !(1..=beam.nodes).contains(&beam.loaded_node) {
+            let problem = format!(
+                "{} of {} nodes is not possible; it must be one of 2 to 10000 nodes",
+                beam.loaded_node, beam.nodes
+            );
+            return Err(ReproductionError::Input { key: "beam.loaded_node".to_owned(), problem });
+        }
+        positive("handbook.passive_coefficient_n", self.handbook.passive_coefficient_n)?;
+        positive("handbook.cutting_ratio", self.handbook.cutting_ratio)?;
+        positive("plant.length_mm", self.plant.length_mm)?;
+        positive("plant.final_diameter_mm", self.plant.final_diameter_mm)?;
+        positive("plant.chuck_n_per_um", self.plant.chuck_n_per_um)?;
+        positive("plant.tailstock_n_per_um", self.plant.tailstock_n_per_um)?;
+        self.check_tables()?;
+        let passes = [self.pid.uncompensated_mm.len(), self.pid.compensated_mm.len()];
+        if passes != [4, 4] {
+            let problem = format!("has {} and {} passes; Fig. 11 shows four of each", passes[0], passes[1]);
+            return Err(ReproductionError::Input { key: "pid.compensated_mm".to_owned(), problem });
+        }
+        positive("pid.uncompensated_mm[0]", self.pid.uncompensated_mm[0])?;
+        positive("pid.ki", self.pid.ki)?;
+        positive("pid.kp", self.pid.kp)
+    }
+
+    fn check_tables(&self) -> Result<(), ReproductionError> {
         for (name, table) in [("table_1", &self.table_1), ("table_2", &self.table_2)] {
             for (index, row) in table.iter().enumerate() {
                 let p = row.meant();
@@ -209,14 +301,7 @@ impl Inputs {
                 });
             }
         }
-        let passes = [self.pid.uncompensated_mm.len(), self.pid.compensated_mm.len()];
-        if passes != [4, 4] {
-            let problem = format!("has {} and {} passes; Fig. 11 shows four of each", passes[0], passes[1]);
-            return Err(ReproductionError::Input { key: "pid.compensated_mm".to_owned(), problem });
-        }
-        positive("pid.uncompensated_mm[0]", self.pid.uncompensated_mm[0])?;
-        positive("pid.ki", self.pid.ki)?;
-        positive("pid.kp", self.pid.kp)
+        Ok(())
     }
 }
 

@@ -1,23 +1,29 @@
 //! Reproduction of the slender-shaft paper (Xue, Miao, Xue 2023): every figure of it beside ours.
 //!
-//! `ours` is computed when asked, from [`Inputs`]: a changed input changes it. A row whose printed value contradicts
-//! another of the paper's values says so and says which.
+//! `ours` is computed when asked, from [`Inputs`]: a changed input changes it, and the verdict with it
+//! ([`super::reproduction`]). A contradiction is shown by the paper's own figures alone (`own_figures`); figures that are missed
+//! for a reason that is known stand in `known`.
 
 mod control;
+mod curves;
 mod deflection;
 mod frames;
 mod inputs;
+mod known;
 mod optimum;
+mod own_figures;
 mod physical;
 
 use thiserror::Error;
 
+pub use curves::{Curve, Curves};
 pub use frames::FrameRun;
-pub use inputs::{Beam, Figure, Figures, Force, Handbook, Inputs, OptimumInput, PidInput};
+pub use inputs::{Beam, Figure, Figures, Force, Handbook, Inputs, OptimumInput, PidInput, PlantInput};
+pub use known::KNOWN_MISSES;
 
 use super::factor::FactorError;
 use super::optimize::{OptimizeConfig, OptimizeError};
-use super::reproduction::Row;
+use super::reproduction::{self, Row};
 use crate::closed_loop::LoopError;
 use crate::process::ProcessError;
 use crate::process::fit::FitError;
@@ -55,7 +61,16 @@ pub enum ReproductionError {
     Job(String),
 }
 
-/// All rows. With a renderer the physical plant is also run through rendered and measured frames.
+/// Rows and curves of a reproduction.
+#[derive(Clone, Debug)]
+pub struct Reproduction {
+    /// Every figure of the paper beside ours.
+    pub rows: Vec<Row>,
+    /// What is drawn.
+    pub curves: Curves,
+}
+
+/// All rows and curves. With a renderer the physical plant is also run through rendered and measured frames.
 ///
 /// # Errors
 /// Inputs from which nothing can be computed.
@@ -63,14 +78,18 @@ pub fn run(
     inputs: &Inputs,
     problem: &OptimizeConfig,
     renderer: Option<&Renderer>,
-) -> Result<Vec<Row>, ReproductionError> {
+) -> Result<Reproduction, ReproductionError> {
     inputs.check()?;
-    let mut rows = deflection::rows(inputs)?;
-    rows.extend(optimum::rows(inputs, problem)?);
+    let model = deflection::Model::new(inputs, &problem.process.tool)?;
+    let mut curves = Curves::of_figures(&model);
+    let mut rows = own_figures::Printed::new(inputs, problem).rows();
+    rows.extend(model.rows());
+    rows.extend(optimum::rows(inputs, problem, &mut curves)?);
     rows.extend(control::rows(&inputs.pid));
-    rows.extend(physical::rows(&inputs.pid)?);
+    rows.extend(physical::rows(inputs, &mut curves)?);
     if let Some(renderer) = renderer {
-        rows.extend(frames::rows(&inputs.pid, renderer)?);
+        rows.extend(frames::rows(inputs, renderer, &mut curves)?);
     }
-    Ok(rows)
+    reproduction::explain(&mut rows, &KNOWN_MISSES);
+    Ok(Reproduction { rows, curves })
 }
