@@ -203,14 +203,14 @@ mod tests {
     use crate::probe::{Side, Sides, Stylus};
     use crate::shaft::{Lobe, ProfileKnot};
 
-    fn still(settings: ProbeSettings) -> TrueProbe {
+    fn still(settings: &ProbeSettings) -> TrueProbe {
         let quiet = ProbeSettings {
             repeatability_um: 1e-9,
             resolution_um: 0.0,
             delay_ms: 0.0,
             u_height_um: 0.0,
             temperature: crate::probe::ProbeTemperature { u_k: 0.0, ..settings.temperature.clone() },
-            ..settings
+            ..settings.clone()
         };
         TrueProbe { ball_mm: 6.0, ..TrueProbe::new(&quiet, &[], 500.0, 1) }
     }
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_ball_meets_cylinder_and_cone_as_geometry_has_it() {
-        let probe = still(ProbeSettings::default());
+        let probe = still(&ProbeSettings::default());
         assert!((met(&probe, Shaft::cylinder(25.0), 10.0, 0.0, Side::Carrier) - 15.5).abs() < 1e-9);
         assert!((met(&probe, Shaft::cylinder(25.0), 10.0, 0.0, Side::Opposite) + 15.5).abs() < 1e-9);
         // beside the axis: √((R + ρ)² − y²)
@@ -250,7 +250,7 @@ mod tests {
     fn both_sides_meet_different_lobes_of_the_pretravel() {
         let settings =
             ProbeSettings { stylus: Stylus::AlongY, sides: Sides::Two, ..ProbeSettings::default() };
-        let probe = still(settings);
+        let probe = still(&settings);
         let outline = Outline::new(Shaft::cylinder(25.0)).unwrap();
         let target = Target { outline: &outline, warmth_c: 20.0, is_part: false, drift_mm: 0.0 };
         let order = |side| TouchOrder { z_mm: 10.0, angle_deg: 0.0, side, expected_mm: 25.0 };

@@ -8,6 +8,7 @@ use super::evidence::Stamp;
 use super::{ClosedLoop, FrameReading, LoopError, Progress, Scanned, masters};
 use crate::cell::TurningCell;
 use crate::frame::FrameMeta;
+use crate::gauge::axis_line::AxisLine;
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::TurnAverager;
 use crate::gauge::{Calibration, Gauge};
@@ -134,6 +135,8 @@ impl<'a> ClosedLoop<'a> {
         Ok(Scanned {
             profile,
             form: TurnAverager::new(z_mm, part.station_mm).finish(Cutoff::default()),
+            // Two-point diameters say nothing of where the axis stands.
+            axis: AxisLine::default(),
             readings: readings.collect(),
             sample: None,
             frames: touches.len(),

@@ -54,8 +54,7 @@ impl Case {
     }
 
     fn bench(&self, seed: u64) -> OpticalBench {
-        let departures =
-            Departures { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05, ..Departures::none() };
+        let departures = Departures { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 };
         let mut settings = BenchSettings { departures, ..Default::default() };
         settings.camera.rows = self.rows;
         settings.camera.columns = self.columns;

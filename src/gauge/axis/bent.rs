@@ -37,8 +37,8 @@ fn largest(blocks: &[Block], value: impl Fn(&Block) -> f64, terms: usize) -> Opt
         right += phi * value(block);
     }
     let found = normal.try_inverse()? * right;
-    let off = blocks.iter().map(|b| (value(b) - found.dot(&basis(b))).abs());
-    off.fold(Some(0.0), |most: Option<f64>, d| if d.is_finite() { most.map(|m| m.max(d)) } else { None })
+    let mut off = blocks.iter().map(|b| (value(b) - found.dot(&basis(b))).abs());
+    off.try_fold(0.0_f64, |most, d| d.is_finite().then(|| most.max(d)))
 }
 
 #[cfg(test)]
