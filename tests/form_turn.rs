@@ -200,6 +200,7 @@ fn half_turn(sd: f64, rng: &mut rand_pcg::Pcg64) -> PartForm {
             pitch_mm: 0.1,
             width_px: vec![500.0; 4],
             middle_mm: edges.iter().map(|e| 0.5 * (e[0] + e[1])).collect(),
+            u_middle_common_mm: vec![0.0; 4],
         };
         averager.add(&FrameMeta { angle_deg: 5.0 * f64::from(k), ..FrameMeta::default() }, &diameters);
     }
