@@ -188,7 +188,7 @@ impl<'a> ClosedLoop<'a> {
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
         let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
-        let gauge = Gauge::new(job.gauge.clone())?;
+        let gauge = Gauge::new(job.gauge_settings()?)?;
         let calibration = match calibration {
             Some(known) => known,
             None => masters::calibrate(job, cell.as_mut(), &gauge)?,

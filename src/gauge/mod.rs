@@ -5,6 +5,7 @@ pub mod bench;
 mod block_scatter;
 mod blur;
 mod blur_share;
+mod both;
 pub mod budget;
 mod budget_conditions;
 mod calibration;
@@ -37,12 +38,14 @@ mod levels;
 mod median;
 mod model;
 pub mod monte_carlo;
+mod narrow;
 mod noise;
 pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;
 mod repeated;
 pub mod ring;
+mod rings;
 mod rounded_frame;
 mod rounding;
 mod score;
@@ -118,6 +121,10 @@ impl Gauge {
     /// Names the first setting out of its range.
     pub fn new(settings: GaugeSettings) -> Result<Self, GaugeSettingsError> {
         settings.validate()?;
+        if settings.esf == (EsfModel::Optics {}) {
+            let right = "the table of a job's optics; a gauge by itself has none";
+            return Err(GaugeSettingsError { key: "esf.optics", value: f64::NAN, right });
+        }
         Ok(Self { settings, misfit: None })
     }
 

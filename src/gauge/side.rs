@@ -48,6 +48,8 @@ pub(crate) struct SideState {
     pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
+    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
+    pub(crate) level_lines: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -118,6 +120,7 @@ impl SideState {
             stated: Vec::new(),
             clipped_px: 0.0,
             expected: None,
+            level_lines: false,
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
@@ -218,6 +221,9 @@ impl SideState {
         self.read_windows(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
+        if self.level_lines {
+            self.slope.fill(0.0);
+        }
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
             if centre.is_ok() && !(f64::from(slope.abs()) <= max_slope) {
                 *centre = Err(Reason::Steep);
@@ -240,7 +246,12 @@ impl SideState {
     fn read_windows<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
         self.windows.prepare(&self.shape, self.laid_out, width, plane.columns);
         self.windows.read(plane);
-        self.falloff.look(plane, &self.windows);
+        // Rings are no light that falls off.
+        if self.shape.is_ringed() {
+            self.falloff.clear();
+        } else {
+            self.falloff.look(plane, &self.windows);
+        }
     }
 
     /// What the windows say of levels and noise before the other side is known.
