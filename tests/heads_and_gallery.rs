@@ -44,8 +44,8 @@ struct Head {
 /// Limits: three standard uncertainties of what the head's noise and light leave, from the figures of the accuracy table.
 const HEADS: [Head; 6] = [
     Head { name: "head_edge_pair_50", um_per_px: 3.45, esf: false, mean_px: 0.005, rms_px: 0.03 },
-    Head { name: "head_laser_shadow", um_per_px: 5.5, esf: true, mean_px: 0.01, rms_px: 0.1 },
-    Head { name: "head_line_laser", um_per_px: 7.0, esf: true, mean_px: 0.02, rms_px: 0.1 },
+    Head { name: "head_laser_shadow", um_per_px: 5.5, esf: true, mean_px: 0.03, rms_px: 0.05 },
+    Head { name: "head_line_laser", um_per_px: 7.0, esf: true, mean_px: 0.03, rms_px: 0.05 },
     Head { name: "head_scanned_laser", um_per_px: 6.0, esf: false, mean_px: 0.005, rms_px: 0.03 },
     Head { name: "head_telecentric_25", um_per_px: 20.09, esf: true, mean_px: 0.005, rms_px: 0.03 },
     Head { name: "head_wire", um_per_px: 0.69, esf: true, mean_px: 0.005, rms_px: 0.03 },

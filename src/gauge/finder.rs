@@ -325,6 +325,9 @@ impl EdgeStream {
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
                 scene = self.leave_out_stuck(plane, scale, scene)?;
                 self.pool(&scene)?;
+                if rings {
+                    self.refine_blur(&scene, sigma);
+                }
             }
         } else {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));

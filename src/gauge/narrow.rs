@@ -9,9 +9,11 @@
 
 use super::edge_misfit::MisfitLesson;
 use super::edges::{FrameEdges, FrameRefused};
+use super::explain::refused;
 use super::finder::EdgeStream;
 use super::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::frame::{FrameView, PixelFormat, Pixels};
+use crate::profile::Reason;
 
 /// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise to 3 % from ten flat pixels each.
 const POOLED: usize = 32;
@@ -102,6 +104,36 @@ fn append<T: Copy>(lines: &mut Vec<T>, pixels: &[T], view: &FrameView<'_>) {
     }
 }
 
+/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is clipped or shows no noise to tell by: of
+/// Gaussian noise of one count's standard deviation, two fifths stand at one value.
+const PILED: f64 = 0.6;
+/// Values at which more than two grey steps of noise would be seen in the other half of the line, counts.
+const NOISY: f64 = 2.0;
+
+/// The largest grey value, or the smallest, where most pixels of its half stand at it while the other half is noisy.
+fn piled_up(values: &[f64]) -> Option<f64> {
+    let (least, most) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
+    let middle = 0.5 * (least + most);
+    let share = |light: bool, end: f64| {
+        let (mut at, mut all) = (0.0, 0.0_f64);
+        for value in values.iter().filter(|v| (**v > middle) == light) {
+            at += f64::from(u8::from(*value == end));
+            all += 1.0;
+        }
+        at / all.max(1.0)
+    };
+    let range = |light: bool| {
+        let half = values.iter().filter(|v| (**v > middle) == light && **v != least && **v != most);
+        let quarter = half.copied().map(|v| (v - if light { most } else { least }).abs());
+        quarter.filter(|d| *d < 0.2 * (most - least)).fold(0.0, f64::max)
+    };
+    if share(true, most) > PILED && range(false) > NOISY {
+        return Some(most);
+    }
+    (share(false, least) > PILED && range(true) > NOISY).then_some(least)
+}
+
 impl Narrow {
     /// Settings under which neighbours owe each other nothing.
     fn pooled_settings(settings: &GaugeSettings) -> GaugeSettings {
@@ -153,17 +185,26 @@ impl Narrow {
     }
 
     fn many(&mut self) -> Result<(), FrameRefused> {
-        self.pooled.set_noise(self.settings.noise);
+        self.pooled.set_noise(self.settings.noise, false);
         self.measure_lines(self.count)
     }
 
     /// Measures fewer readings than a picture needs: repeated, with the noise of neighbouring pixels.
     fn few(&mut self) -> Result<(), FrameRefused> {
+        let values = self.values();
+        if let Some(level) = piled_up(&values) {
+            return Err(refused(
+                Reason::Saturated,
+                format!(
+                    "the light or the shadow of a reading by itself stands at {level} counts in most of its pixels, as what is clipped does;                      {LEAST} readings of a stream tell, or expose less"
+                ),
+            ));
+        }
         let noise = match self.settings.noise {
-            Noise::Estimated {} => self.noise_of_pixels(),
+            Noise::Estimated {} => self.noise_of_pixels(&values),
             given => given,
         };
-        self.pooled.set_noise(noise);
+        self.pooled.set_noise(noise, true);
         for copy in self.count..LEAST {
             self.lines.repeat((copy - self.count) * self.rows, self.rows);
         }
@@ -181,17 +222,21 @@ impl Narrow {
         let view = FrameView::new(self.lines.pixels(), self.format, count, self.rows, self.rows);
         match view {
             Ok(view) => self.pooled.measure(&view.transposed(), &mut self.edges),
-            Err(error) => Err(super::explain::refused(crate::profile::Reason::Unreadable, error.to_string())),
+            Err(error) => Err(refused(Reason::Unreadable, error.to_string())),
+        }
+    }
+
+    /// All grey values kept, reading after reading.
+    fn values(&self) -> Vec<f64> {
+        match &self.lines {
+            Lines::U8(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
+            Lines::U16(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
+            Lines::F32(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
         }
     }
 
     /// Noise of neighbouring pixels, in the darker and in the lighter half of the grey values.
-    fn noise_of_pixels(&self) -> Noise {
-        let values: Vec<f64> = match &self.lines {
-            Lines::U8(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
-            Lines::U16(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
-            Lines::F32(lines) => lines.iter().map(|v| f64::from(*v)).collect(),
-        };
+    fn noise_of_pixels(&self, values: &[f64]) -> Noise {
         let (least, most) =
             values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
         let middle = 0.5 * (least + most);
@@ -259,8 +304,9 @@ impl EdgeStream {
         stream
     }
 
-    /// Takes the noise as given.
-    fn set_noise(&mut self, noise: Noise) {
+    /// Takes the noise as given; whether the picture holds copies of readings.
+    fn set_noise(&mut self, noise: Noise, copies: bool) {
         self.settings.noise = noise;
+        self.sides.iter_mut().for_each(|side| side.copies = copies);
     }
 }

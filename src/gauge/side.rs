@@ -24,8 +24,9 @@ use crate::profile::Reason;
 const NOISE_SAMPLES: usize = 4096;
 /// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
 const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
-/// Relative difference of blurs that share a table.
+/// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of itself.
 const SAME_BLUR: f64 = 0.004;
+const SAME_RINGS: f64 = 1e-4;
 
 /// Work and memory of one side.
 #[derive(Clone, Debug)]
@@ -50,6 +51,8 @@ pub(crate) struct SideState {
     expected: Option<Expected>,
     /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
     pub(crate) level_lines: bool,
+    /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
+    pub(crate) copies: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -121,6 +124,7 @@ impl SideState {
             clipped_px: 0.0,
             expected: None,
             level_lines: false,
+            copies: false,
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
@@ -262,7 +266,8 @@ impl SideState {
         if estimate_noise && levels.count > 0.0 {
             spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
-        let ends = if levels.count > 0.0 { self.ends(scale, levels, spread, least) } else { None };
+        let ends =
+            if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
         // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
         if ends.is_none_or(|ends| !ends.high.is_finite()) {
             self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
@@ -398,8 +403,9 @@ impl SideState {
     /// Index of the table for a blur and noise slope, built where it is missing.
     fn table(&mut self, sigma: f64, kappa: f64, free_levels: bool) -> usize {
         let width = self.windows.width;
+        let same = if self.shape.is_ringed() { SAME_RINGS } else { SAME_BLUR };
         let near = |t: &Table| {
-            t.width == width && (t.sigma / sigma).ln().abs() < SAME_BLUR && (t.kappa - kappa).abs() < 0.08
+            t.width == width && (t.sigma / sigma).ln().abs() < same && (t.kappa - kappa).abs() < 0.08
         };
         if let Some(found) = self.tables.iter().position(near) {
             return found;
