@@ -174,7 +174,7 @@ impl Narrow {
         }
         self.count += columns;
         let measured = if self.count < LEAST { self.few() } else { self.many() };
-        if measured.is_err() && self.count > columns {
+        if measured.is_err() {
             // A reading that cannot be measured does not spoil those after it.
             self.count -= columns;
             self.lines.truncate(self.count * self.rows);
@@ -196,7 +196,7 @@ impl Narrow {
             return Err(refused(
                 Reason::Saturated,
                 format!(
-                    "the light or the shadow of a reading by itself stands at {level} counts in most of its pixels, as what is clipped does;                      {LEAST} readings of a stream tell, or expose less"
+                    "the light or the shadow of a reading by itself stands at {level} counts in most of its pixels, as what is clipped does; {LEAST} readings of a stream tell, or expose less"
                 ),
             ));
         }
