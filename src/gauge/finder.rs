@@ -30,7 +30,7 @@ use crate::profile::Reason;
 
 /// Fewest rows: the shortest window; and columns below which readings are pooled.
 const LEAST_ROWS: usize = 24;
-const LEAST_COLUMNS: usize = 8;
+const LEAST_COLUMNS: usize = 16;
 /// Fewest columns with both edges that make a frame believable.
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.

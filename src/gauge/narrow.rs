@@ -1,10 +1,10 @@
-//! Frames of fewer than eight columns: readings of a line camera, whose levels, noise and blur are pooled over the readings of a stream.
+//! Frames of fewer than sixteen columns: readings of a line camera, whose levels, noise and blur are pooled over the readings of a stream.
 //!
 //! One column shows both edges, and no more of levels, noise and blur than its own pixels. The last readings of a stream, side by side,
 //! are a picture with all that an area camera's columns show: differences of neighbouring readings carry temporal noise alone (a
 //! pixel's own response is the same in both), levels and blur are shared by all of them. A reading is therefore measured within the picture of
 //! itself and those before it. Neighbours there are neighbours in time, not along the part: an edge may lie anywhere from one reading
-//! to the next, so that neither slopes nor departures from neighbours are looked for. Before eight readings have come, those there are
+//! to the next, so that neither slopes nor departures from neighbours are looked for. Before sixteen readings have come, those there are
 //! stand in the picture more than once, and the noise is that of neighbouring pixels of the light and of the shadow.
 
 use super::edge_misfit::MisfitLesson;
@@ -17,8 +17,8 @@ use crate::profile::Reason;
 
 /// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise to 3 % from ten flat pixels each.
 const POOLED: usize = 32;
-/// Columns of a picture from which levels and noise are told.
-const LEAST: usize = 8;
+/// Columns of a picture from which levels and noise are told: of fewer, no level is pooled.
+const LEAST: usize = 16;
 /// Standard deviation over the median magnitude of a normal distribution.
 const MEDIAN_TO_SD: f64 = 1.4826;
 

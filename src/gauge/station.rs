@@ -236,7 +236,7 @@ impl StationAverager {
 }
 
 /// Columns below which a frame is a reading of a line camera.
-const NARROW: usize = 8;
+const NARROW: usize = 16;
 
 /// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of good ones with three degrees of freedom).
 const FAR: f64 = 7.0;
