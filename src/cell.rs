@@ -328,7 +328,7 @@ impl FrameSource for SimulatedFrames<'_> {
         })?;
         self.next += 1;
         *self.frame_id += 1;
-        *self.clock_ns += (scene.bench().nominal.camera.frame_period_ms * 1e6) as u64;
+        *self.clock_ns += (scene.bench().nominal.camera.period_ms() * 1e6) as u64;
         Ok(Some(frame))
     }
 

@@ -3,6 +3,7 @@
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
+mod edge;
 mod probe;
 mod scan;
 mod stations;
@@ -25,6 +26,7 @@ use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
+pub use edge::{NominalEdge, sampled_edge};
 pub use scan::{MasterPin, Masters, Scan, StockScan};
 
 /// A setting that cannot be right, with the dotted key it stands under.
@@ -350,8 +352,11 @@ impl Job {
     }
 
     /// Length along z that one frame shows, mm, by the nominal magnification; a little less than the whole field, so that
-    /// fields overlap whatever the true magnification.
+    /// fields overlap whatever the true magnification. A line camera shows one z a reading: it is to read every station.
     pub fn field_length_mm(&self) -> f64 {
+        if self.camera.line.is_some() {
+            return self.part.station_mm;
+        }
         0.97 * f64::from(self.camera.columns) * self.nominal_mm_per_px()
     }
 

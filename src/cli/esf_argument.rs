@@ -4,15 +4,9 @@ use std::path::Path;
 
 use super::Failure;
 use super::optics::NominalOptics;
-use crate::gauge::{EdgeTable, EsfModel, EsfSamples};
+use crate::gauge::{EdgeTable, EsfModel};
+use crate::job::sampled_edge;
 use crate::render::esf_families::MeasuredEdge;
-
-/// Steps of the table handed to the gauge, px.
-const STEP_PX: f64 = 0.05;
-/// Farthest distance of its samples, px.
-const REACH_PX: f64 = 60.0;
-/// Distance from which ripples fade out, px: windows are 72 px long.
-const FADE_PX: f64 = 44.0;
 
 /// Whether a model is in µm and needs a scale to be read by.
 pub fn needs_scale(text: &str) -> bool {
@@ -77,7 +71,7 @@ fn measured(text: &str, um_per_px: f64) -> Result<EsfModel, String> {
     let edge = MeasuredEdge::read(text.as_bytes(), false).map_err(|e| e.to_string())?;
     let spread = edge.edge_spread().map_err(|e| e.to_string())?;
     let (from, to) = spread.range_um();
-    Ok(sampled(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))
+    Ok(sampled_edge(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))
 }
 
 /// The family that a config renders with, in focus on the finished part, at the scale given or the config's own.
@@ -85,21 +79,5 @@ fn of_config(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     let nominal = NominalOptics::load(path)?;
     let edge = nominal.edge(nominal.radius_mm, 0.0)?;
     let um_per_px = um_per_px.unwrap_or(1e3 * nominal.pixel_mm);
-    let (from, to) = edge.range_um();
-    Ok(sampled(from / um_per_px, to / um_per_px, |d_px| edge.light(d_px * um_per_px)))
-}
-
-/// 1 up to [`FADE_PX`] into the light, 0 from [`REACH_PX`] on.
-fn fade(d_px: f64) -> f64 {
-    let t = ((d_px - FADE_PX) / (REACH_PX - FADE_PX)).clamp(0.0, 1.0);
-    0.5 + 0.5 * (std::f64::consts::PI * t).cos()
-}
-
-/// Samples over the range, widened by a pixel so that the ends are flat. Ripples that reach farther than a table may (a laser's) fade out
-/// from where no window reads them.
-fn sampled(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
-    let end = |d: f64| ((d.abs() + 1.0).min(REACH_PX) / STEP_PX).ceil() as i32;
-    let distance_px: Vec<f64> = (-end(from_px)..=end(to_px)).map(|k| STEP_PX * f64::from(k)).collect();
-    let light = distance_px.iter().map(|d| 1.0 + (light(*d) - 1.0) * fade(*d)).collect();
-    EsfModel::Table(EsfSamples { distance_px, light })
+    Ok(edge.model(um_per_px))
 }

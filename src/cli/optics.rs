@@ -11,8 +11,7 @@ use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::gauge::bench::Date;
-use crate::render::esf::{EsfTable, Extent};
-use crate::render::esf_families::EdgeSpread;
+use crate::job::NominalEdge;
 use crate::render::settings::{BenchSettings, Esf, Optics};
 
 /// What `optics` shows.
@@ -94,63 +93,9 @@ impl NominalOptics {
     /// # Errors
     /// Exit 2 for optics whose table cannot be had.
     pub fn edge(&self, radius_mm: f64, axis_y_mm: f64) -> Result<NominalEdge, Failure> {
-        let extent =
-            Extent { pixel_mm: self.pixel_mm, depth_mm: axis_y_mm.abs(), radius_mm: (radius_mm, radius_mm) };
-        let table = EsfTable::new(&self.optics.esf, &self.optics, &extent).map_err(Failure::refuse)?;
-        Ok(NominalEdge {
-            place: table.place(axis_y_mm, radius_mm, 0.0),
-            table,
-            pixel_um: 1e3 * self.pixel_mm,
-        })
+        NominalEdge::new(&self.optics, self.pixel_mm, radius_mm, axis_y_mm).map_err(Failure::refuse)
     }
 }
-
-/// An edge-spread function, light over distance.
-pub struct NominalEdge {
-    table: EsfTable,
-    place: crate::render::esf::TablePlace,
-    pixel_um: f64,
-}
-
-impl NominalEdge {
-    /// Light at a distance from the geometric edge into the light, µm on the object.
-    pub fn light(&self, distance_um: f64) -> f64 {
-        self.table.light(&self.place, distance_um / self.pixel_um)
-    }
-
-    /// From where to where it differs from shadow and light, µm on the object.
-    pub fn range_um(&self) -> (f64, f64) {
-        let stretched = self.place.scale_px / self.table.scale_px;
-        let all = self.table.sources().iter().map(EdgeSpread::range_um);
-        let (low, high) = all.fold((0.0_f64, 0.0_f64), |(l, h), (a, b)| (l.min(a), h.max(b)));
-        if low < high {
-            return (low * stretched, high * stretched);
-        }
-        let reach = f64::from(self.table.reach) * self.place.scale_px * self.pixel_um;
-        (-reach, reach)
-    }
-
-    /// Standard deviation of a Gaussian as sharp as its finest detail, µm on the object.
-    fn sharp_um(&self) -> f64 {
-        self.table.sharp_px * self.pixel_um * self.place.scale_px / self.table.scale_px
-    }
-
-    /// Distances and light, even steps with the geometric edge on one of them.
-    pub fn samples(&self) -> (Vec<f64>, Vec<f64>) {
-        let (low, high) = self.range_um();
-        let step = (self.sharp_um() / STEPS_PER_SHARP).max((high - low) / MOST_STEPS);
-        let (from, to) = ((low / step).floor() as i64, (high / step).ceil() as i64);
-        let distance_um: Vec<f64> = (from..=to).map(|k| k as f64 * step).collect();
-        let light = distance_um.iter().map(|d| self.light(*d)).collect();
-        (distance_um, light)
-    }
-}
-
-/// Samples in the standard deviation of the sharpest detail: a cubic between them errs by (1/16)⁴/384·max|F⁗| = 2e-8.
-const STEPS_PER_SHARP: f64 = 16.0;
-
-/// Most steps of a table; a laser's rings reach far.
-const MOST_STEPS: f64 = 20_000.0;
 
 /// Runs the command.
 ///

@@ -105,7 +105,7 @@ pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameReques
     let (roi, second_roi) = (windows.map(|w| w[0]), windows.map(|w| w[1]));
     FrameRequest {
         frame_id: index as u64,
-        t_ns: (index as f64 * job.camera.frame_period_ms * 1e6) as u64,
+        t_ns: (index as f64 * job.camera.period_ms() * 1e6) as u64,
         z_mm: plan.field_z_mm.get(place / angles).copied().unwrap_or(0.0),
         angle_deg: plan.angle_deg.get(place % angles).copied().unwrap_or(0.0),
         noise: !args.no_noise,

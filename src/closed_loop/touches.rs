@@ -51,7 +51,7 @@ pub(super) fn instrument(
     cell: &mut dyn TurningCell,
     known: Option<Calibrated>,
 ) -> Result<(Gauge, Calibrated), LoopError> {
-    let gauge = Gauge::new(job.gauge.clone())?;
+    let gauge = Gauge::new(job.gauge_settings()?)?;
     let calibration = match (known, &job.probe) {
         (Some(known), _) => known,
         (None, Some(probe)) => Calibrated::Probe(calibrate(job, probe, cell)?),

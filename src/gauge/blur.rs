@@ -139,7 +139,7 @@ impl BlurScratch {
 /// Refines the blur of one side from `start`, px.
 pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> BlurEstimate {
     let columns = context.windows.centre.len();
-    let mut sigma = start;
+    let mut sigma = if context.shape.is_ringed() { best_of_rings(context, start, scratch) } else { start };
     let mut sums = [BlurSums::default(); BLOCKS];
     let BlurScratch { table, normalised } = scratch;
     normalised.resize(context.windows.width, 0.0);
@@ -155,12 +155,41 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
         }
         let step = (score / information).clamp(-0.3 * sigma, 0.5 * sigma);
         let last = sigma;
-        sigma = (sigma + step).clamp(context.shape.least_sigma(), SIGMA_RANGE.1);
+        sigma = (sigma + step).clamp(context.shape.least_sigma(), context.shape.most_sigma());
         if (sigma - last).abs() < 5e-4 * sigma {
             break;
         }
     }
     join(context, sigma, &sums)
+}
+
+/// Share by which the width of a ringed pattern may differ from its nominal one, either way.
+const RINGED_SEARCH: f64 = 0.15;
+/// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring converges from half of it.
+const RING_PHASE: f64 = 1.0;
+
+/// The width that leaves least of rings among some around `start`: their phase, πv²/2 at v units √(λz/2) from the edge, goes with the
+/// square of it, so that scoring from afar would settle on a neighbouring ring.
+fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> f64 {
+    let columns = context.windows.centre.len();
+    let BlurScratch { table, normalised } = scratch;
+    normalised.resize(context.windows.width, 0.0);
+    // σ₀ is half a unit: the steepest slope of the pattern is 0.8 a unit.
+    let v = context.shape.reach(start) / (2.0 * start);
+    let step = RING_PHASE / (std::f64::consts::PI * v * v).max(1.0);
+    let steps = (RINGED_SEARCH / step).ceil() as i32;
+    let mut best = (f64::INFINITY, start);
+    for k in -steps..=steps {
+        let sigma = start * (1.0 + f64::from(k) * step);
+        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        // Few columns tell: a pattern is shared by all of them.
+        let sums = block_sums(context, table, samples(columns).step_by(8), normalised);
+        let left = sums.residual / sums.count;
+        if left < best.0 {
+            best = (left, sigma);
+        }
+    }
+    best.1
 }
 
 fn block_sums(

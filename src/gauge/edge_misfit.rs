@@ -37,8 +37,8 @@ const STEP_PX: f64 = 0.125;
 const LEAST_EXCESS: f64 = 0.05;
 /// Fewest edges a side that teach.
 const LEAST_EDGES: u32 = 128;
-/// Most values of a side in a file: ± 64 px.
-const MOST_VALUES: usize = 1025;
+/// Most values of a side in a file: ± 128 px, half the longest window.
+const MOST_VALUES: usize = 2049;
 /// Slope above which a column does not teach.
 const STEEPEST: f32 = 0.3;
 
@@ -65,7 +65,7 @@ impl EdgeMisfit {
         }
         for side in &self.residual {
             if side.len() % 2 == 0 || side.len() > MOST_VALUES {
-                return Some(("misfit.residual", side.len() as f64, "an odd number of values, at most 1025"));
+                return Some(("misfit.residual", side.len() as f64, "an odd number of values, at most 2049"));
             }
             if let Some(value) = side.iter().find(|v| !(v.abs() <= 1.0)) {
                 return Some(("misfit.residual", *value, "shares of the contrast, -1 to 1"));

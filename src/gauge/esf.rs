@@ -21,6 +21,11 @@ const KNOTS_PER_PX: f64 = 64.0;
 /// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends by more than [`TAIL`], its tails are
 /// left out of the fit: they would need windows as long as the field is high.
 const FARTHEST: f64 = 12.0;
+/// Light beyond which a table is the shadow of coherent light without a lens: its first ring has 1.37 of the bright field, that of the
+/// sharpest lens in coherent light 1.18.
+const RINGED: f64 = 1.25;
+/// Pixels either side of the edge that carry information in a pattern of rings: what the longest windows hold beside their flat ends.
+const RINGED_REACH: f64 = 96.0;
 /// Difference from 0 or 1 that counts as flat.
 const TAIL: f64 = 2e-3;
 /// Pixels either side of the edge that carry information on its place, in σ, for the Gaussian.
@@ -38,6 +43,8 @@ pub(crate) struct StepTable {
     centroid: f64,
     /// Distance from the edge up to which the function differs from its ends, in σ₀.
     tail: f64,
+    /// Whether it has the rings of coherent light without a lens.
+    ringed: bool,
 }
 
 impl StepTable {
@@ -60,6 +67,7 @@ impl StepTable {
         let count = value.len() - 1;
         let step = 2.0 * reach / count as f64;
         let steepest = value.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) / step;
+        let ringed = value.iter().any(|v| *v > RINGED);
         let sigma = 1.0 / (steepest * (2.0 * std::f64::consts::PI).sqrt()).clamp(1e-2, 8.0);
         let centroid = reach - integral[count];
         let away = |k: usize| (-reach + k as f64 * step).abs();
@@ -68,7 +76,7 @@ impl StepTable {
             (value[*k] - end).abs() > TAIL
         };
         let tail = (0..=count).filter(far).map(away).fold(0.0, f64::max) / sigma;
-        Self { reach, integral, value, sigma, centroid, tail: tail.clamp(2.0, FARTHEST) }
+        Self { reach, integral, value, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
     }
 
     /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up to `far_px`.
@@ -81,7 +89,7 @@ impl StepTable {
         far_px: f64,
     ) -> Self {
         let tail = (far_px / sigma).clamp(GAUSSIAN_REACH, FARTHEST);
-        Self { reach, integral, value, sigma, centroid, tail }
+        Self { reach, integral, value, sigma, centroid, tail, ringed: false }
     }
 
     /// I and F at `t` px.
@@ -186,8 +194,14 @@ impl EdgeShape {
     pub(crate) fn reach(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => GAUSSIAN_REACH * sigma + 1.25,
+            Self::Table(table) if table.ringed => (table.tail * sigma + 1.25).min(RINGED_REACH),
             Self::Table(table) => table.tail * sigma + 1.25,
         }
+    }
+
+    /// Whether it has the rings of coherent light without a lens.
+    pub(crate) fn is_ringed(&self) -> bool {
+        matches!(self, Self::Table(table) if table.ringed)
     }
 
     /// Least blur that is believed, px: a sharp edge that is given as a table may be sharper than any that is found.
@@ -198,12 +212,28 @@ impl EdgeShape {
         }
     }
 
+    /// Largest blur that is believed, px.
+    pub(crate) fn most_sigma(&self) -> f64 {
+        match self {
+            Self::Table(table) if table.ringed => 2.0 * table.sigma,
+            _ => SIGMA_RANGE.1,
+        }
+    }
+
     /// Where the area of the light puts the edge, px into the light from where it is.
     pub(crate) fn centroid(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,
             Self::Table(table) => table.centroid * sigma / table.sigma,
         }
+    }
+
+    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): what the area of the light goes by where rings
+    /// reach beyond the window.
+    pub(crate) fn window_sum(&self, sigma: f64, width: usize, half: usize) -> f64 {
+        let mut samples = vec![EdgeSample::default(); width];
+        self.samples(-(half as f64), 0.0, sigma, &mut samples);
+        samples.iter().map(|s| s.value).sum()
     }
 
     /// Means of E over the flat ends of a window (`flat` pixels each, `width` in all) over the phases: 0 and 1 but for the tails.

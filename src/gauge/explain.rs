@@ -39,12 +39,12 @@ pub(crate) fn no_shadow<T: Sample>(
     }
 }
 
-/// A frame of too few rows or columns.
-pub(crate) fn too_small((rows, columns): (usize, usize), (least, narrowest): (usize, usize)) -> FrameRefused {
+/// A frame of too few rows.
+pub(crate) fn too_small((rows, columns): (usize, usize), least: usize) -> FrameRefused {
     refused(
         Reason::NoEdge,
         format!(
-            "{rows} rows x {columns} columns; at least {least} x {narrowest} are needed to tell levels and noise"
+            "{rows} rows x {columns} columns; at least {least} rows are needed to tell levels and noise beside an edge"
         ),
     )
 }

@@ -96,6 +96,12 @@ impl Falloff {
         }
     }
 
+    /// Knows nothing of the light beyond the windows.
+    pub(crate) fn clear(&mut self) {
+        self.tiles.clear();
+        self.levelled = false;
+    }
+
     /// Takes the change out of the windows of a side where most of its tiles plainly show one. Their flat ends stay as they are, and so do
     /// grey values of `low` or less, at which the shadow is clipped.
     pub(crate) fn level(&mut self, windows: &mut Windows, low: f32) {

@@ -17,6 +17,7 @@ use super::esf::{EdgeShape, StepTable};
 use super::explain::{self, no_levels, refused};
 use super::gate;
 use super::grey_step::grey_step;
+use super::narrow::Narrow;
 use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
 use super::repeated::repeated_lines;
@@ -25,13 +26,13 @@ use super::scene::Scene;
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::{Scale, SideState};
 use super::window::Side;
-use super::{stuck_rows, wire, wire_frame};
+use super::{rings, stuck_rows, wire, wire_frame};
 use crate::frame::FrameView;
 use crate::profile::Reason;
 
-/// Fewest rows and columns from which levels and noise can be told.
+/// Fewest rows: the shortest window; and columns below which readings are pooled.
 const LEAST_ROWS: usize = 24;
-const LEAST_COLUMNS: usize = 8;
+const LEAST_COLUMNS: usize = 16;
 /// Fewest columns with both edges that make a frame believable.
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
@@ -56,10 +57,10 @@ const SEARCH_EVERY: u32 = 256;
 /// Finds edges in the frames of one stream; keeps tables and buffers between them.
 #[derive(Clone, Debug)]
 pub struct EdgeStream {
-    settings: GaugeSettings,
+    pub(super) settings: GaugeSettings,
     /// The edge-spread function of the settings.
     shape: EdgeShape,
-    sides: [SideState; 2],
+    pub(super) sides: [SideState; 2],
     /// Where the edges are looked for.
     coarse: Coarse,
     axis: AxisScratch,
@@ -71,6 +72,8 @@ pub struct EdgeStream {
     /// Step of the grey scale, counts, as the last search found it.
     step: f64,
     last: Option<Last>,
+    /// Readings of a line camera.
+    pub(super) narrow: Option<Narrow>,
 }
 
 /// What the last frame leaves.
@@ -90,7 +93,7 @@ impl EdgeStream {
                 let table = StepTable::new(samples.reach_px(), |d| samples.at(d));
                 EdgeShape::Table(std::sync::Arc::new(table))
             }
-            EsfModel::Gaussian {} | EsfModel::Learnt {} => EdgeShape::Gaussian,
+            EsfModel::Gaussian {} | EsfModel::Learnt {} | EsfModel::Optics {} => EdgeShape::Gaussian,
         };
         Self {
             shape,
@@ -103,6 +106,7 @@ impl EdgeStream {
             splits: true,
             step: 0.0,
             last: None,
+            narrow: None,
         }
     }
 
@@ -128,6 +132,9 @@ impl EdgeStream {
 
     /// Adds what the edges of the frame just measured leave of the edge model.
     pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+        if let Some(narrow) = &self.narrow {
+            return narrow.teach(lesson);
+        }
         for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
             side.teach(lesson, index, line);
         }
@@ -135,7 +142,7 @@ impl EdgeStream {
 
     /// Forgets what earlier frames taught.
     pub fn restart(&mut self) {
-        self.last = None;
+        (self.last, self.narrow) = (None, None);
         self.sides.iter_mut().for_each(SideState::forget);
     }
 
@@ -144,11 +151,14 @@ impl EdgeStream {
     /// # Errors
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
     pub fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        if view.rows() < LEAST_ROWS || view.columns() < LEAST_COLUMNS {
-            return Err(explain::too_small((view.rows(), view.columns()), (LEAST_ROWS, LEAST_COLUMNS)));
+        if view.rows() < LEAST_ROWS {
+            return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
         }
         if !all_finite(view) {
             return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
+        }
+        if view.columns() < LEAST_COLUMNS {
+            return self.measure_readings(view, out);
         }
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
@@ -315,11 +325,15 @@ impl EdgeStream {
         if given.is_none() {
             self.refine_blur(&scene, sigma);
             let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
-            if self.sides[0].window_width(largest) != self.sides[0].windows.width {
+            let rings = rings::differ(&self.shape, sigma, largest);
+            if rings || self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
                 scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
                 scene = self.leave_out_stuck(plane, scale, scene)?;
                 self.pool(&scene)?;
+                if rings {
+                    self.refine_blur(&scene, sigma);
+                }
             }
         } else {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
@@ -345,7 +359,7 @@ impl EdgeStream {
         scale: Scale,
         scene: Scene,
     ) -> Result<Scene, FrameRefused> {
-        let contrast = (scene.light - scene.dark) as f32;
+        let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
         let mut any = false;
         for side in &mut self.sides {
             let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
@@ -404,6 +418,7 @@ impl EdgeStream {
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
         both(splits, || look(top, upper), || look(bottom, lower));
+        rings::check(plane, &self.sides)?;
         self.scene(scale)
     }
 
@@ -575,7 +590,7 @@ impl EdgeStream {
             sigma_px: [top.blur.mean(), bottom.blur.mean()],
             unknown_place_px: match self.settings.esf {
                 EsfModel::Learnt {} => [top.unknown_place(), bottom.unknown_place()],
-                EsfModel::Gaussian {} | EsfModel::Table(_) => [0.0; 2],
+                _ => [0.0; 2],
             },
             dark: [top.dark.mean, bottom.dark.mean],
             light: [top.light.mean, bottom.light.mean],

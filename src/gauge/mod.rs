@@ -43,6 +43,7 @@ mod levels;
 mod median;
 mod model;
 pub mod monte_carlo;
+mod narrow;
 mod noise;
 mod normal_table;
 pub mod photon_transfer;
@@ -50,6 +51,7 @@ mod pixels;
 pub mod plausibility;
 mod repeated;
 pub mod ring;
+mod rings;
 mod rounded_frame;
 mod rounding;
 mod scene;
@@ -129,6 +131,10 @@ impl Gauge {
     /// Names the first setting out of its range.
     pub fn new(settings: GaugeSettings) -> Result<Self, GaugeSettingsError> {
         settings.validate()?;
+        if settings.esf == (EsfModel::Optics {}) {
+            let right = "the table of a job's optics; a gauge by itself has none";
+            return Err(GaugeSettingsError { key: "esf.optics", value: f64::NAN, right });
+        }
         Ok(Self { settings, misfit: None })
     }
 

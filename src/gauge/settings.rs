@@ -6,6 +6,9 @@ use thiserror::Error;
 
 use super::plausibility::PlausibilitySettings;
 
+/// Farthest sample of a table, px: twice the half of the longest window.
+const FARTHEST_PX: f64 = 256.0;
+
 /// Settings of the gauge. Blur, levels and noise are estimated from each frame unless given here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -116,6 +119,9 @@ pub enum EsfModel {
     Gaussian {},
     /// As measured or computed: light over the distance from the geometric edge. Its width is scaled to the frame's blur.
     Table(EsfSamples),
+    /// That of the job's own optics (`[optics.esf]`), in focus on the finished part: a table is made of it where a job or a calibration
+    /// with `[simulate]` is read; a gauge by itself has no optics to ask.
+    Optics {},
     /// Learnt from the first frame of a stream, where both edges travel through all sub-pixel phases; else the Gaussian.
     /// It has no absolute zero: calibrate with it.
     Learnt {},
@@ -128,6 +134,7 @@ impl EsfModel {
             Self::Gaussian {} => "gaussian",
             Self::Table(_) => "table",
             Self::Learnt {} => "learnt",
+            Self::Optics {} => "optics",
         }
     }
 }
@@ -227,7 +234,7 @@ impl Default for StationSettings {
 
 /// A `[gauge]` value out of its range.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("gauge.{key} = {value} is out of range; right would be {right}")]
+#[error("gauge.{key}{}{right}", self.found())]
 pub struct GaugeSettingsError {
     /// The key, dotted, below `[gauge]`.
     pub key: &'static str,
@@ -235,6 +242,15 @@ pub struct GaugeSettingsError {
     pub value: f64,
     /// What would be right.
     pub right: &'static str,
+}
+
+impl GaugeSettingsError {
+    fn found(&self) -> String {
+        if self.value.is_nan() {
+            return " needs ".to_owned();
+        }
+        format!(" = {} is out of range; right would be ", self.value)
+    }
 }
 
 impl GaugeSettings {
@@ -285,8 +301,12 @@ impl EsfModel {
             return refuse("esf.table.light", light.len() as f64, "as many values as distance_px has");
         }
         for pair in distance_px.windows(2) {
-            if !(pair[1] > pair[0] && pair[0].abs() <= 64.0 && pair[1].abs() <= 64.0) {
-                return refuse("esf.table.distance_px", pair[1], "rising distances within 64 px of the edge");
+            if !(pair[1] > pair[0] && pair[0].abs() <= FARTHEST_PX && pair[1].abs() <= FARTHEST_PX) {
+                return refuse(
+                    "esf.table.distance_px",
+                    pair[1],
+                    "rising distances within 256 px of the edge",
+                );
             }
         }
         if let Some(bad) = light.iter().find(|l| !(-0.5..=2.0).contains(*l)) {

@@ -28,8 +28,9 @@ const NOISE_SAMPLES: usize = 4096;
 const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 /// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
 const AT_THE_END: f64 = 2.0;
-/// Relative difference of blurs that share a table.
+/// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of itself.
 const SAME_BLUR: f64 = 0.004;
+const SAME_RINGS: f64 = 1e-4;
 
 /// Work and memory of one side.
 #[derive(Clone, Debug)]
@@ -54,6 +55,10 @@ pub(crate) struct SideState {
     pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
+    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
+    pub(crate) level_lines: bool,
+    /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
+    pub(crate) copies: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
     /// Blur for which the windows were laid out, px.
@@ -125,6 +130,8 @@ impl SideState {
             stated: Vec::new(),
             clipped_px: 0.0,
             expected: None,
+            level_lines: false,
+            copies: false,
             shape: EdgeShape::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
@@ -225,6 +232,9 @@ impl SideState {
         self.read_windows(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
+        if self.level_lines {
+            self.slope.fill(0.0);
+        }
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
             if centre.is_ok() && !(f64::from(slope.abs()) <= max_slope) {
                 *centre = Err(Reason::Steep);
@@ -247,7 +257,12 @@ impl SideState {
     fn read_windows<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
         self.windows.prepare(&self.shape, self.laid_out, width, plane.columns);
         self.windows.read(plane);
-        self.falloff.look(plane, &self.windows);
+        // Rings are no light that falls off.
+        if self.shape.is_ringed() {
+            self.falloff.clear();
+        } else {
+            self.falloff.look(plane, &self.windows);
+        }
     }
 
     /// What the windows say of levels and noise before the other side is known.
@@ -258,7 +273,8 @@ impl SideState {
         if estimate_noise && levels.count > 0.0 {
             spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
-        let ends = if levels.count > 0.0 { self.ends(scale, levels, spread, least) } else { None };
+        let ends =
+            if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
         // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
         if ends.is_none_or(|ends| !ends.high.is_finite()) {
             self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
@@ -438,8 +454,9 @@ impl SideState {
     /// Index of the table for a blur and noise slope, built where it is missing.
     fn table(&mut self, sigma: f64, kappa: f64, free_levels: bool) -> usize {
         let width = self.windows.width;
+        let same = if self.shape.is_ringed() { SAME_RINGS } else { SAME_BLUR };
         let near = |t: &Table| {
-            t.width == width && (t.sigma / sigma).ln().abs() < SAME_BLUR && (t.kappa - kappa).abs() < 0.08
+            t.width == width && (t.sigma / sigma).ln().abs() < same && (t.kappa - kappa).abs() < 0.08
         };
         if let Some(found) = self.tables.iter().position(near) {
             return found;

@@ -100,6 +100,8 @@ pub struct StationAverager {
     /// Per station: sums by angle in microdegrees.
     sums: Vec<BTreeMap<i64, AngleSums>>,
     pitch_mm: f64,
+    /// Whether the frames are single readings of a line camera: how many a station has is the scan's affair.
+    readings: bool,
 }
 
 /// Mean and even lobes over the angles.
@@ -142,12 +144,13 @@ impl StationAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(settings: &StationSettings, z_mm: Vec<f64>, station_mm: f64) -> Self {
         let sums = vec![BTreeMap::new(); z_mm.len()];
-        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0 }
+        Self { z_mm, station_mm, settings: *settings, sums, pitch_mm: 0.0, readings: false }
     }
 
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.pitch_mm = diameters.pitch_mm;
+        self.readings = diameters.readings.len() < NARROW;
         let angle = (meta.angle_deg * 1e6).round() as i64;
         for (column, reading) in diameters.readings.iter().enumerate() {
             let z_mm = diameters.z_mm(meta, column);
@@ -194,7 +197,7 @@ impl StationAverager {
 
     /// Angles with enough columns, by their means, but for one.
     fn angles(&self, sums: &BTreeMap<i64, AngleSums>, but: Option<i64>) -> Vec<(i64, AngleSums)> {
-        let whole = self.station_mm / self.pitch_mm.max(1e-12);
+        let whole = if self.readings { 0.0 } else { self.station_mm / self.pitch_mm.max(1e-12) };
         let least = (self.settings.min_fill * whole).max(1.0);
         let enough = |(angle, s): &(&i64, &AngleSums)| s.columns as f64 >= least && Some(**angle) != but;
         sums.iter().filter(enough).map(|(angle, s)| (*angle, *s)).collect()
@@ -231,6 +234,9 @@ impl StationAverager {
         best
     }
 }
+
+/// Columns below which a frame is a reading of a line camera.
+const NARROW: usize = 16;
 
 /// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of good ones with three degrees of freedom).
 const FAR: f64 = 7.0;

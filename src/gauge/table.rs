@@ -20,8 +20,10 @@ pub(crate) const FINE: u32 = 64;
 pub(crate) const COARSE: u32 = 16;
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
-/// Pixels of the longest window.
-const MOST_WIDTH: usize = 72;
+/// Pixels of the longest window, and of the longest one over the rings of coherent light without a lens.
+pub(crate) const MOST_WIDTH: (usize, usize) = (72, 256);
+/// Flat pixels either side beyond the reach of an edge; over rings the mean of more of them takes the farthest ripple out of the level.
+const FLAT: (f64, f64) = (5.0, 24.0);
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
 
@@ -133,8 +135,9 @@ pub(crate) fn half(width: usize) -> usize {
 
 /// Width of the window for a blur: the edge itself and five flat pixels or more either side.
 pub(crate) fn window_width(shape: &EdgeShape, sigma: f64) -> usize {
-    let half = (shape.reach(sigma) + 5.0 + f64::from(PHASE_REACH)).ceil() as usize;
-    (2 * half + 2).next_multiple_of(8).clamp(24, MOST_WIDTH)
+    let (flat, most) = if shape.is_ringed() { (FLAT.1, MOST_WIDTH.1) } else { (FLAT.0, MOST_WIDTH.0) };
+    let half = (shape.reach(sigma) + flat + f64::from(PHASE_REACH)).ceil() as usize;
+    (2 * half + 2).next_multiple_of(8).clamp(24, most)
 }
 
 /// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
@@ -212,7 +215,10 @@ impl Table {
         let count = 2 * steps + 1;
         (self.sigma, self.kappa, self.width, self.per_px) = (sigma, kappa, width, per_px as f32);
         self.core = if free_levels { width } else { core_width(shape, sigma) };
-        self.centroid = shape.centroid(sigma) as f32;
+        self.centroid = match shape.is_ringed() {
+            true => (width - half(width)) as f32 - 0.5 - shape.window_sum(sigma, width, half(width)) as f32,
+            false => shape.centroid(sigma) as f32,
+        };
         self.arrays.clear();
         self.arrays.resize(count * ARRAYS * width, 0.0);
         self.scalars.clear();
@@ -222,7 +228,7 @@ impl Table {
         let side = half(width) * pixel + pixel / 2 + steps;
         let borders = &mut self.borders;
         shape.borders(sigma, per_px, 2 * side + 1, borders);
-        let mut samples = [EdgeSample::default(); MOST_WIDTH];
+        let mut samples = [EdgeSample::default(); MOST_WIDTH.1];
         let samples = &mut samples[..width - 1];
         for index in 0..count {
             let phase = (index as f64 - steps as f64) / f64::from(per_px);

@@ -5,8 +5,9 @@ use wide::f32x4;
 
 use super::coarse::CoarseEdge;
 use super::esf::EdgeShape;
+use super::model::EdgeSample;
 use super::pixels::{Plane, Sample};
-use super::table::{PHASE_REACH, half};
+use super::table::{MOST_WIDTH, PHASE_REACH, half};
 use crate::profile::Reason;
 
 /// An edge this close to the central pixel is centred, px. More than half a pixel, so that noise cannot keep a window hopping.
@@ -20,7 +21,7 @@ const TILE: usize = 64;
 /// Most rows by which the edges in a tile may differ.
 const MOST_SPREAD: i32 = 8;
 /// The most rows that the windows of a tile can span, with one more either side.
-const TILE_ROWS: usize = 72 + MOST_SPREAD as usize + 2;
+const TILE_ROWS: usize = MOST_WIDTH.1 + MOST_SPREAD as usize + 2;
 /// Columns that are turned into windows together.
 const GROUP: usize = 8;
 
@@ -98,6 +99,13 @@ impl Windows {
         self.centroid = shape.centroid(sigma) as f32;
         self.flat =
             ((half(width) as f64 - shape.reach(sigma) - f64::from(PHASE_REACH)).floor() as usize).max(3);
+        if shape.is_ringed() {
+            // Rings reach beyond the window: what its own light and flat ends give for an edge in the middle.
+            let mut samples = vec![EdgeSample::default(); width];
+            shape.samples(-(half(width) as f64), 0.0, sigma, &mut samples);
+            let light: Vec<f32> = samples.iter().map(|s| s.value as f32).collect();
+            self.centroid = area_start(&light, self.flat).2;
+        }
         self.pixels.resize(columns * width, 0.0);
         for values in [&mut self.start, &mut self.dark, &mut self.light] {
             values.clear();

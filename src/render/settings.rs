@@ -32,6 +32,23 @@ pub struct Camera {
     /// Read only two windows of rows; none reads the whole field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub windows: Option<EdgeWindows>,
+    /// A line camera: one column, one reading a line; none for an area camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<LineCamera>,
+}
+
+/// A camera of one line of pixels across the part. Spindle and carriage are its other axes: every reading has an angle and a z of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LineCamera {
+    /// Readings a millisecond.
+    pub rate_khz: f64,
+}
+
+impl Default for LineCamera {
+    fn default() -> Self {
+        Self { rate_khz: 16.0 }
+    }
 }
 
 /// Two windows of rows, one an edge: the regions of one camera, or two heads mounted a known distance apart, seen as one
@@ -64,6 +81,7 @@ impl Default for Camera {
             exposure_us: 50.0,
             frame_period_ms: 28.0,
             windows: None,
+            line: None,
         }
     }
 }
@@ -75,6 +93,25 @@ impl Camera {
         f64::from(self.rows) - self.windows.map_or(0.0, between)
     }
 
+    /// Time from one frame, or one reading of a line camera, to the next, ms.
+    pub fn period_ms(&self) -> f64 {
+        self.line.map_or(self.frame_period_ms, |line| line.rate_khz.recip())
+    }
+
+    fn check_line(&self) -> Result<(), RenderError> {
+        let Some(line) = self.line else { return Ok(()) };
+        within("camera.line.rate_khz", line.rate_khz, 1e-3, 1e3)?;
+        if self.columns != 1 {
+            let right = "must be 1 with [camera.line]: one line of camera.rows pixels a reading";
+            return Err(RenderError::setting("camera.columns", &self.columns, right));
+        }
+        if self.windows.is_some() {
+            let right = "are for an area camera: leave them out beside [camera.line]";
+            return Err(RenderError::setting("camera.windows", &"windows", right));
+        }
+        within("camera.exposure_us", self.exposure_us, 0.001, 1e3 / line.rate_khz)
+    }
+
     /// Checks every value against its range.
     ///
     /// # Errors
@@ -84,7 +121,8 @@ impl Camera {
         within("camera.rows", f64::from(self.rows), 1.0, 16384.0)?;
         within("camera.pixel_um", self.pixel_um, 0.1, 100.0)?;
         within("camera.exposure_us", self.exposure_us, 0.001, 1e7)?;
-        within("camera.frame_period_ms", self.frame_period_ms, 0.001, 1e6)
+        within("camera.frame_period_ms", self.frame_period_ms, 0.001, 1e6)?;
+        self.check_line()
     }
 }
 

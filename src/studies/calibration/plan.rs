@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::gauge::bench::{CertificateShare, Conditions, Date, LensLimits, SettingError, Thermometer};
-use crate::gauge::{GaugeSettings, MasterCertificate};
-use crate::job::{Job, MasterPin};
+use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
+use crate::job::{Job, MasterPin, NominalEdge};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
@@ -287,7 +287,29 @@ impl CalibrationPlan {
         if self.simulate.is_none() {
             return self.clone();
         }
-        Self { thermometer: self.thermometer.known(), conditions: self.conditions.known(), ..self.clone() }
+        Self {
+            thermometer: self.thermometer.known(),
+            conditions: self.conditions.known(),
+            gauge: self.gauge_of_optics(),
+            ..self.clone()
+        }
+    }
+
+    /// The gauge with the edge-spread function of `[simulate]`'s optics where it asks for it; as it is where they give none, which a
+    /// gauge refuses.
+    fn gauge_of_optics(&self) -> GaugeSettings {
+        let bench = match &self.simulate {
+            Some(simulate) if self.gauge.esf == (EsfModel::Optics {}) => simulate.bench(),
+            _ => return self.gauge.clone(),
+        };
+        let radius_mm =
+            self.masters.iter().map(|m| 0.5 * m.diameter_mm).sum::<f64>() / self.masters.len().max(1) as f64;
+        let pixel_mm = bench.nominal_pixel_mm();
+        let edge = NominalEdge::new(&bench.optics, pixel_mm, radius_mm, 0.0);
+        edge.map_or_else(
+            |_| self.gauge.clone(),
+            |edge| GaugeSettings { esf: edge.model(1e3 * pixel_mm), ..self.gauge.clone() },
+        )
     }
 
     /// Checks what only shows when the keys meet.
