@@ -3,27 +3,29 @@
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
 
 mod evidence;
+mod in_process;
 mod masters;
 mod pass_before;
+mod scan;
 
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::cell::{CellError, TurningCell};
+use crate::cell::{CellError, TrueAxis, TurningCell};
 use crate::conformity::DecisionRule;
 pub use evidence::Evidence;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
-use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
 };
-use crate::job::{Job, JobError};
+use crate::job::{Job, JobError, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
+use crate::process::CutSummary;
 use crate::profile::{DiameterProfile, Reading};
 use evidence::{AfterCut, Stamp};
 
@@ -115,6 +117,10 @@ pub struct PassResult {
     pub alarm: Option<String>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
+    /// Forces and deflections while it was cut, where the cell has them.
+    pub cut: Option<CutSummary>,
+    /// The part's axis with the tool clear, for comparison only.
+    pub true_axis: Option<TrueAxis>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,
     /// The middle field at the first angle.
@@ -294,7 +300,10 @@ impl<'a> ClosedLoop<'a> {
     /// Where the record does not fit the job, or the cut fails.
     pub fn replay(&mut self, measured: &DiameterProfile, evidence: &Evidence) -> Result<(), LoopError> {
         self.begin_part(self.stock.clone());
-        let plan = self.plan();
+        let mut plan = self.plan();
+        if let Some(applied) = &evidence.applied_mm {
+            plan.offset.o_mm.clone_from(applied);
+        }
         let (found, expected) = (measured.stations.len(), plan.station_z_mm.len());
         if found != expected {
             return Err(LoopError::Replay { pass: plan.pass, found, expected });
@@ -311,9 +320,17 @@ impl<'a> ClosedLoop<'a> {
     pub fn run_pass(&mut self, progress: Progress<'_>) -> Result<PassResult, LoopError> {
         self.begin()?;
         let plan = self.plan();
-        self.cell.cut(&plan)?;
-        let after_cut = AfterCut::of(self.cell.as_ref());
-        let mut scan = self.scan(plan.pass, progress)?;
+        self.notes.clear();
+        let (plan, mut scan, after_cut) = match self.job.scan.when {
+            ScanWhen::AfterPass => {
+                self.cell.cut(&plan)?;
+                let after_cut = AfterCut::of(self.cell.as_ref());
+                let scan = self.scan(plan.pass, progress)?;
+                (plan, scan, after_cut)
+            }
+            ScanWhen::DuringCut => self.cut_and_follow(&plan, progress)?,
+        };
+        let within = std::mem::take(&mut self.notes);
         let implausible =
             pass_before::compare(self.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
         let master = self.check_master()?;
@@ -321,6 +338,7 @@ impl<'a> ClosedLoop<'a> {
             origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
             in_machine: self.cell.in_machine(),
             repeat: None,
+            applied_mm: self.job.control.within_pass.map(|_| plan.offset.o_mm.clone()),
         };
         if self.controller.needs_repeat(&plan, &scan.profile, &self.context(&evidence)) {
             let again = self.scan(plan.pass, progress)?;
@@ -340,8 +358,10 @@ impl<'a> ClosedLoop<'a> {
             readings: scan.readings,
             decision,
             evidence,
-            notes: implausible.into_iter().chain(self.notes.iter().cloned()).collect(),
+            notes: within.into_iter().chain(implausible).chain(self.notes.iter().cloned()).collect(),
             alarm: self.alarm.clone(),
+            cut: self.cell.last_cut(),
+            true_axis: self.cell.true_axis(),
             form: scan.form,
             sample: scan.sample,
             frames: scan.frames,
@@ -354,20 +374,8 @@ impl<'a> ClosedLoop<'a> {
     fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
         let plan = self.job.scan_plan();
         let mut measured = Measured::new(self.job, plan.frames(), &self.calibration, self.gauge.stream());
-        let mut source = self.cell.scan(&plan)?;
-        while let Some(frame) = measured.wait(source.as_mut())? {
-            let spent = measured.take(frame);
-            if let Some(frame) = spent {
-                source.recycle(frame);
-            }
-            progress(measured.frames, plan.frames());
-        }
-        drop(source);
-        let Measured { averager, turns, readings, sample, refused, frames, waited, measured, ends, .. } =
-            measured;
-        let profile = averager.finish(pass);
-        let form = turns.finish(Cutoff::default());
-        Ok(Scanned { profile, form, readings, sample, frames, refused, waited, measured, ends })
+        measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
+        Ok(measured.finish(pass))
     }
 
     /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such

@@ -3,6 +3,7 @@
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
+mod follow;
 mod scan;
 mod workpiece;
 
@@ -22,7 +23,7 @@ use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
-pub use scan::{MasterPin, Masters, Scan, StockScan};
+pub use scan::{MasterPin, Masters, Scan, ScanWhen, StockScan};
 
 /// A setting that cannot be right, with the dotted key it stands under.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -441,6 +442,7 @@ impl Job {
             ));
         }
         self.part.check_aim()?;
+        self.check_follow()?;
         if self.scan.angles < 2 {
             return Err(JobError::at(
                 "scan.angles",

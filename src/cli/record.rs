@@ -10,11 +10,12 @@ use crate::gauge::Calibration;
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
+use crate::process::bending::axis_at;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
-    ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder, StationRow,
-    TruthRow, profile_of, read_diameters,
+    AxisRow, ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder,
+    StationRow, TruthRow, profile_of, read_diameters,
 };
 
 use super::Failure;
@@ -48,6 +49,7 @@ pub struct Recorder<'a> {
     diameters: Vec<DiameterRow>,
     control: ControlRecord,
     form: (Vec<FormRow>, Vec<PartFormRow>),
+    axis: Vec<AxisRow>,
 }
 
 impl<'a> Recorder<'a> {
@@ -66,6 +68,8 @@ impl<'a> Recorder<'a> {
         let mut form = folder.form().map_err(folder_failure)?;
         form.0.retain(|f| done(f.pass));
         form.1.retain(|f| done(f.pass));
+        let mut axis = folder.axis().map_err(folder_failure)?;
+        axis.retain(|a| done(a.pass));
         let calibration = match passes.is_empty() {
             true => None,
             false => Some(read_calibration(folder)?),
@@ -88,7 +92,7 @@ impl<'a> Recorder<'a> {
             chain.replay(&profile_of(row.pass, &stations), &evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form })
+        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form, axis })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -148,6 +152,7 @@ impl<'a> Recorder<'a> {
         let stations = &result.profile.stations;
         self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
+        self.axis.extend(axis_rows(result));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
         self.control.passes.push(pass_record(result));
@@ -163,6 +168,7 @@ impl<'a> Recorder<'a> {
             .and_then(|()| folder.write_form(&self.form.0, &self.form.1))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
+            .and_then(|()| folder.write_axis(&self.axis))
             .and_then(|()| folder.write_control(&self.control))
             .and_then(|()| folder.write_passes(&self.passes))
             .map_err(folder_failure)
@@ -318,7 +324,23 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
         stations_measured: measured.len(),
         frames: result.frames,
         decision: decision_word(result).to_owned(),
+        radial_force_n: result.cut.as_ref().map(|c| c.max_force_n),
+        tangential_force_n: result.cut.as_ref().map(|c| c.max_cutting_n),
+        feed_force_n: result.cut.as_ref().map(|c| c.max_feed_n),
+        deflection_um: result.cut.as_ref().map(|c| 1e3 * c.max_deflection_mm),
+        tangential_error_um: result.cut.as_ref().map(|c| c.tangential_error_um),
+        feed_mark_um: result.cut.as_ref().map(|c| c.feed_mark_um),
     }
+}
+
+fn axis_rows(result: &PassResult) -> impl Iterator<Item = AxisRow> + '_ {
+    result.true_axis.iter().flat_map(|axis| {
+        result.plan.station_z_mm.iter().map(|&z_mm| {
+            let [still_x_mm, still_y_mm] = axis_at(&axis.still, z_mm);
+            let [turning_x_mm, turning_y_mm] = axis_at(&axis.turning, z_mm);
+            AxisRow { pass: result.plan.pass, z_mm, still_x_mm, still_y_mm, turning_x_mm, turning_y_mm }
+        })
+    })
 }
 
 /// A bar on a terminal, nothing elsewhere.

@@ -16,6 +16,9 @@ pub struct Evidence {
     pub in_machine: Option<PartAndTool>,
     /// The second scan, where a step was large enough to need one.
     pub repeat: Option<DiameterProfile>,
+    /// Offsets as they were applied, mm of diameter, where control changed them within the pass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub applied_mm: Option<Vec<f64>>,
 }
 
 /// Number and time of a frame.

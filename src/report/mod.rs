@@ -1,5 +1,6 @@
 //! Plots and HTML from what a run folder, a calibration or a study holds.
 
+mod axis_report;
 mod calibration_report;
 mod form_report;
 pub mod html;

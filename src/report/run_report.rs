@@ -1,5 +1,6 @@
 //! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
 
+use super::axis_report::axis_section;
 use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
@@ -94,6 +95,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     if let Some(sample) = view.sample {
         files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
+    files.extend(axis_section(&mut page, &rows.passes, &rows.stations, &view.folder.axis()?)?);
     let (sections, parts) = view.folder.form()?;
     form_section(&mut page, &sections, &parts, view.form)?;
     uncertainty(&mut page, &rows)?;

@@ -21,7 +21,7 @@ use crate::files::{self, LOCK_NAME, Lock, OutputError, TEMPORARY};
 pub use control::{ControlRecord, PassRecord};
 pub use form_tables::{FormRow, PartFormRow};
 pub use parquet_file::{DiameterRow, TruthRow, read_diameters};
-pub use tables::{OffsetRow, PassRow, StationRow, offset_of, profile_of};
+pub use tables::{AxisRow, OffsetRow, PassRow, StationRow, offset_of, profile_of};
 
 /// Why a run folder cannot be used.
 #[derive(Debug, Error)]
