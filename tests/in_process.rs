@@ -96,7 +96,8 @@ fn the_gauge_follows_the_tool_and_every_station_is_read() {
     let passes = turn(&job);
     for pass in &passes {
         assert!(pass.refused.is_empty(), "{:?}", pass.refused);
-        assert_eq!(pass.frames, 44);
+        // A large first step is confirmed by a second scan, tool clear.
+        assert!(pass.frames == 44 || pass.frames == 88, "{}", pass.frames);
         let truth = pass.truth_mm.as_ref().unwrap();
         let (mut squares, mut n) = (0.0, 0.0);
         for (station, truth) in pass.profile.stations.iter().zip(truth) {

@@ -16,7 +16,11 @@ use crate::studies::reproduction::{Row, Verdict};
 pub(super) const JOB: &str = include_str!("../../../configs/slender_shaft.toml");
 
 pub(super) fn job() -> Result<Job, ReproductionError> {
-    toml::from_str(JOB).map_err(|e| ReproductionError::Job(e.to_string()))
+    let mut job: Job = toml::from_str(JOB).map_err(|e| ReproductionError::Job(e.to_string()))?;
+    // The paper's model has the radial force alone, on a straight shaft.
+    job.process.bending = crate::process::BendingSettings::default();
+    job.shaft.bow = crate::shaft::Bow::default();
+    Ok(job)
 }
 
 /// How offsets follow from the controller's output; none without control.
