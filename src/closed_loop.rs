@@ -144,6 +144,8 @@ pub struct ClosedLoop<'a> {
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
     calibration: Calibration,
+    /// The same under the part's conditions.
+    of_part: Calibration,
     controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
     /// What the controller asked for; `offset` is what the machine's program made of it.
@@ -205,6 +207,7 @@ impl<'a> ClosedLoop<'a> {
             job,
             cell,
             gauge,
+            of_part: calibration.clone().with_conditions(job.part_conditions()),
             calibration,
             controller,
             asked: offset.clone(),
@@ -373,7 +376,7 @@ impl<'a> ClosedLoop<'a> {
 
     fn scan(&mut self, pass: u32, progress: Progress<'_>) -> Result<Scanned, LoopError> {
         let plan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, plan.frames(), &self.calibration, self.gauge.stream());
+        let mut measured = Measured::new(self.job, plan.frames(), &self.of_part, self.gauge.stream());
         measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
         Ok(measured.finish(pass))
     }

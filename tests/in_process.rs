@@ -132,6 +132,34 @@ fn control_within_the_pass_takes_off_what_the_gauge_finds_behind_the_tool() {
     assert!(applied.iter().any(|o| *o > 1e-3) && plain[0].evidence.applied_mm.is_none());
 }
 
+/// A warm shaft is seen larger while it is cut; a thermometer takes it to 20 °C, and its limits into the uncertainty.
+#[test]
+fn the_heat_of_the_cut_is_taken_off_by_a_thermometer() {
+    let heat = "[process.disturbance]\nheat_start_k = 20.0\nheat_end_k = 20.0";
+    let mut plain = job("during_cut", heat);
+    plain.passes = Some(1);
+    let known = Job {
+        scan: shadowgauge::job::Scan { part_rise_k: 20.0, limit_part_rise_k: 1.0, ..plain.scan.clone() },
+        ..plain.clone()
+    };
+    // The stations that only the scan after the cut reaches are cold again.
+    let mean_um = |pass: &PassResult| {
+        let truth = pass.truth_mm.as_ref().unwrap();
+        let pairs = pass.profile.stations.iter().zip(truth).filter(|(s, _)| s.z_mm > 30.0);
+        let errors: Vec<f64> = pairs.filter_map(|(s, t)| Some(1e3 * (s.reading.value()?.d_mm - t))).collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    };
+    let (warm, corrected) = (turn(&plain).remove(0), turn(&known).remove(0));
+    // 20 K of 11.5 µm/(m K) on 5.6 mm.
+    assert!((mean_um(&warm) - 1.29).abs() < 0.15, "{}", mean_um(&warm));
+    assert!(mean_um(&corrected).abs() < 0.15, "{}", mean_um(&corrected));
+    let u_common = |pass: &PassResult| pass.profile.stations[20].reading.value().unwrap().u_common_mm;
+    assert!(u_common(&corrected) > u_common(&warm));
+    let mut wrong = plain;
+    wrong.scan.limit_part_rise_k = -1.0;
+    assert!(wrong.check_coverage().unwrap_err().to_string().contains("scan.limit_part_rise_k"));
+}
+
 #[test]
 fn a_gauge_that_would_see_the_tool_is_refused() {
     let mut near = job("during_cut", "");

@@ -22,7 +22,7 @@ impl ClosedLoop<'_> {
         let mut within = control
             .within_pass
             .map(|settings| WithinPass::begin(settings, control.plant_gain, &plan.offset.o_mm));
-        let mut measured = Measured::new(self.job, frames, &self.calibration, self.gauge.stream());
+        let mut measured = Measured::new(self.job, frames, &self.of_part, self.gauge.stream());
         let mut cut = self.cell.cut_followed(plan, &follow)?;
         while let Some(frame) = measured.wait(cut.as_mut())? {
             if let Some(spent) = measured.take(frame) {

@@ -3,12 +3,16 @@
 use std::f64::consts::PI;
 
 use super::{Job, JobError, ScanWhen, from_render};
+use crate::gauge::bench::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;
 use crate::render::motion::Motion;
 
 /// Room between the tool and the field's edge, mm: chip and insert stand out from the tip.
 const CLEAR_OF_TOOL_MM: f64 = 2.0;
+
+/// Limits of a tabulated expansion, µm/(m·K): 11.5 ± 1 of steels in gauging practice (ISO 1).
+const LIMIT_EXPANSION_UM_PER_M_K: f64 = 1.0;
 
 impl Job {
     /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's nominal diameter.
@@ -62,8 +66,35 @@ impl Job {
         Motion { spindle_rpm: follow.spindle_rpm, carriage_mm_s: follow.carriage_mm_s, ..self.motion.clone() }
     }
 
+    /// What is known of the part while it is scanned: its temperature, and its material's expansion where that counts.
+    pub fn part_conditions(&self) -> Conditions {
+        let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
+        let exact = Conditions::default();
+        let Some(material) = self.process.material.resolve().ok().filter(|_| rise != 0.0 || limit != 0.0)
+        else {
+            return exact;
+        };
+        Conditions {
+            temperature_c: exact.temperature_c + rise,
+            limit_temperature_k: limit,
+            expansion_um_per_m_k: material.expansion_um_per_m_k,
+            limit_expansion_um_per_m_k: LIMIT_EXPANSION_UM_PER_M_K,
+            ..exact
+        }
+    }
+
     /// Whether a gauge can follow the tool.
     pub(super) fn check_follow(&self) -> Result<(), JobError> {
+        let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
+        if !(-70.0..=380.0).contains(&rise) {
+            return Err(JobError::at("scan.part_rise_k", format!("{rise} K must lie between -70 and 380")));
+        }
+        if !(0.0..=100.0).contains(&limit) {
+            return Err(JobError::at(
+                "scan.limit_part_rise_k",
+                format!("{limit} K must lie between 0 and 100"),
+            ));
+        }
         if self.scan.when != ScanWhen::DuringCut {
             return Ok(());
         }
