@@ -6,7 +6,7 @@ use shadowgauge::closed_loop::{ClosedLoop, PassResult};
 use shadowgauge::job::{Job, ScanWhen};
 use shadowgauge::render::{BackendChoice, Renderer};
 
-/// A short shaft before a small camera: 96 µm a pixel would not do, so the field is 10 mm of a 6 mm shaft of 120 mm.
+/// A short, slender shaft before a small camera: the field shows 12 mm of a 6 mm shaft of 120 mm.
 fn job(when: &str, within: &str) -> Job {
     let text = format!(
         r#"
@@ -104,9 +104,10 @@ fn the_gauge_follows_the_tool_and_every_station_is_read() {
             let d = station.reading.value().unwrap_or_else(|| panic!("{station:?}"));
             squares += ((d.d_mm - truth) / d.u_mm()).powi(2);
             n += 1.0;
-            assert!((d.d_mm - truth).abs() < 2e-3, "{station:?} against {truth}");
+            assert!((d.d_mm - truth).abs() < 4.0 * d.u_mm(), "{station:?} against {truth}");
         }
-        assert!((squares / n).sqrt() < 2.0, "rms error/u {}", (squares / n).sqrt());
+        // Four angles and a shaft that yields by its own tolerance tell u poorly: 1.16 and 1.25 were found.
+        assert!((squares / n).sqrt() < 1.6, "rms error/u {}", (squares / n).sqrt());
         assert!(pass.cut.as_ref().unwrap().max_deflection_mm > 1e-3);
     }
     // The same job twice gives the same readings; the clock runs through the pass.
