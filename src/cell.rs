@@ -41,6 +41,11 @@ pub trait FollowedCut: FrameSource {
     /// Machine z of the tool when the last frame was taken, mm.
     fn tool_z_mm(&self) -> f64;
 
+    /// The clock that frames are stamped with, ns; `None` where the cell has none.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// Changes the offsets of stations that the tool has not reached; what is cut stays cut.
     ///
     /// # Errors

@@ -173,4 +173,6 @@ fn a_gauge_that_would_see_the_tool_is_refused() {
     assert!(slow.check_coverage().unwrap_err().to_string().contains("motion.spindle_rpm"));
     slow.scan.when = ScanWhen::AfterPass;
     slow.check_coverage().unwrap();
+    slow.control.within_pass = Some(Default::default());
+    assert!(slow.check_coverage().unwrap_err().to_string().contains("control.within_pass"));
 }

@@ -87,6 +87,10 @@ impl FollowedCut for SimulatedCut<'_, '_> {
         self.follow.frames.get(seen).map_or(f64::NAN, |f| f.tool_z_mm)
     }
 
+    fn now_ns(&self) -> Option<u64> {
+        Some(self.cell.clock_ns)
+    }
+
     fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError> {
         let plan = PassPlan { offset: offset.clone(), ..self.plan.clone() };
         // The cut is causal along the feed: what lies behind the tool comes out as before.

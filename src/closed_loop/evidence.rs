@@ -46,6 +46,11 @@ impl AfterCut {
         Self { of: cell.in_machine(), now_ns: cell.now_ns() }
     }
 
+    /// The state when a cut begins that is looked at meanwhile.
+    pub(super) fn begun(of: Option<PartAndTool>, now_ns: Option<u64>) -> Self {
+        Self { of, now_ns }
+    }
+
     /// Origin of a scan with these first and last frames.
     pub(super) fn origin(
         self,

@@ -17,13 +17,14 @@ impl ClosedLoop<'_> {
     ) -> Result<(PassPlan, Scanned, AfterCut), LoopError> {
         let follow = self.job.follow_plan(plan.pass);
         let frames = follow.all_frames();
-        let before = AfterCut::of(self.cell.as_ref());
+        let of = self.cell.in_machine();
         let control = &self.job.control;
         let mut within = control
             .within_pass
             .map(|settings| WithinPass::begin(settings, control.plant_gain, &plan.offset.o_mm));
         let mut measured = Measured::new(self.job, frames, &self.of_part, self.gauge.stream());
         let mut cut = self.cell.cut_followed(plan, &follow)?;
+        let begun = AfterCut::begun(of, cut.now_ns());
         while let Some(frame) = measured.wait(cut.as_mut())? {
             if let Some(spent) = measured.take(frame) {
                 cut.recycle(spent);
@@ -38,7 +39,7 @@ impl ClosedLoop<'_> {
         measured.scan(self.cell.as_mut(), &follow.rest, frames, progress)?;
         let offset =
             within.map_or_else(|| plan.offset.clone(), |w| DiameterOffset { o_mm: w.applied_mm().to_vec() });
-        Ok((PassPlan { offset, ..plan.clone() }, measured.finish(plan.pass), before))
+        Ok((PassPlan { offset, ..plan.clone() }, measured.finish(plan.pass), begun))
     }
 }
 

@@ -96,7 +96,10 @@ impl Job {
             ));
         }
         if self.scan.when != ScanWhen::DuringCut {
-            return Ok(());
+            let why =
+                "nothing is read while the pass is cut: set scan.when = \"during_cut\", or leave it out";
+            let idle = self.control.within_pass.is_some();
+            return if idle { Err(JobError::at("control.within_pass", why)) } else { Ok(()) };
         }
         let least = 0.5 * f64::from(self.camera.columns) * self.nominal_mm_per_px() + CLEAR_OF_TOOL_MM;
         let behind = self.scan.behind_tool_mm;
