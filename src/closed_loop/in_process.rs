@@ -30,7 +30,7 @@ impl ClosedLoop<'_> {
                 cut.recycle(spent);
             }
             progress(measured.frames, frames);
-            let burst_done = measured.frames % follow.burst.max(1) == 0;
+            let burst_done = measured.frames.is_multiple_of(follow.burst.max(1));
             if let Some(within) = within.as_mut().filter(|_| burst_done) {
                 self.notes.extend(correct_ahead(self.job, within, plan, &measured, cut.as_mut())?);
             }

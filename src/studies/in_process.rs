@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{ClosedLoop, LoopError, PassResult};
-use crate::control::{OnAlarm, WithinPassSettings};
+use crate::control::OnAlarm;
 use crate::gauge::Calibration;
 use crate::job::{Job, ScanWhen};
 use crate::render::Renderer;
@@ -61,7 +61,7 @@ pub fn check(job: &Job) -> Result<(), crate::job::JobError> {
 fn variant(job: &Job, &(_, when, within): &(&str, ScanWhen, bool)) -> Job {
     let mut one = job.clone();
     one.scan.when = when;
-    let settings = job.control.within_pass.unwrap_or_else(WithinPassSettings::default);
+    let settings = job.control.within_pass.unwrap_or_default();
     one.control.within_pass = within.then_some(settings);
     // Every pass is shown; an alarm counts as offsets held.
     one.control.guards.on_alarm = OnAlarm::GoOn;
