@@ -1,5 +1,7 @@
 //! The turning cell: cuts a pass, shows the part to the camera. The simulated one joins process and render.
 
+mod in_process;
+
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
@@ -10,12 +12,13 @@ mod touch;
 use crate::control::{PartAndTool, PartEvent};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::job::{Job, MasterPin};
-use crate::plan::{PassPlan, ScanPlan};
+use crate::plan::{DiameterOffset, FollowPlan, PassPlan, ScanPlan};
 use crate::probe::{Touch, TouchOrder};
-use crate::process::{BaseForm, ProcessError, Stock, TurningProcess};
+use crate::process::bending::sum_of_lines;
+use crate::process::{BaseForm, CutSummary, ProcessError, Stock, TurningProcess};
 use crate::render::form::form_shaft;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
-use crate::shaft::{Pose, ProfileKnot, Shaft};
+use crate::shaft::{AxisKnot, Pose, ProfileKnot, Shaft};
 use crate::truth;
 use touch::TrueProbe;
 
@@ -35,6 +38,41 @@ pub enum CellError {
     /// The cell has no probe.
     #[error("this cell has no touch probe")]
     NoProbe,
+    /// The cell has no gauge that follows the tool.
+    #[error("this cell cannot be looked at while it cuts: scan.when must be after_pass")]
+    NotFollowed,
+}
+
+/// A pass under way, seen by the gauge behind the tool: frames, and the command of what is still to be cut.
+pub trait FollowedCut: FrameSource {
+    /// Machine z of the tool when the last frame was taken, mm.
+    fn tool_z_mm(&self) -> f64;
+
+    /// The clock that frames are stamped with, ns; `None` where the cell has none.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
+    /// Changes the offsets of stations that the tool has not reached; what is cut stays cut.
+    ///
+    /// # Errors
+    /// Where the machine refuses.
+    fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError>;
+
+    /// Lets the tool finish the pass.
+    ///
+    /// # Errors
+    /// Where the machine refuses; the workpiece is then as before.
+    fn finish(self: Box<Self>) -> Result<(), CellError>;
+}
+
+/// The axis of a part for comparison only: what stands still and what turns with it, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueAxis {
+    /// In the machine's frame.
+    pub still: Vec<AxisKnot>,
+    /// In the body's frame: bow and eccentricity.
+    pub turning: Vec<AxisKnot>,
 }
 
 /// A lathe with a gauge on its carriage, real or simulated.
@@ -65,6 +103,28 @@ pub trait TurningCell {
         Err(CellError::NoProbe)
     }
 
+    /// Cuts a pass while the gauge follows the tool; [`FollowedCut::finish`] ends it.
+    ///
+    /// # Errors
+    /// Where the machine refuses, or has no such gauge.
+    fn cut_followed(
+        &mut self,
+        _plan: &PassPlan,
+        _follow: &FollowPlan,
+    ) -> Result<Box<dyn FollowedCut + '_>, CellError> {
+        Err(CellError::NotFollowed)
+    }
+
+    /// Forces and deflections of the pass cut last, where the cell has them. For reports only.
+    fn last_cut(&self) -> Option<CutSummary> {
+        None
+    }
+
+    /// The part's axis with the tool clear; `None` where nobody knows. For comparison only.
+    fn true_axis(&self) -> Option<TrueAxis> {
+        None
+    }
+
     /// Clamps the next blank of a batch; `part` counts from 0, the one the cell began with.
     ///
     /// # Errors
@@ -92,7 +152,10 @@ pub struct SimulatedCell<'a> {
     renderer: &'a Renderer,
     bench: OpticalBench,
     process: TurningProcess,
+    /// The part at 20 °C.
     part: Shaft,
+    /// `[shaft.deflection]`: what bends the axis besides the process.
+    deflection: Vec<AxisKnot>,
     masters_mm: Vec<f64>,
     seed: u64,
     frame_id: u64,
@@ -132,6 +195,29 @@ const FRAMES_OF_A_PASS: u64 = 1 << 32;
 /// independent of whether an earlier pass was scanned by this process.
 const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
+/// The stock with the form that `[shaft]` gives it.
+fn formed(job: &Job) -> Result<Shaft, RenderError> {
+    let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
+    form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)
+}
+
+fn base_form_of(formed: &Shaft) -> BaseForm {
+    BaseForm {
+        lobes: formed.lobes.clone(),
+        eccentricity: formed.eccentricity,
+        bow: formed.bow.clone(),
+        pose: formed.pose,
+    }
+}
+
+/// What of a job's `[shaft]` stays with the part through all passes.
+///
+/// # Errors
+/// Where the shaft is refused.
+pub fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
+    Ok(base_form_of(&formed(job)?))
+}
+
 impl<'a> SimulatedCell<'a> {
     /// A cell with the stock clamped and the true bench drawn from the job's seed.
     ///
@@ -140,21 +226,18 @@ impl<'a> SimulatedCell<'a> {
     pub fn new(job: &Job, renderer: &'a Renderer) -> Result<Self, CellError> {
         let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
         let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
-        let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
-        let formed = form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)?;
-        let form = BaseForm {
-            lobes: formed.lobes.clone(),
-            eccentricity: formed.eccentricity,
-            bow: formed.bow.clone(),
-            pose: formed.pose,
-        };
+        let formed = formed(job)?;
+        let form = base_form_of(&formed);
         let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
-        let part = Shaft { deflection: formed.deflection, spindle: formed.spindle, ..process.blank() };
+        let blank = process.blank();
+        let deflection = sum_of_lines(&formed.deflection, &blank.deflection);
+        let part = Shaft { deflection, spindle: formed.spindle, ..blank };
         Ok(Self {
             renderer,
             bench,
             process,
             part,
+            deflection: formed.deflection,
             masters_mm: true_masters_mm(&job.masters.pins, job.seed),
             seed: job.seed,
             frame_id: 0,
@@ -179,7 +262,7 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(&self.bench, self.part.clone())?;
+        let scene = Scene::new(&self.bench, self.process.as_scanned(&self.part))?;
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
         Ok(self.film(vec![scene], stops, Film::Part))
@@ -203,6 +286,29 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn touch(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
         self.touches(master, orders)
+    }
+
+    fn cut_followed(
+        &mut self,
+        plan: &PassPlan,
+        follow: &FollowPlan,
+    ) -> Result<Box<dyn FollowedCut + '_>, CellError> {
+        Ok(Box::new(in_process::SimulatedCut::begin(self, plan, follow)?))
+    }
+
+    fn last_cut(&self) -> Option<CutSummary> {
+        self.process.last_cut().cloned()
+    }
+
+    fn true_axis(&self) -> Option<TrueAxis> {
+        let shaft = &self.part;
+        let (sin, cos) = shaft.eccentricity.phase_deg.to_radians().sin_cos();
+        let offset = shaft.eccentricity.amplitude_mm;
+        let whole = [AxisKnot { z_mm: 0.0, x_mm: offset * cos, y_mm: offset * sin }];
+        Some(TrueAxis {
+            still: shaft.deflection.clone(),
+            turning: sum_of_lines(&whole[..usize::from(offset != 0.0)], &shaft.bow),
+        })
     }
 
     fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), CellError> {
@@ -242,7 +348,8 @@ impl TurningCell for SimulatedCell<'_> {
 impl SimulatedCell<'_> {
     /// A workpiece in this machine: sag and spindle belong to it, not to the part.
     fn clamped(&self, part: Shaft) -> Shaft {
-        Shaft { deflection: self.part.deflection.clone(), spindle: self.part.spindle.clone(), ..part }
+        let deflection = sum_of_lines(&self.deflection, &part.deflection);
+        Shaft { deflection, spindle: self.part.spindle.clone(), ..part }
     }
 
     fn first_frame_id(&self) -> u64 {

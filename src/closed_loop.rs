@@ -3,15 +3,17 @@
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
 
 mod evidence;
+mod in_process;
 mod masters;
 mod pass_before;
+mod scan;
 mod touches;
 
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::cell::{CellError, TurningCell};
+use crate::cell::{CellError, TrueAxis, TurningCell};
 use crate::conformity::DecisionRule;
 pub use evidence::Evidence;
 pub use touches::Calibrated;
@@ -19,14 +21,14 @@ pub use touches::Calibrated;
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
-use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::{PartForm, TurnAverager};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
 };
-use crate::job::{Job, JobError};
+use crate::job::{Job, JobError, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
+use crate::process::CutSummary;
 use crate::profile::{DiameterProfile, Reading};
 use evidence::{AfterCut, Stamp};
 
@@ -124,6 +126,10 @@ pub struct PassResult {
     pub alarm: Option<String>,
     /// True station diameters, mm, for comparison only.
     pub truth_mm: Option<Vec<f64>>,
+    /// Forces and deflections while it was cut, where the cell has them.
+    pub cut: Option<CutSummary>,
+    /// The part's axis with the tool clear, for comparison only.
+    pub true_axis: Option<TrueAxis>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,
     /// Axis of the part along z: what stands still of it in the image plane, and what turns.
@@ -149,6 +155,8 @@ pub struct ClosedLoop<'a> {
     cell: Box<dyn TurningCell + 'a>,
     gauge: Gauge,
     calibration: Calibrated,
+    /// The same under the part's conditions.
+    of_part: Calibrated,
     controller: Box<dyn Controller + Send>,
     offset: DiameterOffset,
     /// What the controller asked for; `offset` is what the machine's program made of it.
@@ -206,6 +214,7 @@ impl<'a> ClosedLoop<'a> {
             job,
             cell,
             gauge,
+            of_part: calibration.of_part(job),
             calibration,
             controller,
             asked: offset.clone(),
@@ -301,7 +310,10 @@ impl<'a> ClosedLoop<'a> {
     /// Where the record does not fit the job, or the cut fails.
     pub fn replay(&mut self, measured: &DiameterProfile, evidence: &Evidence) -> Result<(), LoopError> {
         self.begin_part(self.stock.clone());
-        let plan = self.plan();
+        let mut plan = self.plan();
+        if let Some(applied) = &evidence.applied_mm {
+            plan.offset.o_mm.clone_from(applied);
+        }
         let (found, expected) = (measured.stations.len(), plan.station_z_mm.len());
         if found != expected {
             return Err(LoopError::Replay { pass: plan.pass, found, expected });
@@ -318,9 +330,17 @@ impl<'a> ClosedLoop<'a> {
     pub fn run_pass(&mut self, progress: Progress<'_>) -> Result<PassResult, LoopError> {
         self.begin()?;
         let plan = self.plan();
-        self.cell.cut(&plan)?;
-        let after_cut = AfterCut::of(self.cell.as_ref());
-        let mut scan = self.scan(plan.pass, progress)?;
+        self.notes.clear();
+        let (plan, mut scan, after_cut) = match self.job.scan.when {
+            ScanWhen::AfterPass => {
+                self.cell.cut(&plan)?;
+                let after_cut = AfterCut::of(self.cell.as_ref());
+                let scan = self.scan(plan.pass, progress)?;
+                (plan, scan, after_cut)
+            }
+            ScanWhen::DuringCut => self.cut_and_follow(&plan, progress)?,
+        };
+        let within = std::mem::take(&mut self.notes);
         let implausible =
             pass_before::compare(self.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
         let master = self.check_master()?;
@@ -328,6 +348,7 @@ impl<'a> ClosedLoop<'a> {
             origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
             in_machine: self.cell.in_machine(),
             repeat: None,
+            applied_mm: self.job.control.within_pass.map(|_| plan.offset.o_mm.clone()),
         };
         if self.controller.needs_repeat(&plan, &scan.profile, &self.context(&evidence)) {
             let again = self.scan(plan.pass, progress)?;
@@ -347,8 +368,10 @@ impl<'a> ClosedLoop<'a> {
             readings: scan.readings,
             decision,
             evidence,
-            notes: implausible.into_iter().chain(self.notes.iter().cloned()).collect(),
+            notes: within.into_iter().chain(implausible).chain(self.notes.iter().cloned()).collect(),
             alarm: self.alarm.clone(),
+            cut: self.cell.last_cut(),
+            true_axis: self.cell.true_axis(),
             form: scan.form,
             axis: scan.axis,
             sample: scan.sample,
@@ -363,24 +386,11 @@ impl<'a> ClosedLoop<'a> {
         if let Some((settings, probe)) = self.by_probe() {
             return self.touch_part(pass, settings, &probe, progress);
         }
-        let camera = self.calibration.camera()?;
+        let camera = self.of_part.camera()?;
         let plan = self.job.scan_plan();
         let mut measured = Measured::new(self.job, plan.frames(), camera, self.gauge.stream());
-        let mut source = self.cell.scan(&plan)?;
-        while let Some(frame) = measured.wait(source.as_mut())? {
-            let spent = measured.take(frame);
-            if let Some(frame) = spent {
-                source.recycle(frame);
-            }
-            progress(measured.frames, plan.frames());
-        }
-        drop(source);
-        let Measured {
-            averager, turns, axis, readings, sample, refused, frames, waited, measured, ends, ..
-        } = measured;
-        let profile = averager.finish(pass);
-        let (form, axis) = (turns.finish(Cutoff::default()), axis.finish());
-        Ok(Scanned { profile, form, axis, readings, sample, frames, refused, waited, measured, ends })
+        measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
+        Ok(measured.finish(pass))
     }
 
     /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such

@@ -4,6 +4,7 @@
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
 
 mod edge;
+mod follow;
 mod probe;
 mod scan;
 mod stations;
@@ -27,7 +28,7 @@ use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 pub use edge::{NominalEdge, sampled_edge};
-pub use scan::{MasterPin, Masters, Scan, StockScan};
+pub use scan::{MasterPin, Masters, Scan, ScanWhen, StockScan};
 
 /// A setting that cannot be right, with the dotted key it stands under.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -467,6 +468,7 @@ impl Job {
             ));
         }
         self.part.check_aim()?;
+        self.check_follow()?;
         if self.probe.is_some() {
             return Ok(());
         }

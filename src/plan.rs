@@ -107,3 +107,38 @@ impl ScanPlan {
         self.field_z_mm.len() * self.angle_deg.len()
     }
 }
+
+/// A frame taken while a pass is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FollowFrame {
+    /// Turns of the spindle since the feed began.
+    pub turns: f64,
+    /// Machine z of the tool then, mm.
+    pub tool_z_mm: f64,
+    /// Machine z of the field's centre, mm.
+    pub field_z_mm: f64,
+    /// Spindle angle, degrees.
+    pub angle_deg: f64,
+}
+
+/// How the gauge on the carriage follows the tool through a pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FollowPlan {
+    /// Speed of the spindle, rev/min.
+    pub spindle_rpm: f64,
+    /// Feed of the carriage along z, mm/s; below 0 towards the chuck.
+    pub carriage_mm_s: f64,
+    /// Frames in the order they are taken, a burst of `burst` a field.
+    pub frames: Vec<FollowFrame>,
+    /// Frames of a burst.
+    pub burst: usize,
+    /// What the tool's last place leaves unseen, scanned after the pass with the tool clear.
+    pub rest: ScanPlan,
+}
+
+impl FollowPlan {
+    /// Frames in all, those after the pass included.
+    pub fn all_frames(&self) -> usize {
+        self.frames.len() + self.rest.frames()
+    }
+}

@@ -9,11 +9,12 @@ use crate::control::conformity::Verdict;
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
+use crate::process::bending::axis_at;
 use crate::profile::Reading;
 use crate::render::Renderer;
 use crate::run_folder::{
     AxisRow, ControlRecord, DiameterRow, FormRow, OffsetRow, PartFormRow, PassRecord, PassRow, RunFolder,
-    StationRow, TruthRow, profile_of, read_diameters,
+    StationRow, TrueAxisRow, TruthRow, profile_of, read_diameters,
 };
 
 use super::Failure;
@@ -50,6 +51,7 @@ pub struct Recorder<'a> {
     control: ControlRecord,
     form: (Vec<FormRow>, Vec<PartFormRow>),
     axis: Vec<AxisRow>,
+    true_axis: Vec<TrueAxisRow>,
 }
 
 impl<'a> Recorder<'a> {
@@ -70,6 +72,8 @@ impl<'a> Recorder<'a> {
         form.1.retain(|f| done(f.pass));
         let mut axis = folder.axis().map_err(folder_failure)?;
         axis.retain(|a| done(a.pass));
+        let mut true_axis = folder.true_axis().map_err(folder_failure)?;
+        true_axis.retain(|a| done(a.pass));
         let calibration = match passes.is_empty() {
             true => None,
             false => Some(read_calibration(folder)?),
@@ -92,7 +96,20 @@ impl<'a> Recorder<'a> {
             chain.replay(&profile_of(row.pass, &stations), &evidence).map_err(loop_failure)?;
         }
         let run_id = crate::config::hash(job).map_err(Failure::fail)?.chars().take(12).collect();
-        Ok(Self { job, folder, chain, run_id, passes, stations, offsets, diameters, control, form, axis })
+        Ok(Self {
+            job,
+            folder,
+            chain,
+            run_id,
+            passes,
+            stations,
+            offsets,
+            diameters,
+            control,
+            form,
+            axis,
+            true_axis,
+        })
     }
 
     /// Runs the passes that are left; `progress` shows a bar on a terminal.
@@ -153,6 +170,7 @@ impl<'a> Recorder<'a> {
         self.form.0.extend(result.form.sections.iter().map(|s| FormRow::new(pass, s, stations)));
         self.form.1.push(PartFormRow::new(pass, &result.form));
         self.axis.extend(AxisRow::of(pass, &result.axis));
+        self.true_axis.extend(true_axis_rows(result));
         self.passes.push(pass_row(result, truth));
         self.control.stock = self.chain.stock().cloned();
         self.control.passes.push(pass_record(result));
@@ -169,6 +187,7 @@ impl<'a> Recorder<'a> {
             .and_then(|()| folder.write_axis(&self.axis))
             .and_then(|()| folder.write_diameters(&self.run_id, &self.diameters))
             .and_then(|()| folder.write_truth(&self.run_id, &truth_rows))
+            .and_then(|()| folder.write_true_axis(&self.true_axis))
             .and_then(|()| folder.write_control(&self.control))
             .and_then(|()| folder.write_passes(&self.passes))
             .map_err(folder_failure)
@@ -324,7 +343,23 @@ fn pass_row(result: &PassResult, truth: &[f64]) -> PassRow {
         stations_measured: measured.len(),
         frames: result.frames,
         decision: decision_word(result).to_owned(),
+        radial_force_n: result.cut.as_ref().map(|c| c.max_force_n),
+        tangential_force_n: result.cut.as_ref().map(|c| c.max_cutting_n),
+        feed_force_n: result.cut.as_ref().map(|c| c.max_feed_n),
+        deflection_um: result.cut.as_ref().map(|c| 1e3 * c.max_deflection_mm),
+        tangential_error_um: result.cut.as_ref().map(|c| c.tangential_error_um),
+        feed_mark_um: result.cut.as_ref().map(|c| c.feed_mark_um),
     }
+}
+
+fn true_axis_rows(result: &PassResult) -> impl Iterator<Item = TrueAxisRow> + '_ {
+    result.true_axis.iter().flat_map(|axis| {
+        result.plan.station_z_mm.iter().map(|&z_mm| {
+            let [still_x_mm, still_y_mm] = axis_at(&axis.still, z_mm);
+            let [turning_x_mm, turning_y_mm] = axis_at(&axis.turning, z_mm);
+            TrueAxisRow { pass: result.plan.pass, z_mm, still_x_mm, still_y_mm, turning_x_mm, turning_y_mm }
+        })
+    })
 }
 
 /// A bar on a terminal, nothing elsewhere.

@@ -200,6 +200,9 @@ impl Finished {
                         "rms_error_mm": p.rms_error_mm, "true_max_abs_error_mm": p.true_max_abs_error_mm,
                         "worst_measured_minus_true_mm": p.worst_measured_minus_true_mm,
                         "rms_error_over_u": p.rms_error_over_u, "frames": p.frames, "decision": p.decision,
+                        "radial_force_n": p.radial_force_n, "tangential_force_n": p.tangential_force_n,
+                        "feed_force_n": p.feed_force_n, "deflection_um": p.deflection_um,
+                        "tangential_error_um": p.tangential_error_um, "feed_mark_um": p.feed_mark_um,
                         "render_s": render_s, "gauge_s": gauge_s,
                     })
                 })

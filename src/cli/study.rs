@@ -8,6 +8,7 @@ use super::study_controllers::{self, StudyControllersArgs};
 use super::study_coverage::{self, StudyCoverageArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
+use super::study_in_process::{self, StudyInProcessArgs};
 use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
 use super::study_uncertainty::{self, StudyUncertaintyArgs};
@@ -26,6 +27,8 @@ pub enum Study {
     Parts(StudyPartsArgs),
     /// Stability of every controller with every plant.
     Stability(StudyStabilityArgs),
+    /// One job scanned after every pass and while it is cut, with and without correction within the pass.
+    InProcess(StudyInProcessArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
@@ -50,6 +53,7 @@ pub fn run(study: &Study) -> CommandResult {
         Study::Coverage(args) => study_coverage::run(args),
         Study::Uncertainty(args) => study_uncertainty::run(args),
         Study::Washers(args) => study_washers::run(args),
+        Study::InProcess(args) => study_in_process::run(args),
         Study::Factor(args) => study_factor::run(args),
     }
 }

@@ -16,6 +16,9 @@ pub struct Evidence {
     pub in_machine: Option<PartAndTool>,
     /// The second scan, where a step was large enough to need one.
     pub repeat: Option<DiameterProfile>,
+    /// Offsets as they were applied, mm of diameter, where control changed them within the pass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub applied_mm: Option<Vec<f64>>,
 }
 
 /// Number and time of a frame.
@@ -41,6 +44,11 @@ pub(super) struct AfterCut {
 impl AfterCut {
     pub(super) fn of(cell: &dyn TurningCell) -> Self {
         Self { of: cell.in_machine(), now_ns: cell.now_ns() }
+    }
+
+    /// The state when a cut begins that is looked at meanwhile.
+    pub(super) fn begun(of: Option<PartAndTool>, now_ns: Option<u64>) -> Self {
+        Self { of, now_ns }
     }
 
     /// Origin of a scan with these first and last frames.

@@ -33,6 +33,14 @@ impl From<Calibration> for Calibrated {
 }
 
 impl Calibrated {
+    /// The same under the conditions of the job's part.
+    pub(super) fn of_part(&self, job: &Job) -> Self {
+        match self {
+            Self::Camera(camera) => (**camera).clone().with_conditions(job.part_conditions()).into(),
+            Self::Probe(_) => self.clone(),
+        }
+    }
+
     /// Of the camera.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ mod readings;
 mod settings;
 mod shapes;
 pub mod stability;
+mod within_pass;
 
 pub use build::{assess, build, describe, transfer};
 pub use context::{NextPass, Origin, PartAndTool, PartEvent, PartStart, PassContext};
@@ -25,6 +26,7 @@ pub use error::ControlError;
 pub use pid::Pid;
 pub use settings::*;
 pub use shapes::{PhysicalShapes, Shapes};
+pub use within_pass::WithinPass;
 
 use crate::plan::{Decision, DiameterOffset, PassPlan};
 use crate::profile::DiameterProfile;

@@ -14,6 +14,25 @@ pub struct Scan {
     /// Whether the stock is scanned before the first pass. Its form is copied into the first pass in part: a controller
     /// that has seen it need not guess what was copied and what is the shaft's own yielding.
     pub stock: StockScan,
+    /// Whether the part is scanned after the pass, tool clear, or by a gauge that follows the tool while it cuts.
+    pub when: ScanWhen,
+    /// Distance of the field's centre behind the tool while it cuts, mm.
+    pub behind_tool_mm: f64,
+    /// Temperature of the part above 20 °C while it is scanned, K, as a thermometer tells: diameters are given at 20 °C (ISO 1).
+    pub part_rise_k: f64,
+    /// Limits of its error, ± K.
+    pub limit_part_rise_k: f64,
+}
+
+/// When the part is scanned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ScanWhen {
+    /// After the pass, at standstill at every angle.
+    #[default]
+    AfterPass,
+    /// While it is cut: bent by the force of that moment, turning at cutting speed.
+    DuringCut,
 }
 
 /// Whether the stock is scanned before the first pass.
@@ -31,7 +50,15 @@ pub enum StockScan {
 
 impl Default for Scan {
     fn default() -> Self {
-        Self { fields: 14, angles: 8, stock: StockScan::default() }
+        Self {
+            fields: 14,
+            angles: 8,
+            stock: StockScan::default(),
+            when: ScanWhen::default(),
+            behind_tool_mm: 30.0,
+            part_rise_k: 0.0,
+            limit_part_rise_k: 0.0,
+        }
     }
 }
 

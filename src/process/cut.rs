@@ -1,7 +1,7 @@
 //! The cut itself: from commanded diameters to diameters that remain, node by node along the feed.
 
 use super::beam::{Part, SteadyRest, Supports, compliance_at_joint, left_parts};
-use super::force::DepthLaw;
+use super::force::{Components, DepthLaw};
 use super::geometry::tangential_error_mm;
 use super::material::Material;
 use super::section::Section;
@@ -17,9 +17,14 @@ pub struct CutSummary {
     pub max_depth_mm: f64,
     /// Largest radial force, N.
     pub max_force_n: f64,
+    /// Largest tangential force, N.
+    pub max_cutting_n: f64,
+    /// Largest feed force, N.
+    pub max_feed_n: f64,
     /// Largest radial deflection at the tool, mm.
     pub max_deflection_mm: f64,
-    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected in the pass.
+    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected in the pass unless
+    /// `process.bending.tangential_error` is set.
     pub tangential_error_um: f64,
     /// Height of the feed marks f²/8r, µm.
     pub feed_mark_um: f64,
@@ -35,14 +40,28 @@ pub(super) struct Cut<'a> {
     pub step_mm: f64,
     pub supports: Supports,
     pub material: &'a Material,
+    /// Tangential displacement of the axis at every node without the force, mm, where the diameter carries the tangential error.
+    pub tangential_mm: Option<&'a [f64]>,
+}
+
+/// What a cut leaves, node by node.
+#[derive(Clone, Debug)]
+pub(super) struct Passed {
+    /// Diameter, mm.
+    pub after: Vec<f64>,
+    /// Depth that was cut, mm.
+    pub depth_mm: Vec<f64>,
+    /// What the tool met.
+    pub summary: CutSummary,
 }
 
 impl Cut<'_> {
     /// Diameters after the pass, the tool travelling from the last node to the first, and what it met.
-    pub(super) fn towards_first(&self) -> (Vec<f64>, CutSummary) {
+    pub(super) fn towards_first(&self) -> Passed {
         let lefts = self.uncut_left_parts();
         let mut right = self.supports.tailstock;
         let mut after = self.before.to_vec();
+        let mut depth_mm = vec![0.0; after.len()];
         let mut softest = 0.0;
         let mut summary = CutSummary { min_depth_mm: f64::INFINITY, ..CutSummary::default() };
         for node in (0..after.len()).rev() {
@@ -51,8 +70,14 @@ impl Cut<'_> {
             let probe = behind.map_or(right, |d| self.extended(right, d));
             let compliance = compliance_at_joint(&lefts[node], &probe);
             let depth = self.law.depth_mm(0.5 * (self.before[node] - self.commanded[node]), compliance);
+            let force = self.law.components(depth);
             after[node] = self.before[node] - 2.0 * depth;
-            summary.include(depth, self.law.force_n(depth), compliance);
+            depth_mm[node] = depth;
+            if let Some(still) = self.tangential_mm {
+                let aside = still[node] + compliance * force.cutting_n;
+                after[node] += tangential_error_mm(after[node], aside);
+            }
+            summary.include(depth, &force, compliance);
             softest = f64::max(softest, compliance);
             if let Some(behind) = behind {
                 right = self.extended(right, 0.5 * (behind + after[node]));
@@ -63,18 +88,20 @@ impl Cut<'_> {
         let tangential = softest * self.law.components(summary.max_depth_mm).cutting_n;
         let thinnest = after.iter().copied().fold(f64::INFINITY, f64::min);
         summary.tangential_error_um = 1e3 * tangential_error_mm(thinnest, tangential);
-        (after, summary)
+        Passed { after, depth_mm, summary }
     }
 
     /// The same with the tool travelling from the first node to the last: the mirror image.
-    pub(super) fn towards_last(&self) -> (Vec<f64>, CutSummary) {
+    pub(super) fn towards_last(&self) -> Passed {
         let mirrored = |values: &[f64]| values.iter().rev().copied().collect::<Vec<f64>>();
         let length = self.step_mm * (self.before.len() - 1) as f64;
         let rest = |rest: &SteadyRest| SteadyRest { z_mm: length - rest.z_mm, ..*rest };
         let (before, commanded) = (mirrored(self.before), mirrored(self.commanded));
+        let tangential = self.tangential_mm.map(mirrored);
         let image = Cut {
             before: &before,
             commanded: &commanded,
+            tangential_mm: tangential.as_deref(),
             supports: Supports {
                 chuck: self.supports.tailstock,
                 tailstock: self.supports.chuck,
@@ -82,8 +109,8 @@ impl Cut<'_> {
             },
             ..*self
         };
-        let (after, summary) = image.towards_first();
-        (mirrored(&after), summary)
+        let passed = image.towards_first();
+        Passed { after: mirrored(&passed.after), depth_mm: mirrored(&passed.depth_mm), ..passed }
     }
 
     fn extended(&self, mut part: Part, diameter_mm: f64) -> Part {
@@ -99,10 +126,12 @@ impl Cut<'_> {
 }
 
 impl CutSummary {
-    fn include(&mut self, depth_mm: f64, force_n: f64, compliance_mm_per_n: f64) {
+    fn include(&mut self, depth_mm: f64, force: &Components, compliance_mm_per_n: f64) {
         self.min_depth_mm = self.min_depth_mm.min(depth_mm);
         self.max_depth_mm = self.max_depth_mm.max(depth_mm);
-        self.max_force_n = self.max_force_n.max(force_n);
-        self.max_deflection_mm = self.max_deflection_mm.max(force_n * compliance_mm_per_n);
+        self.max_force_n = self.max_force_n.max(force.passive_n);
+        self.max_cutting_n = self.max_cutting_n.max(force.cutting_n);
+        self.max_feed_n = self.max_feed_n.max(force.feed_n);
+        self.max_deflection_mm = self.max_deflection_mm.max(force.passive_n * compliance_mm_per_n);
     }
 }

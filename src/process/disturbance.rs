@@ -49,6 +49,8 @@ pub struct DisturbanceSettings {
     pub heat_start_k: f64,
     /// Temperature of the workpiece above 20 °C where the cut ends, K.
     pub heat_end_k: f64,
+    /// Temperature of the workpiece above 20 °C while it is scanned after the pass, K: what the gauge sees has grown.
+    pub heat_scan_k: f64,
 }
 
 impl Default for DisturbanceSettings {
@@ -66,6 +68,7 @@ impl Default for DisturbanceSettings {
             spindle_lobes: Vec::new(),
             heat_start_k: 0.0,
             heat_end_k: 0.0,
+            heat_scan_k: 0.0,
         }
     }
 }
@@ -84,6 +87,7 @@ impl DisturbanceSettings {
         Range::between(0.0, 0.9).check(&key("force_spread"), self.force_spread)?;
         Range::between(-100.0, 500.0).check(&key("heat_start_k"), self.heat_start_k)?;
         Range::between(-100.0, 500.0).check(&key("heat_end_k"), self.heat_end_k)?;
+        Range::between(-100.0, 500.0).check(&key("heat_scan_k"), self.heat_scan_k)?;
         for (index, pair) in self.guideway.windows(2).enumerate() {
             let name = format!("disturbance.guideway[{}].z_mm", index + 1);
             Range::between(pair[0].z_mm, f64::MAX).check(&name, pair[1].z_mm)?;

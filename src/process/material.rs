@@ -27,6 +27,8 @@ pub struct Material {
     pub poisson_ratio: f64,
     /// Linear thermal expansion, µm/(m·K).
     pub expansion_um_per_m_k: f64,
+    /// Density, kg/m³.
+    pub density_kg_per_m3: f64,
     /// Specific cutting force, where there is a value with a source.
     pub kienzle: Option<KienzleData>,
     /// Where the cutting values come from.
@@ -37,7 +39,7 @@ pub struct Material {
 
 const VICTOR: &str = "H. Victor, Industrie-Anzeiger 98 (1976)";
 const NONE: &str = "elastic constants only";
-/// E = 210 000 N/mm² and ν = .3 are the standard's; α = 11.5 µm/(m·K) is the usual value about 20 °C (the standard
+/// Density 7850 kg/m³ is EN 1991-1-1's upper value (Table A.4, 77.0-78.5 kN/m³); E = 210 000 N/mm² and ν = .3 are the standard's; α = 11.5 µm/(m·K) is the usual value about 20 °C (the standard
 /// rounds to 12).
 const STEEL: &str = "EN 1993-1-1, 3.2.6; α as used for gauging steel (11.5 ± 1, ISO 1 practice)";
 
@@ -48,6 +50,7 @@ const fn steel(name: &'static str, kc11: f64, mc: f64) -> Material {
         youngs_modulus_n_per_mm2: 2.1e5,
         poisson_ratio: 0.3,
         expansion_um_per_m_k: 11.5,
+        density_kg_per_m3: 7850.0,
         kienzle: Some(KienzleData { kc11_n_per_mm2: kc11, mc }),
         source: VICTOR,
         elastic_source: STEEL,
@@ -67,27 +70,30 @@ pub const MATERIALS: [Material; 9] = [
         youngs_modulus_n_per_mm2: 1.1e5,
         poisson_ratio: 0.26,
         expansion_um_per_m_k: 10.0,
+        density_kg_per_m3: 7200.0,
         kienzle: Some(KienzleData { kc11_n_per_mm2: 1160.0, mc: 0.26 }),
         source: VICTOR,
-        elastic_source: "EN 1561, Annex A: E 103-118 kN/mm², ν .26, α 10 (below 20 °C) to 11.7 (20-200 °C)",
+        elastic_source: "EN 1561, Annex A: E 103-118 kN/mm², ν .26, α 10 (below 20 °C) to 11.7 (20-200 °C), density 7.20 g/cm³",
     },
     Material {
         name: "X5CrNi18-10",
         youngs_modulus_n_per_mm2: 2.0e5,
         poisson_ratio: 0.3,
         expansion_um_per_m_k: 16.0,
+        density_kg_per_m3: 7900.0,
         kienzle: None,
         source: NONE,
-        elastic_source: "EN 10088-1, Annex E: E 200 kN/mm², α 16.0 (20-100 °C)",
+        elastic_source: "EN 10088-1, Annex E: E 200 kN/mm², α 16.0 (20-100 °C), density 7.9 kg/dm³",
     },
     Material {
         name: "EN AW-6082",
         youngs_modulus_n_per_mm2: 7.0e4,
         poisson_ratio: 0.3,
         expansion_um_per_m_k: 23.0,
+        density_kg_per_m3: 2700.0,
         kienzle: None,
         source: NONE,
-        elastic_source: "EN 1999-1-1, 3.2.5: E 70 000 N/mm², ν .3, α 23",
+        elastic_source: "EN 1999-1-1, 3.2.5: E 70 000 N/mm², ν .3, α 23, density 2700 kg/m³",
     },
 ];
 

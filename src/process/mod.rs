@@ -5,6 +5,7 @@
 //! the depth really cut. Nothing here knows what was measured.
 
 pub mod beam;
+pub mod bending;
 mod check;
 mod cut;
 mod disturbance;
@@ -13,6 +14,7 @@ pub mod fit;
 mod force;
 pub mod geometry;
 pub mod kienzle;
+pub mod line;
 pub mod material;
 mod random;
 mod section;
@@ -22,6 +24,7 @@ mod texture;
 pub mod tool_factors;
 mod turning;
 
+pub use bending::BendingSettings;
 pub use check::SettingsError;
 pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
@@ -31,4 +34,4 @@ pub use settings::{
     BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,
     SupportSettings, TextureSettings, ToolSettings,
 };
-pub use turning::{BaseForm, ProcessError, Stock, TurningProcess};
+pub use turning::{BaseForm, Contributions, FollowedPass, ProcessError, Stock, TurningProcess};

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::beam::{Part, SteadyRest, Supports};
+use super::bending::BendingSettings;
 use super::check::{Range, SettingsError};
 use super::disturbance::DisturbanceSettings;
 use super::force::ForceLaw;
@@ -21,6 +22,8 @@ pub struct ProcessSettings {
     pub tool: ToolSettings,
     /// How the workpiece is held.
     pub support: SupportSettings,
+    /// What bends the axis besides the radial force.
+    pub bending: BendingSettings,
     /// What the tool leaves on the surface.
     pub texture: TextureSettings,
     /// Cut geometry and resolution.
@@ -41,6 +44,9 @@ pub struct MaterialSettings {
     pub poisson_ratio: Option<f64>,
     /// Linear thermal expansion, µm/(m·K).
     pub expansion_um_per_m_k: Option<f64>,
+    /// Density, kg/m³.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density_kg_per_m3: Option<f64>,
 }
 
 impl Default for MaterialSettings {
@@ -50,6 +56,7 @@ impl Default for MaterialSettings {
             youngs_modulus_n_per_mm2: None,
             poisson_ratio: None,
             expansion_um_per_m_k: None,
+            density_kg_per_m3: None,
         }
     }
 }
@@ -67,11 +74,13 @@ impl MaterialSettings {
             youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.unwrap_or(known.youngs_modulus_n_per_mm2),
             poisson_ratio: self.poisson_ratio.unwrap_or(known.poisson_ratio),
             expansion_um_per_m_k: self.expansion_um_per_m_k.unwrap_or(known.expansion_um_per_m_k),
+            density_kg_per_m3: self.density_kg_per_m3.unwrap_or(known.density_kg_per_m3),
             ..*known
         };
         Range::POSITIVE.check("material.youngs_modulus_n_per_mm2", resolved.youngs_modulus_n_per_mm2)?;
         Range::between(0.0, 0.5).check("material.poisson_ratio", resolved.poisson_ratio)?;
         Range::between(0.0, 100.0).check("material.expansion_um_per_m_k", resolved.expansion_um_per_m_k)?;
+        Range::between(100.0, 25e3).check("material.density_kg_per_m3", resolved.density_kg_per_m3)?;
         Ok(resolved)
     }
 }
@@ -240,6 +249,7 @@ impl ProcessSettings {
         self.force.validate(&material)?;
         self.tool.validate("tool")?;
         self.support.validate()?;
+        self.bending.validate()?;
         self.texture.validate()?;
         Range::between(0.01, 50.0).check("pass.node_mm", self.pass.node_mm)?;
         Range::NOT_NEGATIVE.check("pass.minimum_chip_mm", self.pass.minimum_chip_mm)?;

@@ -6,16 +6,21 @@
 //! in the diameter after (error copying), reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b.
 //! Diameters are those of the unloaded shaft at 20 °C.
 
+mod followed;
+
 use thiserror::Error;
 
+use super::bending;
 use super::check::SettingsError;
-use super::cut::{Cut, CutSummary};
+use super::cut::{Cut, CutSummary, Passed};
+use super::force::DepthLaw;
 use super::material::Material;
 use super::section::Section;
 use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
 use super::texture;
 use crate::plan::PassPlan;
 use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
+pub use followed::{Contributions, FollowedPass};
 
 /// Why a pass was not cut.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -173,13 +178,14 @@ impl TurningProcess {
     /// The blank as it was clamped, with the surface of a drawn or rolled bar left out.
     pub fn blank(&self) -> Shaft {
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
+        let (deflection, bow) = self.axis();
         Shaft {
             profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
             lobes: self.form.lobes.clone(),
             texture: None,
             eccentricity: self.form.eccentricity,
-            bow: self.form.bow.clone(),
-            deflection: Vec::new(),
+            bow,
+            deflection,
             pose: self.form.pose,
             features: Features::default(),
             spindle: SpindleMotion::default(),
@@ -230,12 +236,23 @@ impl TurningProcess {
     /// # Errors
     /// As [`Self::cut`].
     pub fn cut_profile(&mut self, plan: &PassPlan) -> Result<&CutSummary, ProcessError> {
+        let Passed { after, summary, .. } = self.passed(plan)?.0;
+        self.diameter_mm = after;
+        self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
+        self.cuts += 1;
+        self.since_cold += 1;
+        Ok(self.last_cut.insert(summary))
+    }
+
+    /// The pass as it would be cut, diameters at 20 °C, and the force law in it.
+    fn passed(&self, plan: &PassPlan) -> Result<(Passed, DepthLaw), ProcessError> {
         check_plan(plan)?;
         let law = self.settings.force.at(&plan.cutting, &self.settings.tool, &self.material);
         let law = law.scaled(self.force_factor);
         let heat = self.heat_growth();
         let before: Vec<f64> = self.diameter_mm.iter().zip(&heat).map(|(d, h)| d * h).collect();
-        let commanded = self.tool_path(plan);
+        let mut commanded = self.tool_path(plan);
+        let tangential = self.displace(&mut commanded);
         let cut = Cut {
             before: &before,
             commanded: &commanded,
@@ -243,25 +260,43 @@ impl TurningProcess {
             step_mm: self.step_mm,
             supports: self.settings.support.supports(),
             material: &self.material,
+            tangential_mm: tangential.as_deref().filter(|_| self.settings.bending.tangential_error),
         };
-        let (mut after, mut summary) = match self.settings.pass.feed_direction {
+        let mut passed = match self.settings.pass.feed_direction {
             FeedDirection::TowardsChuck => cut.towards_first(),
             FeedDirection::TowardsTailstock => cut.towards_last(),
         };
-        self.check_chip(plan.pass, &before, &commanded, &after, &mut summary)?;
-        self.check_buckling(plan.pass, &after, law.components(summary.max_depth_mm).feed_n)?;
-        after.iter_mut().zip(&heat).for_each(|(d, h)| *d /= h);
+        let summary = &mut passed.summary;
+        self.check_chip(plan.pass, &before, &commanded, &passed.after, summary)?;
+        self.check_buckling(plan.pass, &passed.after, law.components(summary.max_depth_mm).feed_n)?;
+        passed.after.iter_mut().zip(&heat).for_each(|(d, h)| *d /= h);
         summary.pass = plan.pass;
         summary.feed_mark_um =
             1e3 * plan.cutting.feed_mm_per_rev.powi(2) / (8.0 * self.settings.tool.nose_radius_mm);
         let depths = [summary.min_depth_mm, summary.max_depth_mm];
         summary.notes.extend(self.settings.force.extrapolation(&plan.cutting, depths, &self.settings.tool));
         summary.notes.extend(self.settings.force.of_another_material(&self.material));
-        self.diameter_mm = after;
-        self.wear_mm += 1e-3 * self.settings.disturbance.wear_um_per_pass;
-        self.cuts += 1;
-        self.since_cold += 1;
-        Ok(self.last_cut.insert(summary))
+        Ok((passed, law))
+    }
+
+    /// Displaces the tool's path by what the axis has moved away from the tool without any force (weight, tailstock), and gives how far
+    /// it has moved across; `None` where nothing moves it and only the force counts.
+    fn displace(&self, commanded: &mut [f64]) -> Option<Vec<f64>> {
+        let bending = &self.settings.bending;
+        let still = !bending.self_weight && bending.tailstock_x_um == 0.0 && bending.tailstock_y_um == 0.0;
+        if still {
+            return bending.tangential_error.then(|| vec![0.0; commanded.len()]);
+        }
+        let at_tool = self.axis_at_tool(commanded);
+        let [x, y] = bending.towards_tool();
+        let mut across = Vec::with_capacity(commanded.len());
+        for (node, diameter) in commanded.iter_mut().enumerate() {
+            let [ux, uy] = bending::axis_at(&at_tool, node as f64 * self.step_mm);
+            *diameter -= 2.0 * (ux * x + uy * y);
+            // The way the force pushes: against the surface's motion.
+            across.push(ux * y - uy * x);
+        }
+        Some(across)
     }
 
     /// Share of the pass that is cut when the tool reaches z.
@@ -275,9 +310,18 @@ impl TurningProcess {
 
     /// Growth of the workpiece by its temperature while it is cut, at every node.
     fn heat_growth(&self) -> Vec<f64> {
+        self.node_z_mm().map(|z| self.growth(self.rise_k(self.share_cut(z)))).collect()
+    }
+
+    /// Temperature of the workpiece above 20 °C when a share of the pass is cut, K.
+    fn rise_k(&self, share: f64) -> f64 {
         let d = &self.settings.disturbance;
-        let rise = |z| d.heat_start_k + (d.heat_end_k - d.heat_start_k) * self.share_cut(z);
-        self.node_z_mm().map(|z| 1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise(z)).collect()
+        d.heat_start_k + (d.heat_end_k - d.heat_start_k) * share
+    }
+
+    /// Factor on every length at a temperature above 20 °C.
+    fn growth(&self, rise_k: f64) -> f64 {
+        1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise_k
     }
 
     /// Diameter that the edge stands at: the command, linear between station middles with the end pieces continued,
@@ -354,14 +398,15 @@ impl TurningProcess {
             let (feed, nose) = (plan.cutting.feed_mm_per_rev, self.settings.tool.nose_radius_mm);
             surface = Some(texture::with_feed_marks(surface.as_ref(), length_mm, feed, nose));
         }
+        let (deflection, bow) = self.axis();
         let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
         Shaft {
             profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
             lobes,
             texture: surface,
             eccentricity: self.form.eccentricity,
-            bow: self.form.bow.clone(),
-            deflection: Vec::new(),
+            bow,
+            deflection,
             pose: self.form.pose,
             features: Features::default(),
             spindle: SpindleMotion::default(),

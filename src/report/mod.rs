@@ -8,6 +8,7 @@ pub mod plot;
 mod probe_report;
 mod run_report;
 mod sample;
+mod shaft_report;
 mod washers_report;
 
 pub use calibration_report::calibration_report;

@@ -23,7 +23,7 @@ pub use axis_table::{AxisRow, axis_json};
 pub use control::{ControlRecord, PassRecord};
 pub use form_tables::{FormRow, PartFormRow};
 pub use parquet_file::{DiameterRow, TruthRow, read_diameters};
-pub use tables::{OffsetRow, PassRow, StationRow, offset_of, profile_of};
+pub use tables::{OffsetRow, PassRow, StationRow, TrueAxisRow, offset_of, profile_of};
 
 /// Why a run folder cannot be used.
 #[derive(Debug, Error)]

@@ -30,6 +30,24 @@ pub struct PassRow {
     pub frames: usize,
     /// What control decided after the pass: `released`, `held` or `last`.
     pub decision: String,
+    /// Largest radial force, N; this and what follows is the cell's, empty where it has none, not in older tables.
+    #[serde(default)]
+    pub radial_force_n: Option<f64>,
+    /// Largest tangential force, N.
+    #[serde(default)]
+    pub tangential_force_n: Option<f64>,
+    /// Largest feed force, N.
+    #[serde(default)]
+    pub feed_force_n: Option<f64>,
+    /// Largest radial deflection at the tool, µm.
+    #[serde(default)]
+    pub deflection_um: Option<f64>,
+    /// Upper bound of the diameter error of the tangential deflection, µm.
+    #[serde(default)]
+    pub tangential_error_um: Option<f64>,
+    /// Height of the feed marks, µm.
+    #[serde(default)]
+    pub feed_mark_um: Option<f64>,
 }
 
 /// A row of `stations.csv`: what the gauge believes of one station after a pass, and the truth beside it.
@@ -105,7 +123,40 @@ pub struct OffsetRow {
     pub reason: String,
 }
 
+/// A row of `truth_axis.csv`: where the axis of a station lies after a pass, tool clear; for comparison only.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrueAxisRow {
+    /// Pass, from 1.
+    pub pass: u32,
+    /// Middle of the station, mm.
+    pub z_mm: f64,
+    /// What stands still, along x (up in the image), mm.
+    pub still_x_mm: f64,
+    /// What stands still, along y (towards the camera), mm.
+    pub still_y_mm: f64,
+    /// What turns with the part, along the body's 0°, mm.
+    pub turning_x_mm: f64,
+    /// What turns with the part, along the body's 90°, mm.
+    pub turning_y_mm: f64,
+}
+
 impl RunFolder {
+    /// Writes `truth_axis.csv`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_true_axis(&self, rows: &[TrueAxisRow]) -> Result<(), RunFolderError> {
+        self.write_csv("truth_axis.csv", rows)
+    }
+
+    /// Reads `truth_axis.csv`; empty where there is none.
+    ///
+    /// # Errors
+    /// Where it cannot be read or parsed.
+    pub fn true_axis(&self) -> Result<Vec<TrueAxisRow>, RunFolderError> {
+        self.read_csv("truth_axis.csv")
+    }
+
     /// Writes `passes.csv`.
     ///
     /// # Errors

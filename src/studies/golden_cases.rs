@@ -14,7 +14,8 @@ use crate::truth::true_edges;
 pub const SHIFT_LIMIT_PX: f64 = 0.001;
 
 /// Name and `case.toml` of every golden frame.
-pub const CASES: [(&str, &str); 12] = [
+pub const CASES: [(&str, &str); 13] = [
+    ("bent_turning", include_str!("../../golden/bent_turning/case.toml")),
     ("dirty_window", include_str!("../../golden/dirty_window/case.toml")),
     ("faint_contrast", include_str!("../../golden/faint_contrast/case.toml")),
     ("films_on_shaft", include_str!("../../golden/films_on_shaft/case.toml")),

@@ -3,5 +3,7 @@
 
 mod beam;
 mod fit;
+mod followed;
 mod force;
+mod line;
 mod pass;

@@ -5,12 +5,14 @@ mod lsq;
 mod model;
 mod pid;
 mod run_to_run;
+mod within_pass;
 
 pub use guards::{GuardSettings, OnAlarm};
 pub use lsq::{ApplyTo, Estimator, LsqSettings};
 pub use model::{ModelSettings, Workpiece};
 pub use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
 pub use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
+pub use within_pass::WithinPassSettings;
 
 use super::ControlError;
 use schemars::JsonSchema;
@@ -103,6 +105,9 @@ pub struct ControlSettings {
     pub parts: PartsSettings,
     /// Limits that an offset must pass before it is released.
     pub guards: GuardSettings,
+    /// Correction within the pass by a gauge that follows the tool; none leaves a pass as it was planned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within_pass: Option<WithinPassSettings>,
 }
 
 impl Default for ControlSettings {
@@ -120,6 +125,7 @@ impl Default for ControlSettings {
             model: ModelSettings::default(),
             parts: PartsSettings::default(),
             guards: GuardSettings::default(),
+            within_pass: None,
         }
     }
 }
@@ -175,6 +181,7 @@ impl ControlSettings {
         self.ilc.validate()?;
         self.model.validate()?;
         self.parts.validate()?;
+        self.within_pass.map_or(Ok(()), |w| w.validate())?;
         self.guards.validate()
     }
 }

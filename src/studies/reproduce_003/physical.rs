@@ -33,6 +33,8 @@ pub(super) fn job(inputs: &Inputs) -> Result<Job, ReproductionError> {
     job.part.nominal_diameter_mm = (0..PASSES).rev().map(after).collect();
     job.part.aim_mm = 0.0;
     job.part.tolerance = None;
+    // The paper's model has the radial force alone, on a straight shaft.
+    job.shaft.bow = crate::shaft::Bow::default();
     job.cutting.speed_m_per_min = cut.speed_m_per_min;
     job.cutting.feed_mm_per_rev = cut.feed_mm_per_rev;
     let handbook = &inputs.handbook;

@@ -1,0 +1,109 @@
+//! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at that instant.
+
+use super::{CellError, FollowedCut, SimulatedCell, TurningCell};
+use crate::frame::{Frame, FrameSource, SourceError};
+use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
+use crate::process::FollowedPass;
+use crate::render::{FrameRequest, OpticalBench, RenderError, Scene};
+
+/// A pass of the simulated cell under way.
+pub(super) struct SimulatedCut<'c, 'r> {
+    cell: &'c mut SimulatedCell<'r>,
+    plan: PassPlan,
+    follow: FollowPlan,
+    /// The bench with spindle and carriage in motion.
+    bench: OpticalBench,
+    pass: FollowedPass,
+    next: usize,
+    begun_ns: u64,
+    spare: Option<Frame>,
+}
+
+impl<'c, 'r> SimulatedCut<'c, 'r> {
+    pub(super) fn begin(
+        cell: &'c mut SimulatedCell<'r>,
+        plan: &PassPlan,
+        follow: &FollowPlan,
+    ) -> Result<Self, CellError> {
+        let pass = cell.process.followed(plan)?;
+        cell.begin_pass(plan.pass);
+        let mut bench = cell.bench.clone();
+        bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
+        bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
+        let begun_ns = cell.clock_ns;
+        let (plan, follow) = (plan.clone(), follow.clone());
+        Ok(Self { cell, plan, follow, bench, pass, next: 0, begun_ns, spare: None })
+    }
+
+    fn time_ns(&self, turns: f64) -> u64 {
+        self.begun_ns + (turns / self.follow.spindle_rpm * 60e9) as u64
+    }
+
+    fn draw(&mut self, at: &FollowFrame) -> Result<Frame, RenderError> {
+        let shaft = self.cell.clamped(self.pass.at(at.tool_z_mm));
+        let scene = Scene::new(&self.bench, shaft)?;
+        let camera = &self.bench.nominal.camera;
+        let windows = camera.windows.map(|w| w.rois(camera.columns));
+        let request = FrameRequest {
+            frame_id: self.cell.frame_id,
+            t_ns: self.time_ns(at.turns),
+            z_mm: at.field_z_mm,
+            angle_deg: at.angle_deg,
+            noise: true,
+            roi: windows.map(|w| w[0]),
+            second_roi: windows.map(|w| w[1]),
+            format: None,
+            seed: self.cell.seed,
+        };
+        self.cell.renderer.render(&scene, &request, self.spare.take())
+    }
+}
+
+impl FrameSource for SimulatedCut<'_, '_> {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let Some(&at) = self.follow.frames.get(self.next) else { return Ok(None) };
+        let frame = self.draw(&at).map_err(|e| SourceError {
+            what: format!("frame {} (tool at {:.1} mm) was not rendered", self.cell.frame_id, at.tool_z_mm),
+            cause: Some(Box::new(e)),
+        })?;
+        self.next += 1;
+        self.cell.frame_id += 1;
+        self.cell.clock_ns = self.time_ns(at.turns);
+        Ok(Some(frame))
+    }
+
+    fn remaining(&self) -> Option<usize> {
+        Some(self.follow.frames.len() - self.next)
+    }
+
+    fn recycle(&mut self, frame: Frame) {
+        self.spare = Some(frame);
+    }
+}
+
+impl FollowedCut for SimulatedCut<'_, '_> {
+    fn tool_z_mm(&self) -> f64 {
+        let seen = self.next.saturating_sub(1);
+        self.follow.frames.get(seen).map_or(f64::NAN, |f| f.tool_z_mm)
+    }
+
+    fn now_ns(&self) -> Option<u64> {
+        Some(self.cell.clock_ns)
+    }
+
+    fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError> {
+        let plan = PassPlan { offset: offset.clone(), ..self.plan.clone() };
+        // The cut is causal along the feed: what lies behind the tool comes out as before.
+        self.pass = self.cell.process.followed(&plan)?;
+        self.plan = plan;
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), CellError> {
+        let turns = self.cell.process.length_mm() / self.plan.cutting.feed_mm_per_rev;
+        let (frame_id, end_ns) = (self.cell.frame_id, self.time_ns(turns));
+        self.cell.cut(&self.plan)?;
+        (self.cell.frame_id, self.cell.clock_ns) = (frame_id, end_ns);
+        Ok(())
+    }
+}

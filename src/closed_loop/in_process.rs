@@ -1,0 +1,70 @@
+//! A pass that is measured while it is cut, and what is still to be cut corrected by what lies behind the tool.
+
+use super::evidence::AfterCut;
+use super::{ClosedLoop, LoopError, Measured, Progress, Scanned};
+use crate::cell::FollowedCut;
+use crate::control::WithinPass;
+use crate::plan::{DiameterOffset, PassPlan};
+use crate::process::FeedDirection;
+
+impl ClosedLoop<'_> {
+    /// Cuts a pass with the gauge behind the tool. Gives the pass as it was commanded in the end, what was measured, and the machine's
+    /// state when the cut began. Fields that the gauge does not reach meanwhile are scanned after it, the tool clear.
+    pub(super) fn cut_and_follow(
+        &mut self,
+        plan: &PassPlan,
+        progress: Progress<'_>,
+    ) -> Result<(PassPlan, Scanned, AfterCut), LoopError> {
+        let follow = self.job.follow_plan(plan.pass);
+        let frames = follow.all_frames();
+        let of = self.cell.in_machine();
+        let control = &self.job.control;
+        let mut within = control
+            .within_pass
+            .map(|settings| WithinPass::begin(settings, control.plant_gain, &plan.offset.o_mm));
+        let mut measured = Measured::new(self.job, frames, self.of_part.camera()?, self.gauge.stream());
+        let mut cut = self.cell.cut_followed(plan, &follow)?;
+        let begun = AfterCut::begun(of, cut.now_ns());
+        while let Some(frame) = measured.wait(cut.as_mut())? {
+            if let Some(spent) = measured.take(frame) {
+                cut.recycle(spent);
+            }
+            progress(measured.frames, frames);
+            let burst_done = measured.frames.is_multiple_of(follow.burst.max(1));
+            if let Some(within) = within.as_mut().filter(|_| burst_done) {
+                self.notes.extend(correct_ahead(self.job, within, plan, &measured, cut.as_mut())?);
+            }
+        }
+        cut.finish()?;
+        measured.scan(self.cell.as_mut(), &follow.rest, frames, progress)?;
+        let offset =
+            within.map_or_else(|| plan.offset.clone(), |w| DiameterOffset { o_mm: w.applied_mm().to_vec() });
+        Ok((PassPlan { offset, ..plan.clone() }, measured.finish(plan.pass), begun))
+    }
+}
+
+/// Takes what was newly read off the stations that the tool has not come near; a refusal of the machine leaves the pass as it was.
+fn correct_ahead(
+    job: &crate::job::Job,
+    within: &mut WithinPass,
+    plan: &PassPlan,
+    measured: &Measured<'_>,
+    cut: &mut dyn FollowedCut,
+) -> Result<Option<String>, LoopError> {
+    let tool_z_mm = cut.tool_z_mm();
+    // The command is linear between stations' middles: a changed one moves the path up to its neighbour.
+    let room = job.part.station_mm;
+    let ahead = |z_mm: f64| match job.process.pass.feed_direction {
+        FeedDirection::TowardsChuck => z_mm + room < tool_z_mm,
+        FeedDirection::TowardsTailstock => z_mm - room > tool_z_mm,
+    };
+    let kept = within.clone();
+    let read = measured.averager.finish(plan.pass);
+    let Some(offsets) = within.decide(plan.nominal_mm, &read, ahead) else { return Ok(None) };
+    let offset = DiameterOffset { o_mm: offsets.to_vec() };
+    if let Err(refused) = cut.command(&offset) {
+        *within = kept;
+        return Ok(Some(format!("within the pass, tool at {tool_z_mm:.1} mm: not corrected: {refused}")));
+    }
+    Ok(None)
+}

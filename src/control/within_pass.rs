@@ -1,0 +1,122 @@
+//! Control within a pass: what the gauge behind the tool finds is taken off the stations ahead of it.
+//!
+//! A station k behind the tool was cut with offset o_k and reads e_k = D_k - r. With the plan's offset p_k it would have read
+//! δ_k = e_k + g·(o_k - p_k), g the plant gain: the deviation of this pass from its plan, free of what control has already done. The delay
+//! of the gauge's distance is thus no loop delay: the correction of the stations ahead, o = p + γ·δ/g, does not feed on itself and is
+//! stable for any 0 < γ ≤ 1. It assumes that δ goes on as it was over the newest field (drift, wear, force; not the sag's shape, which the
+//! plan already has from the pass before).
+
+use super::settings::WithinPassSettings;
+use crate::profile::DiameterProfile;
+
+/// A pass under way.
+#[derive(Clone, Debug)]
+pub struct WithinPass {
+    settings: WithinPassSettings,
+    plant_gain: f64,
+    planned_mm: Vec<f64>,
+    /// Offsets in force when each station was or will be cut.
+    applied_mm: Vec<f64>,
+    /// Stations read so far.
+    read: Vec<bool>,
+}
+
+impl WithinPass {
+    /// Begins a pass with the offsets planned.
+    pub fn begin(settings: WithinPassSettings, plant_gain: f64, planned_mm: &[f64]) -> Self {
+        Self {
+            settings,
+            plant_gain,
+            planned_mm: planned_mm.to_vec(),
+            applied_mm: planned_mm.to_vec(),
+            read: vec![false; planned_mm.len()],
+        }
+    }
+
+    /// Offsets as they were applied.
+    pub fn applied_mm(&self) -> &[f64] {
+        &self.applied_mm
+    }
+
+    /// Takes the stations read so far; `ahead` tells which may still be changed. New offsets, where stations were newly read.
+    pub fn decide(
+        &mut self,
+        nominal_mm: f64,
+        measured: &DiameterProfile,
+        ahead: impl Fn(f64) -> bool,
+    ) -> Option<&[f64]> {
+        let mut deviations = Vec::new();
+        for (k, station) in measured.stations.iter().enumerate() {
+            let Some(d) = station.reading.value().filter(|_| !self.read[k]) else { continue };
+            self.read[k] = true;
+            let changed = self.applied_mm[k] - self.planned_mm[k];
+            deviations.push(d.d_mm - nominal_mm + self.plant_gain * changed);
+        }
+        let middle = median(&mut deviations)?;
+        let limit = self.settings.limit_mm;
+        let shift = (self.settings.gain * middle / self.plant_gain).clamp(-limit, limit);
+        for (k, station) in measured.stations.iter().enumerate() {
+            if !self.read[k] && ahead(station.z_mm) {
+                self.applied_mm[k] = self.planned_mm[k] + shift;
+            }
+        }
+        Some(&self.applied_mm)
+    }
+}
+
+/// Middle value; `None` of none.
+fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    Some(0.5 * (values.get(n / 2)? + values.get(n.saturating_sub(1) / 2)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::{Diameter, Reading, Reason, Station};
+
+    /// Ten stations cut from the far end, each of which comes out `bias(k)` too large, read two stations late: the correction meets a
+    /// constant deviation at once and does not overshoot while its own effect is on the way.
+    fn cut(gain: f64, bias: impl Fn(usize) -> f64) -> Vec<f64> {
+        let planned = vec![0.003; 10];
+        let mut within = WithinPass::begin(WithinPassSettings { gain, limit_mm: 0.1 }, 1.0, &planned);
+        let mut errors = vec![f64::NAN; 10];
+        for tool in (0..10).rev() {
+            errors[tool] = bias(tool) + planned[tool] - within.applied_mm()[tool];
+            let stations = (0..10)
+                .map(|k| Station {
+                    z_mm: k as f64,
+                    reading: if k >= tool + 2 {
+                        Reading::Value(Diameter {
+                            d_mm: 25.0 + errors[k],
+                            u_random_mm: 1e-4,
+                            u_common_mm: 0.0,
+                        })
+                    } else {
+                        Reading::Gap(Reason::NotScanned)
+                    },
+                    freedom: None,
+                })
+                .collect();
+            within.decide(25.0, &DiameterProfile { pass: 1, stations }, |z| z < tool as f64);
+        }
+        errors
+    }
+
+    #[test]
+    fn a_constant_deviation_is_taken_off_after_the_delay_and_stays_off() {
+        let errors = cut(1.0, |_| 0.02);
+        assert!(errors[7..].iter().all(|e| (e - 0.02).abs() < 1e-12), "{errors:?}");
+        assert!(errors[..7].iter().all(|e| e.abs() < 1e-12), "{errors:?}");
+        let half = cut(0.5, |_| 0.02);
+        assert!(half[..7].iter().all(|e| (e - 0.01).abs() < 1e-12), "{half:?}");
+    }
+
+    #[test]
+    fn a_drift_is_followed_by_the_delay() {
+        let errors = cut(1.0, |k| 0.001 * (9 - k) as f64);
+        // Three stations late (two of distance, and the one being cut): three steps of the drift are left.
+        assert!(errors[..7].iter().all(|e| (e - 0.003).abs() < 1e-12), "{errors:?}");
+    }
+}

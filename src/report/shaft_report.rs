@@ -1,0 +1,163 @@
+//! The shaft in the machine: forces of every pass, the axis along z, a turn as a moving picture.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::html::Page;
+use super::plot::{Chart, Mark, Series};
+use super::run_report::ReportError;
+use crate::run_folder::{PassRow, StationRow, TrueAxisRow};
+
+/// Spindle angles of the moving picture.
+const ANGLES: usize = 24;
+/// Seconds that a turn takes in it.
+const TURN_S: f64 = 4.0;
+/// Size of the picture, px.
+const SIZE: (f64, f64) = (860.0, 300.0);
+/// Half the height at which the nominal shaft is drawn, px.
+const HALF_PX: f64 = 60.0;
+/// What the largest deviation is drawn as, px.
+const LARGEST_PX: f64 = 45.0;
+/// A shaft whose axis leaves the spindle's by less is drawn straight, mm.
+const STRAIGHT_MM: f64 = 1e-6;
+
+/// Adds forces, axis and picture; gives the files that go beside the page.
+///
+/// # Errors
+/// Where a chart cannot be drawn.
+pub fn shaft_section(
+    page: &mut Page,
+    passes: &[PassRow],
+    stations: &[StationRow],
+    axis: &[TrueAxisRow],
+) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let mut files = Vec::new();
+    forces(page, passes);
+    let Some(last) = axis.iter().map(|a| a.pass).max() else { return Ok(files) };
+    let rows: Vec<&TrueAxisRow> = axis.iter().filter(|a| a.pass == last).collect();
+    let bent = |a: &&TrueAxisRow| {
+        [a.still_x_mm, a.still_y_mm, a.turning_x_mm, a.turning_y_mm].iter().any(|v| v.abs() > STRAIGHT_MM)
+    };
+    if !rows.iter().any(bent) {
+        return Ok(files);
+    }
+    page.heading("The shaft's axis");
+    let along =
+        |f: &dyn Fn(&TrueAxisRow) -> f64| rows.iter().map(|a| (a.z_mm, 1e3 * f(a))).collect::<Vec<_>>();
+    let chart = Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "true axis from the spindle's / µm".into(),
+        series: vec![
+            Series::new("still, in the image", Mark::Line, 0, along(&|a| a.still_x_mm)),
+            Series::new("still, towards the camera", Mark::Line, 1, along(&|a| a.still_y_mm)),
+            Series::new(
+                "turning: half the run-out",
+                Mark::Dashed,
+                2,
+                along(&|a| a.turning_x_mm.hypot(a.turning_y_mm)),
+            ),
+        ],
+        ..Chart::default()
+    };
+    let svg = chart.to_svg().map_err(ReportError::Draw)?;
+    page.figure(
+        &svg,
+        "Where the axis lies after the last pass, tool clear, by the simulation (for comparison only): weight and tailstock stand still, \
+         bow and chuck turn with the part.",
+    );
+    files.push(("plots/axis.svg".to_owned(), svg.into_bytes()));
+    let of_pass: Vec<&StationRow> = stations.iter().filter(|s| s.pass == last).collect();
+    let nominal = passes.iter().find(|p| p.pass == last).map_or(f64::NAN, |p| p.nominal_mm);
+    let (picture, times) = turn(&rows, &of_pass, nominal);
+    page.figure(
+        &picture,
+        &format!(
+            "A turn of the last pass as the camera sees it: outline and axis, deviations drawn {times:.0} times as large as the shaft's \
+             length; blue the measured diameter."
+        ),
+    );
+    files.push(("plots/turn.svg".to_owned(), picture.into_bytes()));
+    Ok(files)
+}
+
+fn forces(page: &mut Page, passes: &[PassRow]) {
+    if passes.iter().all(|p| p.radial_force_n.is_none()) {
+        return;
+    }
+    let cell = |v: Option<f64>, digits: usize| v.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
+    let rows: Vec<Vec<String>> = passes
+        .iter()
+        .map(|p| {
+            vec![
+                p.pass.to_string(),
+                cell(p.radial_force_n, 1),
+                cell(p.tangential_force_n, 1),
+                cell(p.feed_force_n, 1),
+                cell(p.deflection_um, 2),
+                cell(p.tangential_error_um, 3),
+                cell(p.feed_mark_um, 3),
+            ]
+        })
+        .collect();
+    let header = [
+        "pass",
+        "radial force / N",
+        "tangential force / N",
+        "feed force / N",
+        "deflection at the tool / µm",
+        "tangential error, at most / µm",
+        "feed marks / µm",
+    ];
+    page.heading("Forces").text(
+        "Largest values of every pass by the simulation's force law (ISO 3002-4: passive, cutting and feed force). A radial deflection \
+         counts twice in the diameter, a tangential one as 2(√(r² + u²) − r); feed marks are f²/8r high.",
+    );
+    page.table(&header, &rows);
+}
+
+/// An SVG that turns by itself, and the factor of its deviations.
+fn turn(axis: &[&TrueAxisRow], stations: &[&StationRow], nominal_mm: f64) -> (String, f64) {
+    let turned = |a: &TrueAxisRow, phi: f64| {
+        let (sin, cos) = phi.sin_cos();
+        a.still_x_mm + a.turning_x_mm * cos - a.turning_y_mm * sin
+    };
+    let deviation = |i: usize| stations.get(i).and_then(|s| s.d_mm).map_or(0.0, |d| 0.5 * (d - nominal_mm));
+    let phis: Vec<f64> = (0..=ANGLES).map(|i| TAU * i as f64 / ANGLES as f64).collect();
+    let mut largest = STRAIGHT_MM;
+    for (i, a) in axis.iter().enumerate() {
+        for phi in &phis {
+            largest = largest.max(turned(a, *phi).abs() + deviation(i).abs());
+        }
+    }
+    let length = axis.last().map_or(1.0, |a| a.z_mm);
+    let (left, width) = (20.0, SIZE.0 - 40.0);
+    let (per_mm, middle) = (LARGEST_PX / largest, 0.5 * SIZE.1);
+    let path = |side: f64, phi: f64| {
+        let mut d = String::new();
+        for (i, a) in axis.iter().enumerate() {
+            let up = turned(a, phi) + side * deviation(i);
+            let (x, y) = (left + width * a.z_mm / length, middle - side * HALF_PX - per_mm * up);
+            let _ = write!(d, "{}{x:.1} {y:.1}", if i == 0 { "M" } else { "L" });
+        }
+        d
+    };
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\"><line x1=\"{left}\" y1=\"{middle}\" \
+         x2=\"{}\" y2=\"{middle}\" stroke=\"#999\" stroke-dasharray=\"6 4\"/>",
+        SIZE.0,
+        SIZE.1,
+        left + width
+    );
+    for (side, colour) in [(1.0, "#0072b2"), (0.0, "#d55e00"), (-1.0, "#0072b2")] {
+        let values: Vec<String> = phis.iter().map(|phi| path(side, *phi)).collect();
+        let _ = write!(
+            svg,
+            "<path fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\" d=\"{}\"><animate attributeName=\"d\" dur=\"{TURN_S}s\" \
+             repeatCount=\"indefinite\" values=\"{}\"/></path>",
+            values[0],
+            values.join(";")
+        );
+    }
+    svg.push_str("</svg>");
+    (svg, per_mm / (width / length))
+}
