@@ -17,6 +17,8 @@ const EXPLAINED: f64 = 1.1;
 /// a shadow at one step below the end's border and .28 at one and a half: what shows its tail alone states level and noise only together.
 const OWN_NOISE: f64 = 50.0;
 const OWN_SHARE: f64 = 0.35;
+/// One column of so many, free of stray pixels, states the noise of all.
+const FREE: usize = 4;
 /// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
 /// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
 const OF_LINE: f64 = 0.25;
@@ -47,8 +49,21 @@ struct Sums {
     flank: [f64; 2],
     on_flank: f64,
     in_dark: [f64; 3],
+    /// Columns that chi2 to in_dark are of.
+    columns: f64,
     /// Change of `right` by a relative change of the noise.
     by_noise: DVector<f64>,
+}
+
+impl Sums {
+    fn add_residuals(&mut self, score: &Score) {
+        self.chi2 += score.chi2;
+        self.telling += (score.telling - 1.0).max(0.0);
+        self.on_flank += score.on_flank;
+        self.in_dark.iter_mut().zip(score.in_dark).for_each(|(sum, one)| *sum += one);
+        self.flank = [self.flank[0] + score.flank[0], self.flank[1] + score.flank[1]];
+        self.columns += 1.0;
+    }
 }
 
 /// What a settled fit states.
@@ -113,6 +128,7 @@ impl Joint<'_> {
             flank: [0.0; 2],
             on_flank: 0.0,
             in_dark: [0.0; 3],
+            columns: 0.0,
             by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
@@ -134,11 +150,14 @@ impl Joint<'_> {
                     sums.normal[(i, j)] += wa * wb * (score.information[(a, b)] - eliminated);
                 }
             }
-            sums.chi2 += score.chi2;
-            sums.telling += (score.telling - 1.0).max(0.0);
-            sums.on_flank += score.on_flank;
-            sums.in_dark.iter_mut().zip(score.in_dark).for_each(|(sum, one)| *sum += one);
-            sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
+        }
+        // A hot pixel moves its column's place and so its other residuals; where few columns are free of such, all count.
+        let free = scores.iter().filter(|score| score.stray == 0).count();
+        let all = free < scores.len().div_ceil(FREE);
+        for score in
+            scores.iter().filter(|score| score.information[(0, 0)] > 0.0 && (all || score.stray == 0))
+        {
+            sums.add_residuals(score);
         }
         self.add_priors(&mut sums);
         (sums, scores)
@@ -265,7 +284,7 @@ impl Joint<'_> {
             misfit: sums.chi2 / sums.telling.max(1.0),
             log_likelihood: self.log_likelihood(windows, slope),
             columns: self.columns.len(),
-            telling: sums.telling / self.columns.len() as f64,
+            telling: sums.telling / sums.columns.max(1.0),
         })
     }
 
