@@ -24,6 +24,10 @@ const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
 /// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
 const HUBER: f64 = 3.0;
+/// Residuals beyond so many standard deviations are hot or dead pixels, or dirt: noise reaches it once in 5·10⁸ pixels. A caliper may have
+/// so many of them (of 2 % hot pixels, one caliper of thirty pixels in fifty has more); dirt covers more.
+const STRAY: f64 = 6.0;
+const MOST_STRAY: usize = 2;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
 const CHI2_GATE: f64 = 4.0;
 /// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the noise.
@@ -87,6 +91,8 @@ struct Sums<const P: usize> {
     own_right: f64,
     chi2: f64,
     pixels: f64,
+    /// Pixels that no noise explains, which `chi2` and `pixels` leave out.
+    stray: usize,
     /// Change of `right` and of `own_right` by a relative change of the noise.
     by_noise: (Vector<P>, f64),
 }
@@ -201,6 +207,7 @@ impl<const P: usize> State<P> {
             own_right: 0.0,
             chi2: 0.0,
             pixels: 0.0,
+            stray: 0,
             by_noise: (Vector::<P>::zeros(), 0.0),
         };
         for pixel in pixels {
@@ -218,10 +225,12 @@ impl<const P: usize> State<P> {
                 s.by_noise.0 += by_pooled * by_noise;
                 s.by_noise.1 += by_shift * by_noise;
             }
-            if between {
-                s.chi2 += residual * residual / variance;
+            if residual.abs() > STRAY * variance.sqrt() {
+                s.stray += 1;
+            } else {
+                s.chi2 += if between { residual * residual / variance } else { 0.0 };
+                s.pixels += expected;
             }
-            s.pixels += expected;
             let weight =
                 (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
             let informed = weight * information;
@@ -333,7 +342,7 @@ impl<const P: usize> State<P> {
             .zip(&self.shifts)
             .map(|(pixels, shift)| {
                 let s = self.sums(pixels, *shift);
-                if s.pixels < 5.0 || s.own <= 0.0 {
+                if s.pixels < 5.0 || s.own <= 0.0 || s.stray > MOST_STRAY {
                     return (f64::INFINITY, f64::INFINITY);
                 }
                 (s.chi2 / (s.pixels - 1.0), s.own.sqrt().recip())
