@@ -64,6 +64,9 @@ pub(crate) fn largest_caliper_where(
 ) -> Option<LargestCaliper> {
     let widths: Vec<(f64, f64)> =
         (0..edges.columns()).filter_map(|c| edges.width_px(c).map(|w| (c as f64, w))).collect();
+    if edges.columns() < READINGS {
+        return mean_of_readings(edges, size);
+    }
     let crests = Crests::find(edges).and_then(|crests| crests.tangents(least));
     let along = widest(edges, &widths, least, size);
     let end_on = along.and_then(|l| vertex(&widths, l.column_px, l.value_px));
@@ -86,6 +89,34 @@ pub(crate) fn largest_caliper_where(
         u_own_px: factor * largest.u_px,
         u_noise_px: factor * largest.u_noise_px,
         ..largest
+    })
+}
+
+/// Columns below which a frame is a few readings of a line camera: they show no stretch that could be the largest.
+const READINGS: usize = 16;
+
+/// The mean width of a few readings; `None` where none has both edges.
+fn mean_of_readings(edges: &FrameEdges, size: impl Fn(usize, f64, f64) -> f64) -> Option<LargestCaliper> {
+    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    let (first, last) = (*both.first()?, *both.last()?);
+    let n = both.len() as f64;
+    let (mut sum, mut own) = (0.0, 0.0);
+    for (top, bottom) in both.iter().map(|c| (&edges.top[*c], &edges.bottom[*c])) {
+        own += f64::from(top.u_own_px).powi(2) + f64::from(bottom.u_own_px).powi(2);
+    }
+    for column in &both {
+        sum += size(*column, edges.top[*column].row_px, edges.bottom[*column].row_px);
+    }
+    let u_own_px = own.sqrt() / n;
+    Some(LargestCaliper {
+        diameter_px: sum / n,
+        u_px: u_own_px.hypot(shared_u_px(edges)),
+        u_own_px,
+        u_noise_px: u_own_px,
+        column_px: 0.5 * (first + last) as f64,
+        stretch: (first, last),
+        end_on: false,
+        tangents: false,
     })
 }
 
