@@ -4,8 +4,13 @@
 //! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
 //! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out.
 //! Where the change is plain among its own scatter it is taken out of the windows, the contrast of every pixel being divided by
-//! 1 + g·(y_k − D); what is left of it, the light's curvature, is a share of the shift. A level that neighbours share is also an
-//! error that neighbours share: it is stated with the shared uncertainty.
+//!
+//! ```text
+//! exp(g·t + q·t²),  t = y_k − D        exact for light that falls exponentially and for Gaussian spots
+//! ```
+//!
+//! with g from the pixels a few rows farther out and q, one for the side, from those and others farther out still. What is left of it is a
+//! share of the shift. A level that neighbours share is also an error that neighbours share: it is stated with the shared uncertainty.
 
 use super::edges::Edge;
 use super::levels::LevelCurve;
@@ -28,9 +33,16 @@ const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
 const MEDIAN: f64 = 1.2533;
-/// Share of the shift that stays uncertain where the change was taken out of the windows: over the 14 px between the edge and the
-/// far pixels the slope of exponentially falling light changes by a third of itself at 6:1 over 120 px.
+/// Distance of the farther pixels from the far ones, px.
+const FARTHER: usize = 14;
+/// Share of the shift that stays uncertain where the change was taken out of the windows: without its curvature, the slope under a spot
+/// changes by a third of itself over the 20 px between the edge and the far pixels; with it, what other light departs from.
 const LEFT: f32 = 0.35;
+const LEFT_BENT: f32 = 0.08;
+/// Ratio of the slopes to the far and the farther pixels beyond which these show something else than the same light.
+const MOST_BEND: f32 = 2.0;
+/// Fewest tiles that tell a side's curvature.
+const LEAST_BENT: usize = 2;
 /// Standard uncertainties of a tile's change from which it is taken out.
 const PLAIN: f32 = 6.0;
 /// Least factor of the contrast that a pixel of a window is divided by: farther into the shadow no light is left.
@@ -47,6 +59,8 @@ pub(crate) struct Falloff {
     tiles: Vec<Change>,
     /// Whether the change was taken out of the windows.
     levelled: bool,
+    /// Curvature of the light's logarithm outwards, 1/px², and its standard uncertainty; none where too few pixels show it.
+    bend: Option<(f32, f32)>,
 }
 
 /// Columns of a tile.
@@ -61,9 +75,11 @@ struct Change {
     counts: f32,
     /// Standard uncertainty of that median by the columns' own scatter, counts.
     scatter: f32,
+    /// Median change to the farther pixels, counts; NaN where unknown.
+    farther: f32,
     /// Columns looked at.
     columns: u32,
-    /// What is taken out of the windows, counts.
+    /// Change of the light's logarithm that is taken out of the windows.
     taken: f32,
 }
 
@@ -76,12 +92,14 @@ impl Falloff {
     /// Looks at the light beyond the windows of a side.
     pub(crate) fn look<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
         self.tiles.clear();
-        self.levelled = false;
+        (self.levelled, self.bend) = (false, None);
         let down = windows.side == Side::Bottom;
-        let ahead = (windows.width - 1 + BEYOND - half(windows.width)) as i32 * windows.side.sign();
+        let sign = windows.side.sign();
+        let ahead = (windows.width - 1 + BEYOND - half(windows.width)) as i32 * sign;
         for (tile, centres) in windows.centre.chunks(TILE).enumerate() {
             let mut changes = [f32::NAN; TILE / STEP];
-            let mut count = 0;
+            let mut farther = [f32::NAN; TILE / STEP];
+            let (mut count, mut beyond) = (0, 0);
             for (offset, centre) in centres.iter().enumerate().step_by(STEP) {
                 let (Ok(centre), column) = (centre, tile * TILE + offset) else { continue };
                 let mut far = [0.0_f32; FAR];
@@ -90,9 +108,15 @@ impl Falloff {
                 {
                     changes[count] = far.iter().sum::<f32>() / FAR as f32 - windows.light[column];
                     count += 1;
+                    let first = (centre + ahead + FARTHER as i32 * sign) as isize;
+                    if plane.gather(first, down, column, &mut far) {
+                        farther[beyond] = far.iter().sum::<f32>() / FAR as f32 - windows.light[column];
+                        beyond += 1;
+                    }
                 }
             }
-            self.tiles.push(Change::of(&mut changes[..count]));
+            let farther = Change::of(&mut farther[..beyond]).counts;
+            self.tiles.push(Change { farther, ..Change::of(&mut changes[..count]) });
         }
     }
 
@@ -104,27 +128,60 @@ impl Falloff {
         }
         let Some(mean) = self.trend(windows) else { return };
         self.levelled = true;
+        self.bend = self.side_bend(windows);
         for tile in 0..self.tiles.len() {
             let share = self.tiles[tile].share(windows, tile_columns(tile, windows));
             let plain = share * mean.signum() > LEAST_LEVELLED;
-            self.tiles[tile].taken = if plain { self.tiles[tile].counts } else { mean };
+            self.tiles[tile].taken = (if plain { share } else { mean }).ln_1p();
         }
         let width = windows.width;
         // Place of the light's flat end in a window.
         let end = (width - 1) as f32 - 0.5 * (windows.flat as f32 + 1.0);
-        let (dark, contrast) = mean_levels(windows, 0..windows.centre.len());
+        let (dark, _) = mean_levels(windows, 0..windows.centre.len());
+        let (bend, far) = (self.bend.map_or(0.0, |b| b.0), apart(windows.flat));
         for column in (0..windows.centre.len()).filter(|c| windows.light[*c].is_finite()) {
-            let slope = self.taken_at(column) / apart(windows.flat);
-            let own = (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
-            let window = &mut windows.pixels[column * width..(column + 1) * width];
-            for (k, value) in window.iter_mut().enumerate().filter(|(_, value)| **value > low) {
-                let factor = 1.0 + slope / own * (k as f32 - end);
-                *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
+            let slope = self.taken_at(column) / far - bend * far;
+            // exp(g·t + q·t²) by its ratio from pixel to pixel.
+            let mut factor = (bend * end * end - slope * end).exp();
+            let mut ratio = (slope + bend * (1.0 - 2.0 * end)).exp();
+            let faster = (2.0 * bend).exp();
+            for value in &mut windows.pixels[column * width..(column + 1) * width] {
+                if *value > low {
+                    *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
+                }
+                (factor, ratio) = (factor * ratio, ratio * faster);
             }
         }
     }
 
-    /// Mean change of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
+    /// Curvature of the light's logarithm, the median of the tiles that plainly change, and its standard uncertainty.
+    fn side_bend(&self, windows: &Windows) -> Option<(f32, f32)> {
+        let (near, far) = (apart(windows.flat), apart(windows.flat) + FARTHER as f32);
+        let (mut bends, mut variance) = (Vec::new(), 0.0);
+        for (tile, change) in self.tiles.iter().enumerate() {
+            let columns = tile_columns(tile, windows);
+            let share = change.share(windows, columns.clone());
+            let farther = change.farther / mean_levels(windows, columns.clone()).1;
+            if share == 0.0 || !(farther > LEAST_FACTOR - 1.0) {
+                continue;
+            }
+            let [a, b] = [share.ln_1p() / near, farther.ln_1p() / far];
+            if !(a * b > 0.0 && a.abs().max(b.abs()) < MOST_BEND * a.abs().min(b.abs())) {
+                continue;
+            }
+            bends.push((b - a) / (far - near));
+            let u = change.scatter / mean_levels(windows, columns).1;
+            variance += ((u / near).powi(2) + (u / far).powi(2)) / (far - near).powi(2);
+        }
+        if bends.len() < LEAST_BENT {
+            return None;
+        }
+        let (middle, n) = (bends.len() / 2, bends.len() as f32);
+        let u = MEDIAN as f32 * variance.sqrt() / n;
+        Some((*bends.select_nth_unstable_by(middle, f32::total_cmp).1, u))
+    }
+
+    /// Mean change, a share of the contrast, of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
     /// uneven; a cloud of mist is beside a few tiles, and the tails of an edge change less.
     fn trend(&self, windows: &Windows) -> Option<f32> {
         let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
@@ -135,7 +192,7 @@ impl Falloff {
                 let share = change.share(windows, tile_columns(tile, windows));
                 let side = usize::from(share > 0.0);
                 if share.abs() > LEAST_LEVELLED {
-                    sums[side] += change.counts;
+                    sums[side] += share;
                     counts[side] += 1;
                 }
             }
@@ -144,7 +201,7 @@ impl Falloff {
         (2 * counts[side] > known).then(|| sums[side] / counts[side] as f32)
     }
 
-    /// The change taken out at a column, between the middles of its tile and the next, counts.
+    /// The change of the logarithm taken out at a column, between the middles of its tile and the next.
     fn taken_at(&self, column: usize) -> f32 {
         let place = (column as f32 / TILE as f32 - 0.5).clamp(0.0, self.tiles.len() as f32 - 1.0);
         let left = (place as usize).min(self.tiles.len().saturating_sub(2));
@@ -173,8 +230,18 @@ impl Falloff {
             if !(change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt())) {
                 continue;
             }
-            let left = if self.levelled { LEFT } else { 1.0 };
-            let moved = left * (shift * change / contrast) as f32;
+            let left = match (self.levelled, self.bend) {
+                (false, _) => 1.0,
+                (true, None) => LEFT,
+                (true, Some(_)) => LEFT_BENT,
+            };
+            let mut moved = left * (shift * change / contrast) as f32;
+            if let Some((_, u_bend)) = self.bend.filter(|_| self.levelled) {
+                // Its error turns the slope about the far pixels: ln C at the edge by u·D·(D + their distance).
+                let far = apart(windows.flat);
+                moved =
+                    moved.hypot(u_bend * shift as f32 * far * (far + distance(table, windows.flat) as f32));
+            }
             for edge in edges.iter_mut().filter(|e| e.is_usable()) {
                 edge.u_shared_px = edge.u_shared_px.hypot(moved);
             }
@@ -186,7 +253,8 @@ impl Change {
     /// From the changes of single columns.
     fn of(changes: &mut [f32]) -> Self {
         let columns = changes.len();
-        let unknown = Self { counts: f32::NAN, scatter: f32::NAN, columns: columns as u32, taken: 0.0 };
+        let nan = f32::NAN;
+        let unknown = Self { counts: nan, scatter: nan, farther: nan, columns: columns as u32, taken: 0.0 };
         if columns < LEAST {
             return unknown;
         }
@@ -216,11 +284,16 @@ fn mean_levels(windows: &Windows, columns: std::ops::Range<usize>) -> (f32, f32)
     (dark / count, (light - dark) / count)
 }
 
+/// Distance D of an edge in the middle of its window from the light's flat end, px.
+fn distance(table: &Table, flat: usize) -> f64 {
+    (table.width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - half(table.width) as f64
+}
+
 /// |Σ w_k E_k (y_k − D)| of an edge in the middle of its window, px of the edge per share of the contrast and px.
 fn shift(table: &Table, flat: usize) -> f64 {
     let phase = table.phase(0.0);
     let middle = half(table.width) as f64;
-    let distance = (table.width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - middle;
+    let distance = distance(table, flat);
     let terms = phase.weights.iter().zip(phase.values).enumerate();
     terms.map(|(k, (w, e))| f64::from(w * e) * (k as f64 - middle - distance)).sum::<f64>().abs()
 }

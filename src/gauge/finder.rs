@@ -166,7 +166,7 @@ impl EdgeStream {
             return Err(explain::too_small((view.rows(), view.columns()), (LEAST_ROWS, LEAST_COLUMNS)));
         }
         if !all_finite(view) {
-            return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
+            return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
         }
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };

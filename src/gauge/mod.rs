@@ -34,10 +34,12 @@ mod lanes;
 mod largest_reading;
 mod learn;
 mod levels;
+mod light_field;
 mod median;
 mod model;
 pub mod monte_carlo;
 mod noise;
+mod other_views;
 pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;
@@ -65,6 +67,7 @@ mod valleys;
 mod window;
 mod wire;
 mod wire_frame;
+mod wire_rounding;
 
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,

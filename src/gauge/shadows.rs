@@ -220,8 +220,9 @@ impl Shadows {
                     None => Err(NoShadow {
                         reason: Reason::NoEdge,
                         detail: Some(format!(
-                            "there is no shadow {number}: {} lie in the field, counted from the top",
-                            parts().count()
+                            "there is no shadow {number}: {} of {} px or more lie in the field, counted from the top; give --which one of them, or a smaller --min-diameter-px",
+                            parts().count(),
+                            grid.min_diameter_px
                         )),
                     }),
                 }

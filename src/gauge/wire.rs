@@ -20,9 +20,13 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use super::coarse::CoarseEdge;
 use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
+use super::light_field::{LightField, Lit};
 use super::median::median_of;
 use super::model::EdgeSample;
+use super::noise::{LEAST_OF_COUNTS, Spread};
 use super::pixels::{Plane, Sample};
+use super::rounded_frame::noise_in_steps;
+use super::wire_rounding::{WirePixel, WireRounding};
 use crate::profile::Reason;
 
 /// Width below which both edges are fitted together, px: above it their windows are clear of each other up to a blur of 2 px.
@@ -38,6 +42,9 @@ const HUBER: f64 = 3.0;
 /// Rounds of the fit; the noise is estimated anew in each.
 const ROUNDS: usize = 4;
 const STEPS: usize = 8;
+/// Columns, at most, and pixels on both sides that the light's field is told from.
+const FIELD_COLUMNS: usize = 256;
+const FIELD_PX: f64 = 20.0;
 /// Pixels from which a zone's noise is estimated.
 const LEAST_PIXELS: usize = 64;
 
@@ -53,6 +60,8 @@ struct Column {
     pixels: Vec<f32>,
     /// Abscissa along the wire, −1 to 1.
     x: f64,
+    /// Scale of the noise: what the light's field was divided by in the middle.
+    noise: f64,
     /// Rows of both edges.
     edges: Vector2<f64>,
     /// Whether it takes part in the pooled parameters.
@@ -99,17 +108,56 @@ impl Wire {
             return Err(Reason::LowContrast);
         }
         wire.variance = [(0.01 * wire.contrast()).powi(2).max(floor); 2];
-        for _ in 0..ROUNDS {
-            for _ in 0..STEPS {
-                if wire.step().ok_or(Reason::NoEdge)? < 1e-5 {
-                    break;
-                }
-            }
-            wire.estimate_variance(floor);
-            wire.judge();
+        wire.settle(floor).ok_or(Reason::NoEdge)?;
+        if wire.level_light(plane) {
+            wire.settle(floor).ok_or(Reason::NoEdge)?;
         }
         wire.covariance = wire.reduced(&wire.all_sums()).0.try_inverse().ok_or(Reason::NoEdge)?;
         Ok(wire)
+    }
+
+    /// Solves for all parameters; `None` where the equations are singular.
+    fn settle(&mut self, floor: f64) -> Option<()> {
+        for _ in 0..ROUNDS {
+            for _ in 0..STEPS {
+                if self.step()? < 1e-5 {
+                    break;
+                }
+            }
+            self.estimate_variance(floor);
+            self.judge();
+        }
+        Some(())
+    }
+
+    /// Divides the columns by the field of the light beside the wire; false where the light is even.
+    fn level_light<T: Sample>(&mut self, plane: &Plane<'_, T>) -> bool {
+        let dark = self.pooled[0];
+        let clear = 4.0 * self.pooled[SIGMA] + 1.0;
+        let mut points = Vec::new();
+        for column in self.columns.iter().step_by(self.columns.len().div_ceil(FIELD_COLUMNS)) {
+            let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
+            let rows = [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)];
+            for (from, to) in rows {
+                let last = to.min(plane.rows as f64 - 1.0);
+                for row in from.max(0.0).ceil() as usize..=last.max(0.0) as usize {
+                    let contrast = f64::from(plane.at(row, column.index)) - dark;
+                    points.push(Lit { x: column.index as f64, y: row as f64, contrast });
+                }
+            }
+        }
+        let Some(field) = LightField::fit(&points) else { return false };
+        for column in &mut self.columns {
+            let x = column.index as f64;
+            for (k, value) in column.pixels.iter_mut().enumerate() {
+                let light = field.relative(x, f64::from(column.first) + k as f64);
+                *value = (dark + (f64::from(*value) - dark) / light) as f32;
+            }
+            column.noise = field.relative(x, 0.5 * column.edges.sum()).recip();
+        }
+        let start = start(&self.columns);
+        (1..SIGMA).for_each(|k| self.pooled[k] = start[k]);
+        true
     }
 
     /// Blur, px.
@@ -140,6 +188,52 @@ impl Wire {
     pub(crate) fn freedom(&self) -> f64 {
         let pixels: usize = self.columns.iter().map(|c| c.pixels.len()).sum();
         pixels as f64 / self.columns.len().max(1) as f64 - 2.0
+    }
+
+    /// The equations of some columns, pooled constants and both edges.
+    pub(crate) fn equations(&self, columns: usize) -> Vec<Vec<WirePixel>> {
+        let step = self.columns.len().div_ceil(columns).max(1);
+        let of = |column: &Column| {
+            let mut pixels = Vec::with_capacity(column.pixels.len());
+            self.each_pixel(column, |_, light, pooled, edges| {
+                let by = [pooled[0], pooled[1], pooled[4], pooled[SIGMA], edges[0], edges[1]];
+                let weight = (self.variance_at(light) * column.noise.powi(2)).recip();
+                pixels.push(WirePixel { weight, light: [pooled[1], pooled[4]], by: by.into() });
+            });
+            pixels
+        };
+        self.columns.iter().step_by(step).filter(|column| column.good).map(of).collect()
+    }
+
+    /// What rounding in steps, counts, does to the grey values.
+    pub(crate) fn rounding(&self, step: f64) -> WireRounding {
+        let mut zones = [Vec::new(), Vec::new()];
+        let thinned = (self.columns.len() / FIELD_COLUMNS).max(1);
+        for pair in self.columns.windows(2).step_by(thinned).filter(|p| p[0].index + 1 == p[1].index) {
+            let mut row = pair[0].first;
+            self.each_pixel(&pair[0], |_, light, _, _| {
+                let place = |column: &Column| column.pixels.get((row - column.first) as usize).copied();
+                if let (Some(a), Some(b)) = (place(&pair[0]), place(&pair[1])) {
+                    match light {
+                        l if l < 0.02 => zones[0].push(a - b),
+                        l if l > 0.98 => zones[1].push(a - b),
+                        _ => {}
+                    }
+                }
+                row += 1;
+            });
+        }
+        let least = (step * LEAST_OF_COUNTS) as f32;
+        let [dark, light] = zones.map(|zone| Spread::of(&zone, least));
+        let dark = if dark.variance().is_some() { dark } else { light };
+        let p = &self.pooled;
+        let run = |from: usize| (2.0 * p[from + 1]).abs() / step;
+        WireRounding {
+            step,
+            noise: [dark, light].map(|spread| noise_in_steps(spread, step)),
+            runs: [0.0, run(1), run(4)],
+            alike: (p[1] - p[4]).abs() < 0.5 * step,
+        }
     }
 
     /// Writes both edges of every column of the frame; those that were not fitted keep the gaps that stand there.
@@ -176,7 +270,7 @@ impl Wire {
             chi2: 0.0,
         };
         self.each_pixel(column, |residual, light, by_pooled, by_edges| {
-            let variance = self.variance_at(light);
+            let variance = self.variance_at(light) * column.noise.powi(2);
             s.chi2 += residual * residual / variance;
             let huber = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0);
             let weight = huber / variance;
@@ -276,8 +370,8 @@ impl Wire {
         let mut zones = [Vec::new(), Vec::new()];
         for column in self.columns.iter().filter(|c| c.good) {
             self.each_pixel(column, |residual, light, _, _| match light {
-                l if l < 0.2 => zones[0].push(residual.abs()),
-                l if l > 0.9 => zones[1].push(residual.abs()),
+                l if l < 0.2 => zones[0].push(residual.abs() / column.noise),
+                l if l > 0.9 => zones[1].push(residual.abs() / column.noise),
                 _ => {}
             });
         }
@@ -316,7 +410,7 @@ fn read<T: Sample>(
         let pixels = (first..=last).map(|row| plane.at(row as usize, index)).collect();
         let x = 2.0 * index as f64 / plane.columns as f64 - 1.0;
         let edges = Vector2::new(f64::from(t) - 0.5, f64::from(b) + 0.5);
-        columns.push(Column { index, first, pixels, x, edges, good: true });
+        columns.push(Column { index, first, pixels, x, noise: 1.0, edges, good: true });
     }
     match (columns.len(), seen) {
         (n, _) if n >= 8 => Ok(columns),

@@ -51,6 +51,11 @@ pub(crate) fn measure<T: Sample>(
     lay_out(coarse, out);
     wire.write(&mut out.top, &mut out.bottom);
     let misfit = judge(settings, wire.freedom(), out);
+    let step = scale.step();
+    let rounding_px = match step > 0.0 {
+        true => wire.rounding(step).state(&wire, [&mut out.top, &mut out.bottom]),
+        false => 0.0,
+    };
     out.shared_length = [plane.columns as f32; 2];
     out.clipped_px = [0.0; 2];
     out.figures = FrameFigures {
@@ -62,7 +67,7 @@ pub(crate) fn measure<T: Sample>(
         snr,
         misfit,
         quantised: scale.floor > 0.0,
-        rounding_px: [0.0; 2],
+        rounding_px: [rounding_px; 2],
         shadows: coarse.shadows.seen,
     };
     let valid = out.valid();
@@ -114,9 +119,13 @@ fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: Scale) -> Option<f64> {
     if !(scale.floor > 0.0) {
         return None;
     }
-    let rows = (0..plane.rows).step_by((plane.rows / 64).max(1));
+    let rows = || (0..plane.rows).step_by((plane.rows / 64).max(1));
+    // A column of one grey value is a stuck one: the wire would show in it.
+    let live: Vec<usize> = (0..plane.columns)
+        .filter(|column| rows().any(|row| plane.at(row, *column) != plane.at(0, *column)))
+        .collect();
     let values: Vec<f32> =
-        rows.flat_map(|row| (0..plane.columns).map(move |column| plane.at(row, column))).collect();
+        rows().flat_map(|row| live.iter().map(move |column| plane.at(row, *column))).collect();
     let (least, most) =
         values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let count = |over: &dyn Fn(f32) -> bool| values.iter().filter(|v| over(**v)).count() as f64;

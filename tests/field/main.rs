@@ -10,6 +10,7 @@ mod formats;
 #[path = "../support/gauge_synth.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the gauge")]
 mod gauge_synth;
+mod kinds;
 mod nc;
 mod optics;
 mod order;
@@ -19,3 +20,4 @@ mod refusals;
 mod sizes;
 mod statistics;
 mod support;
+mod uneven;
