@@ -17,6 +17,7 @@ mod order;
 mod outputs;
 mod pictures;
 mod refusals;
+mod refused;
 mod sizes;
 mod statistics;
 mod support;
