@@ -38,7 +38,7 @@ const FARTHER: usize = 14;
 /// Share of the shift that stays uncertain where the change was taken out of the windows: without its curvature, the slope under a spot
 /// changes by a third of itself over the 20 px between the edge and the far pixels; with it, what other light departs from.
 const LEFT: f32 = 0.35;
-const LEFT_BENT: f32 = 0.08;
+const LEFT_BENT: f32 = 0.2;
 /// Ratio of the slopes to the far and the farther pixels beyond which these show something else than the same light.
 const MOST_BEND: f32 = 2.0;
 /// Fewest tiles that tell a side's curvature.
