@@ -100,17 +100,22 @@ impl Falloff {
             let mut changes = [f32::NAN; TILE / STEP];
             let mut farther = [f32::NAN; TILE / STEP];
             let (mut count, mut beyond) = (0, 0);
+            let contrast = mean_levels(windows, tile_columns(tile, windows)).1;
             for (offset, centre) in centres.iter().enumerate().step_by(STEP) {
                 let (Ok(centre), column) = (centre, tile * TILE + offset) else { continue };
                 let mut far = [0.0_f32; FAR];
+                // Of light that falls along the tile, too, each column shows its own share.
+                let scale =
+                    contrast / (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
                 if windows.light[column].is_finite()
                     && plane.gather((centre + ahead) as isize, down, column, &mut far)
                 {
-                    changes[count] = far.iter().sum::<f32>() / FAR as f32 - windows.light[column];
+                    changes[count] = scale * (far.iter().sum::<f32>() / FAR as f32 - windows.light[column]);
                     count += 1;
                     let first = (centre + ahead + FARTHER as i32 * sign) as isize;
                     if plane.gather(first, down, column, &mut far) {
-                        farther[beyond] = far.iter().sum::<f32>() / FAR as f32 - windows.light[column];
+                        farther[beyond] =
+                            scale * (far.iter().sum::<f32>() / FAR as f32 - windows.light[column]);
                         beyond += 1;
                     }
                 }

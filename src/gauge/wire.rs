@@ -60,8 +60,8 @@ struct Column {
     pixels: Vec<f32>,
     /// Abscissa along the wire, −1 to 1.
     x: f64,
-    /// Scale of the noise: what the light's field was divided by in the middle.
-    noise: f64,
+    /// Light in the middle over that of the field's centre: the contrast's factor.
+    gain: f64,
     /// Rows of both edges.
     edges: Vector2<f64>,
     /// Whether it takes part in the pooled parameters.
@@ -149,14 +149,28 @@ impl Wire {
         let Some(field) = LightField::fit(&points) else { return false };
         for column in &mut self.columns {
             let x = column.index as f64;
+            column.gain = field.relative(x, 0.5 * column.edges.sum());
             for (k, value) in column.pixels.iter_mut().enumerate() {
-                let light = field.relative(x, f64::from(column.first) + k as f64);
+                let light = field.relative(x, f64::from(column.first) + k as f64) / column.gain;
                 *value = (dark + (f64::from(*value) - dark) / light) as f32;
             }
-            column.noise = field.relative(x, 0.5 * column.edges.sum()).recip();
         }
-        let start = start(&self.columns);
-        (1..SIGMA).for_each(|k| self.pooled[k] = start[k]);
+        // Light of one level all along is left.
+        let light = |from: usize| {
+            median_of(
+                self.columns
+                    .iter()
+                    .map(|c| {
+                        let end = if from == 1 { c.pixels.first() } else { c.pixels.last() };
+                        dark + (f64::from(end.copied().unwrap_or(0.0)) - dark) / c.gain
+                    })
+                    .collect(),
+            )
+        };
+        let levels = [light(1), light(4)];
+        for (from, level) in [1, 4].into_iter().zip(levels) {
+            (self.pooled[from], self.pooled[from + 1], self.pooled[from + 2]) = (level, 0.0, 0.0);
+        }
         true
     }
 
@@ -197,8 +211,12 @@ impl Wire {
             let mut pixels = Vec::with_capacity(column.pixels.len());
             self.each_pixel(column, |_, light, pooled, edges| {
                 let by = [pooled[0], pooled[1], pooled[4], pooled[SIGMA], edges[0], edges[1]];
-                let weight = (self.variance_at(light) * column.noise.powi(2)).recip();
-                pixels.push(WirePixel { weight, light: [pooled[1], pooled[4]], by: by.into() });
+                let weight = self.variance_at(light * column.gain).recip();
+                pixels.push(WirePixel {
+                    weight,
+                    light: [pooled[1], pooled[4]].map(|l| l / column.gain),
+                    by: by.into(),
+                });
             });
             pixels
         };
@@ -270,7 +288,7 @@ impl Wire {
             chi2: 0.0,
         };
         self.each_pixel(column, |residual, light, by_pooled, by_edges| {
-            let variance = self.variance_at(light) * column.noise.powi(2);
+            let variance = self.variance_at(light * column.gain);
             s.chi2 += residual * residual / variance;
             let huber = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0);
             let weight = huber / variance;
@@ -288,7 +306,7 @@ impl Wire {
         let (p, x) = (&self.pooled, column.x);
         let powers = [1.0, x, x * x];
         let level = |from: usize| (0..3).map(|k| p[from + k] * powers[k]).sum::<f64>();
-        let (above, below) = (level(1) - p[0], level(4) - p[0]);
+        let (above, below) = (column.gain * (level(1) - p[0]), column.gain * (level(4) - p[0]));
         let mut samples = [[EdgeSample::default(); 2 * BESIDE + 2 * WIDEST_PX as usize]; 2];
         let count = column.pixels.len().min(samples[0].len());
         for (side, samples) in samples.iter_mut().enumerate() {
@@ -305,10 +323,10 @@ impl Wire {
             let (t, b) = (&samples[0][k], &samples[1][k]);
             let value = p[0] + above * t.value + below * b.value;
             let mut by_pooled = Pooled::zeros();
-            by_pooled[0] = 1.0 - t.value - b.value;
+            by_pooled[0] = 1.0 - column.gain * (t.value + b.value);
             for (power, factor) in powers.iter().enumerate() {
-                by_pooled[1 + power] = t.value * factor;
-                by_pooled[4 + power] = b.value * factor;
+                by_pooled[1 + power] = column.gain * t.value * factor;
+                by_pooled[4 + power] = column.gain * b.value * factor;
             }
             by_pooled[SIGMA] = above * t.by_sigma + below * b.by_sigma;
             let by_edges = Vector2::new(-above * t.by_position, below * b.by_position);
@@ -317,7 +335,7 @@ impl Wire {
     }
 
     fn variance_at(&self, light: f64) -> f64 {
-        let share = light.clamp(0.0, 1.0);
+        let share = light.max(0.0);
         self.variance[0] + share * (self.variance[1] - self.variance[0])
     }
 
@@ -370,8 +388,8 @@ impl Wire {
         let mut zones = [Vec::new(), Vec::new()];
         for column in self.columns.iter().filter(|c| c.good) {
             self.each_pixel(column, |residual, light, _, _| match light {
-                l if l < 0.2 => zones[0].push(residual.abs() / column.noise),
-                l if l > 0.9 => zones[1].push(residual.abs() / column.noise),
+                l if l < 0.2 => zones[0].push(residual.abs()),
+                l if l > 0.9 => zones[1].push(residual.abs()),
                 _ => {}
             });
         }
@@ -410,7 +428,7 @@ fn read<T: Sample>(
         let pixels = (first..=last).map(|row| plane.at(row as usize, index)).collect();
         let x = 2.0 * index as f64 / plane.columns as f64 - 1.0;
         let edges = Vector2::new(f64::from(t) - 0.5, f64::from(b) + 0.5);
-        columns.push(Column { index, first, pixels, x, noise: 1.0, edges, good: true });
+        columns.push(Column { index, first, pixels, x, gain: 1.0, edges, good: true });
     }
     match (columns.len(), seen) {
         (n, _) if n >= 8 => Ok(columns),

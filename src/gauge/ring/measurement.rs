@@ -89,7 +89,14 @@ pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<Rin
     let Coarse { outer, inner } = coarse::find(view, settings)?;
     let wall = inner.map_or(outer.radius, |bore| outer.radius - bore.radius);
     let half = settings.half_band_px.min(0.45 * wall);
-    let measured = |circle, light_outside| Side { view, settings, light_outside, half }.measure(circle);
+    let side = |light_outside| Side { view, settings, light_outside, half };
+    let mut seen = side(true).light(&outer).unwrap_or_default();
+    if let Some(mut inside) = inner.as_ref().and_then(|bore| side(false).light(bore)) {
+        // One light falls on both sides of the wall.
+        seen.lit.append(&mut inside.lit);
+    }
+    let field = LightField::fit(&seen.lit).map(|field| (field, seen.dark));
+    let measured = |circle, light_outside| side(light_outside).measure(circle, field.as_ref());
     let outer = measured(outer, true)?;
     let inner = inner.map(|bore| measured(bore, false)).transpose()?;
     let concentricity = inner.as_ref().map(|inner| {
@@ -99,6 +106,13 @@ pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<Rin
         Concentricity { px, u_px: 2.0 * outer.u_centre_px.hypot(inner.u_centre_px), mm }
     });
     Ok(RingMeasurement { outer, inner, concentricity })
+}
+
+/// Pixels of light, and the level of the shadow, counts.
+#[derive(Default)]
+struct SeenLight {
+    lit: Vec<Lit>,
+    dark: f64,
 }
 
 /// One edge to be measured.
@@ -114,14 +128,13 @@ impl Side<'_> {
         RingError::Edge { edge: if self.light_outside { "outer" } else { "inner" }, why: why.into() }
     }
 
-    fn measure(&self, coarse: Circle) -> Result<EdgeCircle, RingError> {
+    fn measure(&self, coarse: Circle, field: Option<&(LightField, f64)>) -> Result<EdgeCircle, RingError> {
         let mut calipers = self.settings.calipers;
         while calipers > 64 && coarse.radius * TAU / (calipers as f64) < 2.0 {
             calipers /= 2;
         }
         let least_variance = if self.view.format() == PixelFormat::F32 { 1e-6 } else { 1.0 / 12.0 };
         let (mut circle, mut last, mut ends) = (coarse, None, None);
-        let field = self.uneven_light(&coarse);
         let mut raw = None;
         for _ in 0..3 {
             let order = BandOrder {
@@ -132,7 +145,7 @@ impl Side<'_> {
                 bright_on_dark: self.settings.bright_on_dark,
             };
             let mut band = collect(self.view, &order);
-            if let (Some((field, dark)), None) = (&field, &ends) {
+            if let (Some((field, dark)), None) = (field, &ends) {
                 raw = Some(band.clone());
                 band.level(field, *dark, &circle);
             }
@@ -172,8 +185,8 @@ impl Side<'_> {
         self.assemble(&followed, &fit, &points, ls.fit.circle)
     }
 
-    /// The light around the edge where it is not even, and the level of the shadow, counts.
-    fn uneven_light(&self, circle: &Circle) -> Option<(LightField, f64)> {
+    /// The light beyond the band of the edge.
+    fn light(&self, circle: &Circle) -> Option<SeenLight> {
         let order = BandOrder {
             circle: *circle,
             light_outside: self.light_outside,
@@ -185,14 +198,14 @@ impl Side<'_> {
         let in_shadow = |p: &&EdgePixel| (-self.half..-FLAT * self.half).contains(&p.distance);
         let dark = median_of(pixels.iter().filter(in_shadow).map(|p| p.value).collect());
         let lit = pixels.iter().filter(|p| p.distance > self.half);
-        let points: Vec<Lit> = lit
+        let lit = lit
             .map(|p| Lit {
                 x: circle.centre.x + p.reach * circle.radius * p.cos,
                 y: circle.centre.y + p.reach * circle.radius * p.sin,
                 contrast: p.value - dark,
             })
             .collect();
-        LightField::fit(&points).map(|field| (field, dark))
+        Some(SeenLight { lit, dark })
     }
 
     /// Edge points of the calipers, px.
