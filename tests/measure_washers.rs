@@ -75,7 +75,8 @@ fn washers_agree_with_the_measuring_machine() {
         }
         // The clipped bright field is flagged and measured, columns without a part or with steep flanks are gaps.
         let columns = |flag: &str| frame["flags"][flag].as_u64().unwrap_or(0);
-        assert!(columns("clipped") > 350, "{frame}");
+        // Where a burr or dirt lies along one edge most columns are gaps.
+        assert!(columns("clipped") > 100, "{frame}");
         assert!(columns("no_edge") + columns("steep") > 500, "{frame}");
         assert_eq!(frame["valid"], frame["flags"]["clipped"], "{frame}");
     }

@@ -40,16 +40,23 @@ pub(crate) struct Censored {
     pub(crate) between: bool,
     /// Expected square of the residual over the pixels between the ends.
     pub(crate) expected: f64,
-    /// Logarithm of the likelihood.
-    pub(crate) log_likelihood: f64,
+    /// Change of the score by a relative change of the standard deviation: at an end that the mean lies beyond by z, the same share of
+    /// clipped pixels is that of a mean z standard deviations beyond, whatever these are.
+    pub(crate) by_noise: f64,
 }
+
+/// Distance of the mean beyond an end, standard deviations, from which a pixel at that end states nothing: its score is below 1e-8.
+const FAR_BEYOND: f64 = 6.0;
 
 impl Censored {
     /// A grey value `m` of mean `mean` and standard deviation `s`, counts.
     pub(crate) fn new(m: f64, mean: f64, s: f64, ends: Ends) -> Self {
-        let Ends { low, high, step } = ends;
+        let Ends { low, high, .. } = ends;
         // Distances to both ends, positive inside the scale.
-        let inside = [(high - 0.5 * step - mean) / s, (mean - low - 0.5 * step) / s];
+        let inside = Self::inside(mean, s, ends);
+        if (m >= high && inside[0] < -FAR_BEYOND) || (m <= low && inside[1] < -FAR_BEYOND) {
+            return Self { residual: 0.0, information: 0.0, between: false, expected: 0.0, by_noise: 0.0 };
+        }
         let (mut information, mut expected) = (1.0, 1.0);
         let mut hazards = inside;
         for (alpha, hazard) in inside.into_iter().zip(&mut hazards) {
@@ -61,21 +68,33 @@ impl Censored {
                 expected -= (outside + alpha * pdf).clamp(0.0, 1.0);
             }
         }
-        let tail = |alpha: f64| phi_cdf(-alpha).max(1e-300).ln();
-        let (residual, between, log_likelihood) = if m >= high {
-            (hazards[0], false, tail(inside[0]))
+        let (residual, between) = if m >= high {
+            (hazards[0], false)
         } else if m <= low {
-            (-hazards[1], false, tail(inside[1]))
+            (-hazards[1], false)
         } else {
-            let residual = (m - mean) / s;
-            (residual, true, -0.5 * residual * residual - s.ln())
+            ((m - mean) / s, true)
         };
-        Self {
-            residual,
-            information: information.max(0.0),
-            between,
-            expected: expected.max(0.0),
-            log_likelihood,
+        let information = information.max(0.0);
+        let by_noise = information * ((-inside[0]).max(0.0) - (-inside[1]).max(0.0));
+        Self { residual, information, between, expected: expected.max(0.0), by_noise }
+    }
+
+    /// Distances of the mean to the upper and the lower end, standard deviations, positive inside the scale.
+    fn inside(mean: f64, s: f64, Ends { low, high, step }: Ends) -> [f64; 2] {
+        [(high - 0.5 * step - mean) / s, (mean - low - 0.5 * step) / s]
+    }
+
+    /// Logarithm of the likelihood of a grey value `m` of mean `mean` and standard deviation `s`, counts.
+    pub(crate) fn log_likelihood(m: f64, mean: f64, s: f64, ends: Ends) -> f64 {
+        let inside = Self::inside(mean, s, ends);
+        let tail = |alpha: f64| phi_cdf(-alpha).max(1e-300).ln();
+        if m >= ends.high {
+            tail(inside[0])
+        } else if m <= ends.low {
+            tail(inside[1])
+        } else {
+            -0.5 * ((m - mean) / s).powi(2) - s.ln()
         }
     }
 }

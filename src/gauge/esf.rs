@@ -152,6 +152,15 @@ impl EdgeShape {
         }
     }
 
+    /// G, F and ∂G/∂σ at a border of pixels `u` px from the edge, with Φ and φ at u/σ.
+    #[inline]
+    pub(crate) fn border(&self, u: f64, sigma: f64, [cdf, pdf]: [f64; 2]) -> [f64; 3] {
+        match self {
+            Self::Gaussian => [u * cdf + sigma * pdf, cdf, pdf],
+            Self::Table(table) => table.border(u, sigma),
+        }
+    }
+
     /// G, F and ∂G/∂σ at `count` equidistant borders of pixels, `per_px` to the pixel, the middle one of them on the edge.
     pub(crate) fn borders(&self, sigma: f64, per_px: u32, count: usize, out: &mut Vec<[f64; 3]>) {
         out.clear();

@@ -204,9 +204,41 @@ fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>
     robust_mean(squares).map(|mean| (0.5 * mean).sqrt())
 }
 
+/// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the share of them at the end or beyond;
+/// `None` of too few.
+pub(crate) fn light_scatter(
+    windows: &Windows,
+    end: Option<f32>,
+    squares: &mut Vec<f32>,
+) -> Option<(f64, f64)> {
+    let range = Level::Light.pixels(windows);
+    let columns = windows.centre.len();
+    let step = columns.div_ceil(2 * CLOSELY / windows.flat.max(1)).max(2);
+    squares.clear();
+    let (mut at_end, mut all) = (0.0, 0.0_f64);
+    for column in (0..columns.saturating_sub(1)).step_by(step) {
+        if windows.centre[column].is_err() || windows.centre[column + 1].is_err() {
+            continue;
+        }
+        let pair = windows.of(column)[range.clone()].iter().zip(&windows.of(column + 1)[range.clone()]);
+        for (a, b) in pair {
+            squares.push((a - b).powi(2));
+            (at_end, all) = (at_end + f64::from(u8::from(end.is_some_and(|end| *a >= end))), all + 1.0);
+        }
+    }
+    // Most pairs of clipped light are equal: no median stands for them.
+    let mean = match end {
+        Some(_) if squares.len() >= PAIRS => {
+            squares.iter().map(|s| f64::from(*s)).sum::<f64>() / squares.len() as f64
+        }
+        _ => robust_mean(squares)?,
+    };
+    Some((0.5 * mean, at_end / all.max(1.0)))
+}
+
 /// Noise on the flank by second differences along the shaft of the two pixels nearest to the middle of the levels, less what an edge that
 /// moves would do to both: structure of the part is no noise.
-fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
+pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
     let middle = (0.5 * (elsewhere.levels[0] + elsewhere.levels[1])) as f32;
     let columns = windows.centre.len();
     let step = columns.div_ceil(CLOSELY).max(1);
@@ -246,7 +278,7 @@ pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
 }
 
 /// z with Q(z) = share, by bisection.
-fn inverse_tail(share: f64) -> f64 {
+pub(crate) fn inverse_tail(share: f64) -> f64 {
     let (mut low, mut high) = (-8.0, 8.0);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);

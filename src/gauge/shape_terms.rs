@@ -7,8 +7,6 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::model::phi_pdf;
-
 /// Number of terms.
 pub(crate) const TERMS: usize = 2;
 /// Standard deviation of the amplitudes where nothing is known of them; skewness is 6 and excess kurtosis 24 times as much. The value
@@ -50,10 +48,10 @@ impl ShapeTerms {
     }
 }
 
-/// Antiderivatives of the plain terms at a border of pixels `u` px from the edge, light at positive u.
+/// Antiderivatives of the plain terms at a border of pixels `u` px from the edge, with φ(u/σ).
 #[inline]
-pub(crate) fn term_border(u: f64, sigma: f64) -> [f64; TERMS] {
+pub(crate) fn term_border(u: f64, sigma: f64, pdf: f64) -> [f64; TERMS] {
     let t = u / sigma;
-    let density = sigma * phi_pdf(t);
+    let density = sigma * pdf;
     [-density * t, -density * (t * t - 1.0)]
 }

@@ -16,6 +16,7 @@ use super::levels::{LevelCurve, LevelPool};
 use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
+use super::soft_knee;
 use super::table::{FINE, Table, half, window_width};
 use super::window::{LevelSums, Side, Windows};
 use crate::profile::Reason;
@@ -275,7 +276,9 @@ impl SideState {
         use grey_ends::Level::{Dark, Light};
         let clear = |level, pool: &mut Vec<f32>| !grey_ends::may_end(&self.windows, level, pool);
         let mut floats = std::mem::take(&mut self.floats);
-        if clear(Light, &mut floats) & clear(Dark, &mut floats) {
+        // Compressed light scatters less than the dark; a glance, for most frames.
+        let bends = matches!(spread.map(Spread::variance), [Some(dark), Some(light)] if light < dark);
+        if clear(Light, &mut floats) & clear(Dark, &mut floats) && !bends {
             self.floats = floats;
             return None;
         }
@@ -289,8 +292,9 @@ impl SideState {
         let mut find =
             |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));
         let (low, high) = (find(Dark), find(Light));
+        let knee = soft_knee::find(&self.windows, high.map(|(end, _)| end), &elsewhere, &mut squares);
         (self.floats, self.differences) = (floats, squares);
-        Ends::of(low, high)
+        Ends::of(low, knee.or(high))
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].

@@ -87,6 +87,11 @@ impl Windows {
         }
     }
 
+    /// First estimate of a column's edge, px from its central pixel: windows that were centred on known edges have no other.
+    pub(crate) fn first_place(&self, column: usize) -> f64 {
+        if self.centred { 0.0 } else { f64::from(self.start[column]) }
+    }
+
     /// Sets the width from the blur and makes room for a frame.
     pub(crate) fn prepare(&mut self, shape: &EdgeShape, sigma: f64, width: usize, columns: usize) {
         self.width = width;
@@ -130,6 +135,14 @@ impl Windows {
     pub(crate) fn row(&self, column: usize, x: f32) -> f64 {
         match self.centre[column] {
             Ok(row) => f64::from(row) + f64::from(self.side.sign()) * f64::from(x),
+            Err(_) => f64::NAN,
+        }
+    }
+
+    /// Place of a row in a column's window, px from its central pixel; NaN without a window.
+    pub(crate) fn place(&self, column: usize, row: f64) -> f64 {
+        match self.centre[column] {
+            Ok(centre) => f64::from(self.side.sign()) * (row - f64::from(centre)),
             Err(_) => f64::NAN,
         }
     }

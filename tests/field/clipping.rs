@@ -14,6 +14,8 @@ use super::support::{collected, measured};
 const ROWS: usize = 120;
 const COLUMNS: usize = 160;
 const WIDTH: f64 = 60.4;
+/// Rise of the shaft, rows a column: the edge passes all its places within a pixel in one frame, on which light that is clipped depends.
+const RISE: f64 = 0.0075;
 const DISC: usize = 160;
 const DIAMETER: f64 = 120.6;
 
@@ -31,6 +33,8 @@ struct Camera {
     hot: f64,
     /// Noise at the clip as a share of it: of the read-out, of the photons.
     noise: (f64, f64),
+    /// Share of the clip from which on the response bends towards it; none of a linear one.
+    knee: Option<f64>,
 }
 
 const EIGHT: Camera = Camera {
@@ -40,6 +44,7 @@ const EIGHT: Camera = Camera {
     black: 0.0,
     hot: 0.0,
     noise: (0.004, 0.008),
+    knee: None,
 };
 
 /// A scene: light as a multiple of the clip at both ends of the shaft, dark level as a share of the clip, blur.
@@ -81,6 +86,7 @@ impl Camera {
                 let s = (read * read + photons * mean.max(0.0)).sqrt();
                 let hot = even.sample(&mut random) < self.hot;
                 let value = if hot { f64::INFINITY } else { mean + s * normal.sample(&mut random) };
+                let value = self.bent(value);
                 let whole = if self.step > 0.0 { (value / self.step).round() * self.step } else { value };
                 values.push(whole.clamp(self.black, self.clip));
             }
@@ -93,14 +99,26 @@ impl Camera {
         Frame::new(buffer, self.format, rows, columns, FrameMeta::default()).unwrap()
     }
 
+    /// What a soft knee leaves of a grey value: it nears the clip exponentially.
+    fn bent(&self, value: f64) -> f64 {
+        let Some(knee) = self.knee.map(|share| share * self.clip).filter(|knee| value > *knee) else {
+            return value;
+        };
+        let left = self.clip - knee;
+        knee + left * (1.0 - (-(value - knee) / left).exp())
+    }
+
     fn shaft(&self, scene: &Scene, seed: u64) -> Frame {
         let phase = (seed % 17) as f64 / 17.0 - 0.5;
-        let place = |column: usize| 29.3 + phase + 0.003 * column as f64;
+        let place = |column: usize| 29.3 + phase + RISE * column as f64;
         self.expose(ROWS, COLUMNS, seed, |row, column| {
             let t = column as f64 / (COLUMNS - 1) as f64;
             let light = scene.light.0 + (scene.light.1 - scene.light.0) * t;
             let d = place(column) - row as f64;
-            scene.dark + (light - scene.dark) * (step(d, scene.sigma) + step(-d - WIDTH, scene.sigma))
+            // The width along a column of a shaft that rises; the blur along it is wider by the same 1/cos, 3e-5.
+            scene.dark
+                + (light - scene.dark)
+                    * (step(d, scene.sigma) + step(-d - WIDTH * 1.0_f64.hypot(RISE), scene.sigma))
         })
     }
 
@@ -172,7 +190,7 @@ struct Step {
     light: f64,
     frames: usize,
     refused: usize,
-    /// Root mean square of u, px.
+    /// Median of u, px: that of a single frame changes with the stretch that happens to be largest.
     u: f64,
     /// |error| over u.
     ratios: Vec<f64>,
@@ -186,12 +204,13 @@ fn sweep(lights: &[f64], frames: u64, measure: impl Fn(f64, u64) -> Option<(f64,
             let seed = |k: u64| 1_000 * (light * 100.0).round() as u64 + k;
             let found: Vec<_> = (0..frames).map(|k| measure(*light, seed(k))).collect();
             let kept: Vec<(f64, f64)> = found.iter().flatten().copied().collect();
-            let n = kept.len().max(1) as f64;
+            let mut stated: Vec<f64> = kept.iter().map(|(_, u)| *u).collect();
+            stated.sort_by(f64::total_cmp);
             Step {
                 light: *light,
                 frames: found.len(),
                 refused: found.len() - kept.len(),
-                u: (kept.iter().map(|(_, u)| u * u).sum::<f64>() / n).sqrt(),
+                u: stated.get(stated.len() / 2).copied().unwrap_or(0.0),
                 ratios: kept.iter().map(|(e, u)| (e / u).abs()).collect(),
             }
         })
@@ -345,5 +364,46 @@ fn clipped_light_is_flagged_wherever_it_is_clipped_and_hot_pixels_are_not() {
         assert!(flagged > COLUMNS / 2, "{name}: {flagged}");
         let fine = edges(&camera.shaft(&Scene::even(0.78), 6)).unwrap();
         assert!(fine.top.iter().all(|e| e.reason() != Some(Reason::Clipped)), "{name}");
+    }
+}
+
+/// A part of the whole sweep: below the clip, through it and far beyond, on a shaft, half a shaft and a disc, with hot pixels and a clip
+/// below full scale. No frame beyond 5 u, few beyond 3, none refused below 1.5 times the clip, u as asked for.
+#[test]
+fn light_through_the_clip_is_measured_within_its_uncertainty() {
+    let lights = [0.5, 0.8, 0.95, 0.99, 1.0, 1.01, 1.02, 1.04, 1.08, 1.2, 1.35, 1.5, 2.0];
+    let drawn = drawn_disc(1.0);
+    let hot = Camera { hot: 0.005, ..EIGHT };
+    let ten_bits = Camera { format: PixelFormat::Mono16, clip: 1023.0, ..EIGHT };
+    let mut missed = Vec::new();
+    for (name, steps) in [
+        ("shaft, hot", sweep(&lights, 4, |light, seed| shaft_of(&hot.shaft(&Scene::even(light), seed)))),
+        ("half shaft", sweep(&lights, 4, |light, seed| shaft_of(&ten_bits.shaft(&Scene::half(light), seed)))),
+        ("disc", sweep(&lights, 4, |light, seed| disc_of(&ten_bits.disc(&Scene::even(light), &drawn, seed)))),
+    ] {
+        missed.extend(misses(name, &steps).into_iter().filter(|miss| !miss.contains(" times that of ")));
+    }
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+/// Cameras whose response bends before it ends: found by the noise of the light, or by the shape of the flank where none is left.
+#[test]
+fn light_above_a_soft_knee_is_clipped_light() {
+    for knee in [0.85, 0.9, 0.95] {
+        let camera = Camera { knee: Some(knee), ..EIGHT };
+        for light in [0.75, 1.0, 1.1, 1.2, 1.4] {
+            for seed in 0..3 {
+                let frame = camera.shaft(&Scene::even(light), 40 + seed);
+                let Some((error, u)) = shaft_of(&frame) else { panic!("{knee} {light} {seed}: refused") };
+                let found = edges(&frame).unwrap();
+                let clipped = found.top.iter().filter(|e| e.reason() == Some(Reason::Clipped)).count();
+                println!("{knee} {light} {seed}: {error:.3} ± {u:.3}, {clipped} clipped");
+                assert!(error.abs() <= 3.0 * u && u < 0.3, "{knee} {light} {seed}: {error} ± {u}");
+                // At the clip itself a gentle bend may still be stated as a misfit of the edge model.
+                if light != 1.0 {
+                    assert_eq!(clipped > COLUMNS / 2, light > 1.0, "{knee} {light} {seed}: {clipped}");
+                }
+            }
+        }
     }
 }

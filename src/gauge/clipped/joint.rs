@@ -34,8 +34,10 @@ struct Sums {
     right: DVector<f64>,
     chi2: f64,
     telling: f64,
-    log_likelihood: f64,
     flank: [f64; 2],
+    on_flank: f64,
+    /// Change of `right` by a relative change of the noise.
+    by_noise: DVector<f64>,
 }
 
 /// What a settled fit states.
@@ -45,6 +47,10 @@ pub(super) struct Settled {
     covariance: DMatrix<f64>,
     /// The same were the shape terms known.
     known_shape: DMatrix<f64>,
+    /// What they move by with the noise in the light, as far as that is known.
+    by_noise: DVector<f64>,
+    /// Relative standard uncertainty of that noise.
+    noise_known_to: f64,
     /// χ² over its expectation.
     pub(super) misfit: f64,
     /// Logarithm of the likelihood.
@@ -93,8 +99,9 @@ impl Joint<'_> {
             right: DVector::zeros(n),
             chi2: 0.0,
             telling: 0.0,
-            log_likelihood: 0.0,
             flank: [0.0; 2],
+            on_flank: 0.0,
+            by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
         for (column, place) in self.columns.iter().zip(&self.places) {
@@ -109,6 +116,7 @@ impl Joint<'_> {
             for (i, a, wa) in entries {
                 let cross = score.information[(a, 0)];
                 sums.right[i] += wa * (score.gradient[a] - cross * score.gradient[0] / own);
+                sums.by_noise[i] += wa * (score.by_noise[a] - cross * score.by_noise[0] / own);
                 for (j, b, wb) in entries {
                     let eliminated = cross * score.information[(b, 0)] / own;
                     sums.normal[(i, j)] += wa * wb * (score.information[(a, b)] - eliminated);
@@ -116,11 +124,19 @@ impl Joint<'_> {
             }
             sums.chi2 += score.chi2;
             sums.telling += (score.telling - 1.0).max(0.0);
-            sums.log_likelihood += score.log_likelihood;
+            sums.on_flank += score.on_flank;
             sums.flank = [sums.flank[0] + score.flank[0], sums.flank[1] + score.flank[1]];
         }
         self.add_priors(&mut sums);
         (sums, scores)
+    }
+
+    fn log_likelihood(&self, windows: &Windows, slope: &[f32]) -> f64 {
+        let of = |(column, place): (&usize, &f64)| {
+            let at = self.column(*column, slope[*column]);
+            self.likelihood.log_likelihood(windows.of(*column), *place, at)
+        };
+        self.columns.iter().zip(&self.places).map(of).sum()
     }
 
     fn add_priors(&self, sums: &mut Sums) {
@@ -226,11 +242,15 @@ impl Joint<'_> {
         let fixed = sums.normal.view((0, 0), (n - TERMS, n - TERMS)).into_owned().try_inverse()?;
         let mut known_shape = DMatrix::zeros(n, n);
         known_shape.view_mut((0, 0), (n - TERMS, n - TERMS)).copy_from(&fixed);
+        let covariance = sums.normal.try_inverse()?;
+        let noise_known_to = self.noise_known_to(sums.on_flank);
         Some(Settled {
-            covariance: sums.normal.try_inverse()?,
+            by_noise: &covariance * sums.by_noise * noise_known_to,
+            noise_known_to,
+            covariance,
             known_shape,
             misfit: sums.chi2 / sums.telling.max(1.0),
-            log_likelihood: sums.log_likelihood,
+            log_likelihood: self.log_likelihood(windows, slope),
             columns: self.columns.len(),
             telling: sums.telling / self.columns.len() as f64,
         })
@@ -251,6 +271,15 @@ impl Joint<'_> {
         self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
     }
 
+    /// Relative standard uncertainty of the noise in the light: √(2/n) is known of the variance on the flank, about twice of whose growth over
+    /// the dark's stands in the light's; half of that of its root.
+    fn noise_known_to(&self, on_flank: f64) -> f64 {
+        let middle = self.columns[self.columns.len() / 2];
+        let (dark, light) = (self.dark.at(middle), self.light.at(middle));
+        let noise = &self.likelihood.noise;
+        (2.0 / on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(light)
+    }
+
     /// How many times what was presumed of them the shape terms are, at least 1: a lens that departs from its edge model in what is
     /// seen does so in what is not.
     pub(super) fn beyond_presumed(&self) -> f64 {
@@ -265,6 +294,8 @@ impl Joint<'_> {
             lever[index] -= weight * score.information[(local, 0)] / own;
         }
         let along = |covariance: &DMatrix<f64>| lever.dot(&(covariance * &lever)).max(0.0);
-        (along(&settled.covariance), along(&settled.known_shape))
+        let by_noise =
+            (lever.dot(&settled.by_noise) + settled.noise_known_to * score.by_noise[0] / own).powi(2);
+        (along(&settled.covariance) + by_noise, along(&settled.known_shape) + by_noise)
     }
 }

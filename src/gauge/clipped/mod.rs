@@ -17,6 +17,7 @@ use super::censored::Ends;
 use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
 use super::levels::LevelCurve;
+use super::soft_knee;
 use super::window::Windows;
 use crate::profile::Reason;
 
@@ -40,6 +41,9 @@ const MOST_SHOWN_PX: f64 = 1.0;
 const MISFITTING: f64 = 2.0;
 /// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
 const HELD: (f64, f64) = (0.05, 0.5);
+/// Times what is presumed of the shape terms from which on the whole flank is not taken: Gaussian edges under clipped light stay below 1,
+/// knees of video cameras reach 2 to 4.
+const BENT: f64 = 1.5;
 /// Relative standard uncertainty of a blur that is given.
 const GIVEN_TO: f64 = 1e-3;
 
@@ -81,7 +85,10 @@ pub(crate) fn fit_side(
     line: &mut Vec<Edge>,
 ) -> Option<ClippedSide> {
     let columns = windows.centre.len();
-    let fitted = fit_joint(windows, slope, start);
+    let mut fitted = fit_joint(windows, slope, start);
+    if let Some(lower) = fitted.as_ref().and_then(|fitted| lower_ends(start, fitted)) {
+        fitted = fit_joint(windows, slope, &ClippedStart { ends: lower, ..start.clone() });
+    }
     let Some((joint, settled, held)) = fitted else {
         let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
@@ -89,12 +96,13 @@ pub(crate) fn fit_side(
     };
     // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
     let hidden = if held > 0.0 { 0.0 } else { (settled.misfit - EXPLAINED).max(0.0) / settled.misfit };
-    let (mut variance, mut usable) = (0.0, 0.0);
+    let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
-            Ok(_) => fit_column(windows, &joint, &settled, column, *slope, (hidden, held)),
+            Ok(_) => fit_column(windows, &joint, &settled, (column, *slope, last_row), (hidden, held)),
             Err(reason) => (Edge::gap(reason), 0.0),
         };
+        last_row = edge.is_usable().then_some(edge.row_px);
         if edge.is_usable() {
             (variance, usable) = (variance + model, usable + 1.0);
         }
@@ -107,6 +115,17 @@ pub(crate) fn fit_side(
         levels: [curve(&joint.dark), curve(&joint.light)],
         u_px: (variance / f64::max(usable, 1.0)).sqrt(),
     })
+}
+
+/// Lower ends where the whole flank asks for an edge-spread function beyond what was presumed of any: the response bends before it ends, or
+/// the edge-spread function departs. The lower part of the flank, which is free of the bend, is then taken alone.
+fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, f64)) -> Option<Ends> {
+    let ends = start.ends;
+    if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
+        return None;
+    }
+    let dark = joint.dark.at(joint.columns[joint.columns.len() / 2]);
+    Some(Ends { high: soft_knee::trusted([dark, ends.high], ends.step), ..ends })
 }
 
 fn fit_joint<'a>(
@@ -142,7 +161,7 @@ fn fit_joint<'a>(
         floor: start.floor,
         misfit: 0.0,
     };
-    let places = |columns: &[usize]| columns.iter().map(|c| f64::from(windows.start[*c])).collect();
+    let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
     let scouts = some(SCOUTS);
     let mut best = Joint {
         likelihood: Likelihood::new(start.shape, ends, noise),
@@ -178,7 +197,7 @@ fn fit_joint<'a>(
             *place,
             Column::of(&best.dark, &best.light, *column, best.sigma),
         );
-        *place = at.map_or(*place, |(x, _)| x);
+        *place = at.unwrap_or(*place);
     }
     let settled = best.settle(windows, slope, seen)?;
     if settled.misfit > MISFITTING {
@@ -238,15 +257,17 @@ fn fit_column(
     windows: &Windows,
     joint: &Joint<'_>,
     settled: &Settled,
-    column: usize,
-    slope: f32,
+    (column, slope, last_row): (usize, f32, Option<f64>),
     (hidden, held): (f64, f64),
 ) -> (Edge, f64) {
     let at = joint.column(column, slope);
-    let start = f64::from(windows.start[column]);
-    let Some((x, score)) = joint.likelihood.place(windows.of(column), start, at) else {
+    // The edge of the column before is nearer than the windows' own first estimate, which noise and clipped light have moved.
+    let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < NEIGHBOUR_PX);
+    let start = start.unwrap_or_else(|| windows.first_place(column));
+    let Some(x) = joint.likelihood.place(windows.of(column), start, at) else {
         return (Edge::gap(Reason::Residual), 0.0);
     };
+    let score = joint.likelihood.score(windows.of(column), x, at);
     let Score { chi2, telling, stray, .. } = score;
     // Fewer than two pixels that state a grey value: nothing but the ends is seen.
     let own = score.information[(0, 0)];
@@ -272,5 +293,7 @@ fn fit_column(
     (edge, model + 2.0 * shown)
 }
 
+/// Farthest from a window's central pixel that the edge of the column before is started from, px.
+const NEIGHBOUR_PX: f64 = 3.0;
 /// Most stray pixels of a column that is fitted.
 const MOST_STRAY: usize = 2;

@@ -5,6 +5,7 @@ use nalgebra::{Matrix6, Vector6};
 use super::super::censored::{Censored, Ends};
 use super::super::esf::EdgeShape;
 use super::super::model::EdgeSample;
+use super::super::normal_table::NormalTable;
 use super::super::shape_terms::{ShapeTerms, TERMS, term_border};
 use super::super::table::half;
 
@@ -13,6 +14,11 @@ const MOST: usize = 80;
 /// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead pixels, dirt. Noise reaches it once in
 /// 5·10⁸ pixels.
 const STRAY: f64 = 6.0;
+/// Growth of the edge per px below which a pixel does not move its place: its information is 10⁻⁸ of a steep one's.
+const FLAT: f64 = 1e-4;
+/// Step of the place from which on the flank no longer looks stray, px, and that at which it has settled: a hundredth of a single edge's noise.
+const NEAR_PX: f64 = 0.05;
+const SETTLED_PX: f64 = 1e-4;
 /// x, dark, light, σ, and the amplitudes of the shape terms.
 pub(super) type Gradient = Vector6<f64>;
 /// Information of [`Gradient`].
@@ -61,7 +67,7 @@ pub(super) struct Likelihood<'a> {
 }
 
 /// Scores and information of one column.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Score {
     pub(super) gradient: Gradient,
     pub(super) information: Information,
@@ -69,10 +75,13 @@ pub(super) struct Score {
     pub(super) chi2: f64,
     /// What that sum is expected to be.
     pub(super) telling: f64,
-    pub(super) log_likelihood: f64,
     /// Σ(m − μ)² less the noise at the dark level, and Σ(μ − dark), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
     pub(super) flank: [f64; 2],
+    /// Pixels on the flank.
+    pub(super) on_flank: f64,
+    /// Change of the gradient by a relative change of the noise.
+    pub(super) by_noise: Gradient,
     /// Pixels left out.
     pub(super) stray: usize,
 }
@@ -84,13 +93,18 @@ impl<'a> Likelihood<'a> {
 
     /// Edge and shape terms in the pixels of a window of `width`, the edge at `x` from its central pixel.
     fn samples(&self, width: usize, x: f64, sigma: f64, edge: &mut [EdgeSample], terms: &mut [[f64; TERMS]]) {
+        let table = NormalTable::get();
         let first = -(half(width) as f64);
-        self.shape.samples(first, x, sigma, edge);
-        let border = |k: usize| term_border(first + k as f64 - 0.5 - x, sigma);
+        let border = |k: usize| {
+            let u = first + k as f64 - 0.5 - x;
+            let normal = table.at(u / sigma);
+            (self.shape.border(u, sigma, normal), term_border(u, sigma, normal[1]))
+        };
         let mut left = border(0);
-        for (k, (terms, edge)) in terms.iter_mut().zip(edge.iter()).enumerate() {
+        for (k, (terms, edge)) in terms.iter_mut().zip(edge.iter_mut()).enumerate() {
             let right = border(k + 1);
-            let plain = [right[0] - left[0], right[1] - left[1]];
+            *edge = EdgeSample::between(&left.0, &right.0);
+            let plain = [right.1[0] - left.1[0], right.1[1] - left.1[1]];
             *terms = self.separated.at([edge.by_position, edge.by_sigma], plain);
             left = right;
         }
@@ -115,27 +129,23 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::separate(samples.into_iter());
     }
 
-    /// Scores a column's window with its edge at `x` px from the central pixel.
-    pub(super) fn score(&self, window: &[f32], x: f64, column: Column) -> Score {
-        self.score_as(window, x, column, self.strict)
-    }
-
-    fn score_as(&self, window: &[f32], x: f64, column: Column, strict: bool) -> Score {
+    /// What the pixels of a column's window state with its edge at `x` px from the central pixel, those left out not; their number.
+    fn pixels(
+        &self,
+        window: &[f32],
+        x: f64,
+        column: Column,
+        Taken { strict, flank }: Taken,
+        mut each: impl FnMut(&Pixel),
+    ) -> usize {
         let used = (window.len() - 1).min(MOST);
         let (mut edge, mut terms) = ([EdgeSample::default(); MOST], [[0.0; TERMS]; MOST]);
         self.samples(window.len(), x, column.sigma, &mut edge[..used], &mut terms[..used]);
         let contrast = column.light - column.dark;
-        let mut taken = 0.0;
-        let mut score = Score {
-            gradient: Gradient::zeros(),
-            information: Information::zeros(),
-            chi2: 0.0,
-            telling: 0.0,
-            log_likelihood: 0.0,
-            flank: [0.0; 2],
-            stray: 0,
-        };
-        for ((edge, terms), m) in edge[..used].iter().zip(&terms[..used]).zip(window) {
+        let mut stray = 0;
+        let least = if flank { FLAT } else { 0.0 };
+        let all = edge[..used].iter().zip(&terms[..used]).zip(window);
+        for ((edge, terms), m) in all.filter(|((edge, _), _)| edge.by_position.abs() >= least) {
             let value = edge.value + self.terms[0] * terms[0] + self.terms[1] * terms[1];
             let mean = column.dark + contrast * value;
             let noise = self.noise.at(mean);
@@ -143,46 +153,93 @@ impl<'a> Likelihood<'a> {
             let sampled = Censored::new(f64::from(*m), mean, s, self.ends);
             let mut weight = 1.0;
             if sampled.residual.abs() > STRAY {
-                score.stray += 1;
+                stray += 1;
                 if strict {
                     continue;
                 }
                 weight = STRAY / sampled.residual.abs();
             }
+            each(&Pixel {
+                m: f64::from(*m),
+                edge: *edge,
+                terms: *terms,
+                value,
+                mean,
+                noise,
+                s,
+                sampled,
+                weight,
+            });
+        }
+        stray
+    }
+
+    /// Scores a column's window with its edge at `x` px from the central pixel.
+    pub(super) fn score(&self, window: &[f32], x: f64, column: Column) -> Score {
+        let contrast = column.light - column.dark;
+        let mut taken = 0.0;
+        let mut score = Score::default();
+        score.stray = self.pixels(window, x, column, self.all(), |pixel| {
+            let Pixel { edge, terms, value, s, sampled, weight, .. } = pixel;
             let by = Gradient::new(
                 contrast * edge.by_position,
                 1.0 - value,
-                value,
+                *value,
                 contrast * edge.by_sigma,
                 contrast * terms[0],
                 contrast * terms[1],
-            ) / s;
+            ) / *s;
             score.gradient += by * (sampled.residual * weight);
             score.information += by * by.transpose() * (sampled.information * weight);
-            score.log_likelihood += sampled.log_likelihood;
+            score.by_noise += by * (sampled.by_noise * weight);
             score.telling += sampled.expected;
             if sampled.between {
-                let square = (f64::from(*m) - mean).powi(2);
-                score.chi2 += square / noise;
-                if (0.25..0.9).contains(&value) && sampled.expected > 0.999 {
+                let square = (pixel.m - pixel.mean).powi(2);
+                score.chi2 += square / pixel.noise;
+                if (0.25..0.9).contains(value) && sampled.expected > 0.999 {
                     score.flank[0] += square - self.noise.at(column.dark);
-                    score.flank[1] += mean - column.dark;
-                    taken += noise * by[0] * by[0] * weight;
+                    score.flank[1] += pixel.mean - column.dark;
+                    score.on_flank += 1.0;
+                    taken += pixel.noise * by[0] * by[0] * weight;
                 }
             }
-        }
+        });
         score.flank[0] += taken / score.information[(0, 0)].max(f64::MIN_POSITIVE);
         score
     }
 
+    fn all(&self) -> Taken {
+        Taken { strict: self.strict, flank: false }
+    }
+
+    /// Logarithm of the likelihood of a column's window.
+    pub(super) fn log_likelihood(&self, window: &[f32], x: f64, column: Column) -> f64 {
+        let mut sum = 0.0;
+        self.pixels(window, x, column, self.all(), |pixel| {
+            sum += Censored::log_likelihood(pixel.m, pixel.mean, pixel.s, self.ends);
+        });
+        sum
+    }
+
+    /// A step of Fisher scoring of the place alone, px.
+    fn step(&self, window: &[f32], x: f64, column: Column, strict: bool) -> f64 {
+        let contrast = column.light - column.dark;
+        let (mut gradient, mut information) = (0.0, 0.0);
+        self.pixels(window, x, column, Taken { strict, flank: true }, |pixel| {
+            let by = contrast * pixel.edge.by_position / pixel.s;
+            gradient += by * pixel.sampled.residual * pixel.weight;
+            information += by * by * pixel.sampled.information * pixel.weight;
+        });
+        gradient / information
+    }
+
     /// Place of a column, px from its central pixel, by Fisher scoring from `start`; `None` where it does not settle.
-    pub(super) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<(f64, Score)> {
+    pub(super) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<f64> {
         let mut x = start;
         // From afar the flank itself looks stray.
         let mut strict = false;
         for _ in 0..40 {
-            let score = self.score_as(window, x, column, strict);
-            let step = score.gradient[0] / score.information[(0, 0)];
+            let step = self.step(window, x, column, strict);
             if !step.is_finite() {
                 return None;
             }
@@ -190,13 +247,33 @@ impl<'a> Likelihood<'a> {
             if x.abs() > 8.0 {
                 return None;
             }
-            if step.abs() < 1e-4 {
-                if strict == self.strict {
-                    return Some((x, score));
-                }
-                strict = self.strict;
+            if strict == self.strict && step.abs() < SETTLED_PX {
+                return Some(x);
             }
+            strict |= self.strict && step.abs() < NEAR_PX;
         }
         None
     }
+}
+
+/// Which pixels of a window are taken.
+#[derive(Clone, Copy, Debug)]
+struct Taken {
+    /// Whether stray ones are left out; else they count less.
+    strict: bool,
+    /// Only those on the flank: the others do not move the place.
+    flank: bool,
+}
+
+/// What a pixel states beside its model.
+struct Pixel {
+    m: f64,
+    edge: EdgeSample,
+    terms: [f64; TERMS],
+    value: f64,
+    mean: f64,
+    noise: f64,
+    s: f64,
+    sampled: Censored,
+    weight: f64,
 }

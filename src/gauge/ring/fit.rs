@@ -9,7 +9,9 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::super::censored::{Censored, Ends};
+use super::super::grey_ends::robust_mean;
 use super::super::median::median_of as median;
+use super::super::model::phi_pdf;
 use super::super::rounding::{noise_behind, repeated_variance};
 use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::edge_pixels::{Band, EdgePixel};
@@ -24,12 +26,10 @@ const SIGMA: usize = 6;
 const HUBER: f64 = 3.0;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
 const CHI2_GATE: f64 = 4.0;
-/// Error of the model taken with the noise where all of the light is clipped, as a share of the contrast. Its level is then
-/// extrapolated from the edge's own shape, and no lens's edge is Gaussian to better than about 2 %: without this the quiet
-/// shadow's foot alone would decide on level, blur and so position.
-const CLIPPED_MODEL: f64 = 0.02;
-/// Share of flat pixels at an end from which on nothing else states their level.
-const ALL_CLIPPED: f64 = 0.9;
+/// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the noise.
+const LEAST_LEFT: f64 = 0.1;
+/// Change of a step below which the calipers of clipped light are judged, px and shares of the contrast.
+const SETTLED: f64 = 1e-3;
 /// Contrast is looked for up to this multiple of what is seen of it.
 const MOST_CONTRAST: f64 = 4.0;
 type Vector<const P: usize> = SVector<f64, P>;
@@ -95,6 +95,8 @@ struct Sums<const P: usize> {
     own_right: f64,
     chi2: f64,
     pixels: f64,
+    /// Change of `right` and of `own_right` by a relative change of the noise.
+    by_noise: (Vector<P>, f64),
 }
 
 struct State<const P: usize> {
@@ -106,6 +108,8 @@ struct State<const P: usize> {
     least_variance: f64,
     /// Where grey values are clipped, the contrast seen between the ends, and the shape terms; none where nothing is.
     clipped: Option<Clipped>,
+    /// Relative standard uncertainty of the noise in the light where it is clipped.
+    noise_known_to: f64,
 }
 
 /// What is known of a clipped edge.
@@ -142,7 +146,8 @@ fn model<const P: usize>(
 
 /// The shape terms in a pixel a distance from the edge.
 fn plain_terms(distance: f64, sigma: f64) -> [f64; TERMS] {
-    let (up, down) = (term_border(distance + 0.5, sigma), term_border(distance - 0.5, sigma));
+    let border = |u: f64| term_border(u, sigma, phi_pdf(u / sigma));
+    let (up, down) = (border(distance + 0.5), border(distance - 0.5));
     [up[0] - down[0], up[1] - down[1]]
 }
 
@@ -168,6 +173,7 @@ impl<const P: usize> State<P> {
             variance: Variance([1e-4 * (light - dark).powi(2) + least_variance; 3]),
             least_variance,
             clipped: ends.map(|ends| Clipped { ends, seen: light - dark, separated: ShapeTerms::default() }),
+            noise_known_to: 0.0,
         })
     }
 
@@ -203,18 +209,12 @@ impl<const P: usize> State<P> {
             own_right: 0.0,
             chi2: 0.0,
             pixels: 0.0,
+            by_noise: (Vector::<P>::zeros(), 0.0),
         };
         for pixel in pixels {
             let separated = self.clipped.as_ref().map(|c| &c.separated);
             let (value, by_pooled, by_shift, light) = model(pixel, &self.pooled, shift, separated);
             let variance = self.variance.at(light);
-            if P == POOLED
-                && let Some(Clipped { ends, .. }) = self.clipped
-                && (pixel.value >= ends.high && value >= pixel.value
-                    || pixel.value <= ends.low && value <= pixel.value)
-            {
-                continue;
-            }
             let (mut residual, mut information, mut between, mut expected) =
                 (pixel.value - value, 1.0, true, 1.0);
             if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
@@ -222,6 +222,9 @@ impl<const P: usize> State<P> {
                 residual = censored.residual * variance.sqrt();
                 (information, between, expected) =
                     (censored.information, censored.between, censored.expected);
+                let by_noise = censored.by_noise / variance.sqrt();
+                s.by_noise.0 += by_pooled * by_noise;
+                s.by_noise.1 += by_shift * by_noise;
             }
             if between {
                 s.chi2 += residual * residual / variance;
@@ -273,34 +276,45 @@ impl<const P: usize> State<P> {
         Some((moved / f64::max(count, 1.0)).max(change[SIGMA].abs()).max(change[3].abs() / contrast))
     }
 
-    /// Noise from the residuals of the good calipers, robustly.
+    /// Noise from the residuals of the good calipers, robustly. A caliper has few pixels on the flank, and its own shift takes its share of
+    /// their squares: what is left of one is 1 − h of it, h = w·(∂m/∂δ)²/Σw·(∂m/∂δ)².
     fn estimate_variance(&mut self, band: &Band) {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
+        let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
+        let separated = self.clipped.as_ref().map(|c| &c.separated);
         for ((pixels, shift), _) in band.sectors.iter().zip(&self.shifts).zip(&self.good).filter(|(_, g)| **g)
         {
-            let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
-            for pixel in pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high) {
-                let separated = self.clipped.as_ref().map(|c| &c.separated);
-                let (value, _, _, light) = model(pixel, &self.pooled, *shift, separated);
+            let inside = || pixels.iter().filter(|p| p.value > ends.low && p.value < ends.high);
+            let informed = |light: f64, by_shift: f64| by_shift * by_shift / self.variance.at(light);
+            let own: f64 = inside()
+                .map(|pixel| {
+                    let (_, _, by_shift, light) = model(pixel, &self.pooled, *shift, separated);
+                    informed(light, by_shift)
+                })
+                .sum();
+            for pixel in inside() {
+                let (value, _, by_shift, light) = model(pixel, &self.pooled, *shift, separated);
                 let zone = match light {
                     l if l < 0.1 => 0,
                     l if l > 0.9 => 2,
                     l if (0.25..0.75).contains(&l) => 1,
                     _ => continue,
                 };
-                zones[zone].push((pixel.value - value).abs());
+                let left = 1.0 - informed(light, by_shift) / own;
+                if left > LEAST_LEFT {
+                    zones[zone].push(((pixel.value - value).powi(2) / left) as f32);
+                }
             }
         }
         let counts = zones.each_ref().map(Vec::len);
-        let spread = zones.map(|z| (1.4826 * median(z)).powi(2).max(self.least_variance));
+        let spread = zones.map(|mut z| robust_mean(&mut z).unwrap_or(0.0).max(self.least_variance));
         let [dark, middle, light] = spread;
-        let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
         // Where the light is clipped the pixels left are the ones that read too low.
         let light = if counts[2] >= 100 && ends.high.is_infinite() { light } else { 2.0 * middle - dark };
-        let of_model = P == POOLED && self.clipped.is_some();
-        let model = if of_model { (CLIPPED_MODEL * self.pooled[3]).powi(2) } else { 0.0 };
-        self.variance = Variance([dark + model, middle + model, light.max(0.5 * middle) + model]);
+        // √(2/n) is known of the variance at mid-edge, twice of which stands in the light's; half of that of its root.
+        self.noise_known_to = (2.0 / counts[1].max(2) as f64).sqrt() * middle / light.max(0.5 * middle);
+        self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
     }
 
     /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the shadow share, px: `lever` is the shift's
@@ -386,20 +400,7 @@ pub(super) fn fit_edge(
     outlier_sigmas: f64,
     ends: Option<Ends>,
 ) -> Result<EdgeFit, String> {
-    let share_at_ends = |ends: Ends| {
-        let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
-        let share = |flat: &dyn Fn(&EdgePixel) -> bool, at: &dyn Fn(&EdgePixel) -> bool| {
-            let all = || band.sectors.iter().flatten().filter(|p| flat(p));
-            all().filter(|p| at(p)).count() as f64 / all().count().max(1) as f64
-        };
-        let light = share(&|p| p.distance > 0.7 * reach, &|p| p.value >= ends.high);
-        let dark = share(&|p| p.distance < -0.7 * reach, &|p| p.value <= ends.low);
-        light.max(dark)
-    };
     match ends {
-        Some(clipped) if share_at_ends(clipped) > ALL_CLIPPED => {
-            settle(State::<POOLED>::start(band, least_variance, ends), band, outlier_sigmas)
-        }
         None => settle(State::<POOLED>::start(band, least_variance, None), band, outlier_sigmas),
         Some(_) => settle(State::<SHAPED>::start(band, least_variance, ends), band, outlier_sigmas),
     }
@@ -415,7 +416,7 @@ fn settle<const P: usize>(
     let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
     let mut settled = f64::INFINITY;
     // What is clipped follows from the edge's shape alone: it takes longer.
-    let (rounds, steps) = if P == SHAPED { (5, 30) } else { (4, 12) };
+    let (rounds, steps) = if P == SHAPED { (6, 40) } else { (4, 12) };
     for round in 0..rounds {
         if P == SHAPED {
             state.separate(reach);
@@ -427,7 +428,8 @@ fn settle<const P: usize>(
             }
         }
         state.estimate_variance(band);
-        if round + 1 < rounds {
+        // Calipers that still move are not judged: all of them do while the light beyond the end is looked for.
+        if round + 1 < rounds && (P == POOLED || settled < SETTLED) {
             // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
         }
@@ -456,11 +458,14 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     let sums: Vec<Sums<P>> =
         band.sectors.iter().zip(&state.shifts).map(|(p, shift)| state.sums(p, *shift)).collect();
     let (mut normal, mut lever, mut own, mut count) = (Matrix::<P>::zeros(), Vector::<P>::zeros(), 0.0, 0.0);
+    let mut by_noise = (Vector::<P>::zeros(), 0.0);
     for (s, _) in sums.iter().zip(&state.good).filter(|(_, good)| **good) {
         normal += s.normal - s.cross * s.cross.transpose() / s.own;
         lever += s.cross / s.own;
         own += s.own.recip();
         count += 1.0;
+        by_noise.0 += s.by_noise.0 - s.cross * (s.by_noise.1 / s.own);
+        by_noise.1 += s.by_noise.1 / s.own;
     }
     state.add_priors(&mut normal, &mut Vector::<P>::zeros());
     let covariance: Matrix<P> = normal.try_inverse()?;
@@ -486,7 +491,9 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
         true => (all - known_shape(&normal, &lever)?).max(0.0) * (beyond * beyond - 1.0),
         false => 0.0,
     };
-    let u_mean = ((own + all + shape).sqrt() / count).hypot(state.u_rounding(&(lever / count)));
+    let noise = state.noise_known_to * (by_noise.1 - lever.dot(&(covariance * by_noise.0)));
+    let u_mean =
+        ((own + all + shape + noise * noise).sqrt() / count).hypot(state.u_rounding(&(lever / count)));
     let levels = (state.pooled[0], state.pooled[0] + state.pooled[3]);
     let noise = state.variance.0[1].sqrt();
     Some(EdgeFit { calipers, sigma: state.pooled[SIGMA], levels, u_mean, noise })
