@@ -13,10 +13,14 @@ use crate::profile::Reason;
 
 /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them the middle still has 13 % of the light.
 const LEAST_IN_BLURS: f64 = 3.0;
-/// Share of the pixels at the largest grey value from which light may be clipped, and share of neighbours in the shadow that differ
-/// where there is noise.
+/// Share of the pixels at the largest grey value from which light may be clipped.
 const CLIPPED_FRACTION: f64 = 0.01;
-const NOISY: f64 = 0.2;
+/// Second differences along the shadow of so many steps, and their share where there is noise: a shadow that toggles between two grey
+/// values has none above two, noise of half a step has 8 %.
+const TOGGLES: f32 = 2.5;
+const NOISY: f64 = 0.02;
+/// Share of the range of grey values that is shadow.
+const SHADOW: f32 = 0.15;
 /// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as for other frames.
 const LEAST_VALID: usize = 8;
 const LEAST_MISFIT: f64 = 2.0;
@@ -130,10 +134,12 @@ fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: Scale) -> Option<f64> {
         values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let count = |over: &dyn Fn(f32) -> bool| values.iter().filter(|v| over(**v)).count() as f64;
     let at_most = count(&|v| v >= most);
-    let next = count(&|v| v >= most - 1.0) - at_most;
-    let dark = values.windows(2).filter(|w| w[0].max(w[1]) < 0.5 * (least + most));
-    let (unequal, pairs) =
-        dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(w[0] != w[1])), n + 1.0));
+    let step = scale.step() as f32;
+    let next = count(&|v| v >= most - step) - at_most;
+    let shadow = least + SHADOW * (most - least);
+    let dark = values.windows(3).filter(|w| w[0].max(w[1]).max(w[2]) < shadow);
+    let scatters = |w: &[f32]| (w[0] - 2.0 * w[1] + w[2]).abs() > TOGGLES * step;
+    let (noisy, all) = dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(scatters(w))), n + 1.0));
     let share = at_most / values.len() as f64;
-    (share > CLIPPED_FRACTION && at_most > 2.0 * next && unequal > NOISY * pairs).then_some(share)
+    (share > CLIPPED_FRACTION && at_most > 2.0 * next && noisy > NOISY * all).then_some(share)
 }
