@@ -5,9 +5,9 @@
 //! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by more than its variance says, and
 //! the uncertainty of long means was too small by 3 % at a price of 2.5.
 //!
-//! In a short frame few bins leave few knots, and light that falls along the shaft bends between them. Where χ² shows that, a cubic is taken
-//! off first and added again (P2 and P3 of Legendre, so that line and cubic share nothing in an evenly filled field). What the curve leaves of
-//! the bins beyond their noise widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40 (1932) 207).
+//! In a short frame few bins leave few knots, and light that falls along the shaft bends between them. Where χ² shows that, a quartic is taken
+//! off first and added again (P2 to P4 of Legendre, so that line and bend share nothing in an evenly filled field). What the curve of a short
+//! frame leaves of its bins beyond their noise widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40 (1932) 207).
 
 /// Columns of a bin.
 const BIN: usize = 16;
@@ -15,7 +15,8 @@ const BIN: usize = 16;
 const KNOT_PRICE: f64 = 4.0;
 /// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight degrees of freedom.
 const MISFIT: f64 = 3.5;
-/// Most bins of a frame in which a cubic is tried: longer ones have knots enough.
+/// Bins below which a frame is short: in longer ones knots enough follow the light, and what they leave is structure (reflections in the
+/// shadow), which is no error that neighbouring columns share.
 const SHORT: usize = 64;
 
 /// A level along the columns, with the uncertainty that neighbouring columns share.
@@ -59,16 +60,17 @@ impl LevelPool {
         self.trial.reserve(max_knots);
         self.best.reserve(max_knots);
         let straight = self.search(means.len(), variance, max_knots);
-        let (mut found, mut cubic) = (straight, None);
-        if straight.misfit > MISFIT && self.bins.at.len() < SHORT && max_knots > 2 {
-            cubic = self.bins.cubic(means.len());
-            if let Some(cubic) = &cubic {
-                self.bins.add(cubic, -1.0);
+        let (mut found, mut bend) = (straight, None);
+        let short = self.bins.at.len() < SHORT;
+        if straight.misfit > MISFIT && short && max_knots > 2 {
+            bend = self.bins.bend(means.len());
+            if let Some(bend) = &bend {
+                self.bins.add(bend, -1.0);
                 found = self.search(means.len(), variance, max_knots);
             }
-            if !(found.price + 2.0 * KNOT_PRICE < straight.price) {
-                if let Some(cubic) = cubic.take() {
-                    self.bins.add(&cubic, 1.0);
+            if !(found.price + 3.0 * KNOT_PRICE < straight.price) {
+                if let Some(bend) = bend.take() {
+                    self.bins.add(&bend, 1.0);
                 }
                 found = self.search(means.len(), variance, max_knots);
             }
@@ -76,12 +78,12 @@ impl LevelPool {
         if !found.price.is_finite() {
             return false;
         }
-        if found.misfit > MISFIT {
+        if found.misfit > MISFIT && short {
             self.best.widen(found.misfit);
         }
         self.best.curve(means.len(), curve);
-        if let Some(cubic) = cubic {
-            cubic.add_to(curve, variance * found.misfit.max(1.0));
+        if let Some(bend) = bend {
+            bend.add_to(curve, variance * found.misfit.max(1.0));
         }
         true
     }
@@ -120,34 +122,34 @@ struct Found {
     misfit: f64,
 }
 
-/// A bend of the level: a2 P2(t) + a3 P3(t), t from −1 to 1 along the columns.
+/// A bend of the level: a2 P2(t) + a3 P3(t) + a4 P4(t), t from −1 to 1 along the columns.
 #[derive(Clone, Copy, Debug)]
-struct Cubic {
-    by: [f64; 2],
+struct Bend {
+    by: [f64; 3],
     columns: usize,
     /// Columns that tell it.
     count: f64,
 }
 
-/// Legendre's polynomials of second and third order at a column.
-fn legendre(column: f64, columns: usize) -> [f64; 2] {
+/// Legendre's polynomials of second to fourth order at a column.
+fn legendre(column: f64, columns: usize) -> [f64; 3] {
     let t = 2.0 * column / (columns.max(2) - 1) as f64 - 1.0;
-    [0.5 * (3.0 * t * t - 1.0), 0.5 * t * (5.0 * t * t - 3.0)]
+    let s = t * t;
+    [0.5 * (3.0 * s - 1.0), 0.5 * t * (5.0 * s - 3.0), 0.125 * ((35.0 * s - 30.0) * s + 3.0)]
 }
 
-impl Cubic {
+impl Bend {
     fn at(&self, column: f64) -> f64 {
-        let [p2, p3] = legendre(column, self.columns);
-        self.by[0] * p2 + self.by[1] * p3
+        legendre(column, self.columns).iter().zip(self.by).map(|(p, by)| p * by).sum()
     }
 
     /// Adds the bend and its uncertainty to a curve; `variance` is that of one column's mean.
     fn add_to(&self, curve: &mut LevelCurve, variance: f64) {
         for (column, (level, u)) in curve.level.iter_mut().zip(&mut curve.uncertainty).enumerate() {
-            let [p2, p3] = legendre(column as f64, self.columns);
+            let [p2, p3, p4] = legendre(column as f64, self.columns);
             *level += self.at(column as f64) as f32;
-            // Mean squares of P2 and P3 over the field are 1/5 and 1/7.
-            let bend = variance / self.count * (5.0 * p2 * p2 + 7.0 * p3 * p3);
+            // Mean squares of P2, P3 and P4 over the field are 1/5, 1/7 and 1/9.
+            let bend = variance / self.count * (5.0 * p2 * p2 + 7.0 * p3 * p3 + 9.0 * p4 * p4);
             *u = (f64::from(*u).powi(2) + bend).sqrt() as f32;
         }
     }
@@ -170,28 +172,28 @@ impl Bins {
         }
     }
 
-    /// The cubic of least squares over all bins, without its constant and line; `None` where few bins tell it.
-    fn cubic(&self, columns: usize) -> Option<Cubic> {
-        let mut normal = nalgebra::Matrix4::<f64>::zeros();
-        let mut right = nalgebra::Vector4::<f64>::zeros();
+    /// The quartic of least squares over all bins, without its constant and line; `None` where few bins tell it.
+    fn bend(&self, columns: usize) -> Option<Bend> {
+        let mut normal = nalgebra::Matrix5::<f64>::zeros();
+        let mut right = nalgebra::Vector5::<f64>::zeros();
         for ((at, mean), count) in self.at.iter().zip(&self.mean).zip(&self.count) {
-            let [p2, p3] = legendre(*at, columns);
+            let [p2, p3, p4] = legendre(*at, columns);
             let t = 2.0 * at / (columns.max(2) - 1) as f64 - 1.0;
-            let terms = nalgebra::Vector4::new(1.0, t, p2, p3);
+            let terms = nalgebra::Vector5::new(1.0, t, p2, p3, p4);
             normal += terms * terms.transpose() * *count;
             right += terms * (*count * mean);
         }
-        if self.at.len() < 6 {
+        if self.at.len() < 7 {
             return None;
         }
         let by = normal.cholesky()?.solve(&right);
-        Some(Cubic { by: [by[2], by[3]], columns, count: self.count.iter().sum() })
+        Some(Bend { by: [by[2], by[3], by[4]], columns, count: self.count.iter().sum() })
     }
 
     /// Adds a bend so many times.
-    fn add(&mut self, cubic: &Cubic, times: f64) {
+    fn add(&mut self, bend: &Bend, times: f64) {
         for (at, mean) in self.at.iter().zip(&mut self.mean) {
-            *mean += times * cubic.at(*at);
+            *mean += times * bend.at(*at);
         }
     }
 
@@ -462,7 +464,7 @@ mod tests {
             for column in (0..160).step_by(5) {
                 let miss = f64::from(curve.level[column]) - light(column as f64);
                 let u = f64::from(curve.uncertainty[column]);
-                assert!(miss.abs() < 3.0 * u && u < 0.4, "light {k}, column {column}: {miss:.3} u {u:.3}");
+                assert!(miss.abs() < 3.0 * u && u < 0.8, "light {k}, column {column}: {miss:.3} u {u:.3}");
             }
         }
     }

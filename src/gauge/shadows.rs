@@ -354,7 +354,13 @@ mod tests {
         assert_eq!(chosen(&tube, Some(Which::Number(1))).unwrap().0, Some((20, 84)));
         assert_eq!(chosen(&tube, Some(Which::Number(2))).unwrap().0, Some((115, 179)));
         assert_eq!(chosen(&tube, Some(Which::NearestCentre)).unwrap().0, Some((20, 84)));
-        assert!(chosen(&tube, Some(Which::Number(3))).unwrap_err().detail.unwrap().contains("2 lie"));
+        assert!(
+            chosen(&tube, Some(Which::Number(3)))
+                .unwrap_err()
+                .detail
+                .unwrap()
+                .contains(": 2 of 24 px or more lie")
+        );
     }
 
     #[test]

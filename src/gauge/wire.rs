@@ -20,6 +20,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use super::coarse::CoarseEdge;
 use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
+use super::levels::{LevelCurve, LevelPool};
 use super::light_field::{LightField, Lit};
 use super::median::median_of;
 use super::model::EdgeSample;
@@ -45,6 +46,8 @@ const STEPS: usize = 8;
 /// Columns, at most, and pixels on both sides that the light's field is told from.
 const FIELD_COLUMNS: usize = 256;
 const FIELD_PX: f64 = 20.0;
+/// Knots, at most, of the light along the wire beside the field.
+const MOST_KNOTS: usize = 33;
 /// Pixels from which a zone's noise is estimated.
 const LEAST_PIXELS: usize = 64;
 
@@ -147,11 +150,13 @@ impl Wire {
             }
         }
         let Some(field) = LightField::fit(&points) else { return false };
+        let along = self.light_along(plane, &field, clear);
         for column in &mut self.columns {
             let x = column.index as f64;
-            column.gain = field.relative(x, 0.5 * column.edges.sum());
+            let middle = field.relative(x, 0.5 * column.edges.sum());
+            column.gain = middle * along.get(column.index).copied().map_or(1.0, f64::from);
             for (k, value) in column.pixels.iter_mut().enumerate() {
-                let light = field.relative(x, f64::from(column.first) + k as f64) / column.gain;
+                let light = field.relative(x, f64::from(column.first) + k as f64) / middle;
                 *value = (dark + (f64::from(*value) - dark) / light) as f32;
             }
         }
@@ -172,6 +177,35 @@ impl Wire {
             (self.pooled[from], self.pooled[from + 1], self.pooled[from + 2]) = (level, 0.0, 0.0);
         }
         true
+    }
+
+    /// Light beside the wire over the field, column by column of the frame, pooled along it: along a wire light falls as it likes, linearly,
+    /// too, of which the logarithm is no quadratic. Empty where it does not tell.
+    fn light_along<T: Sample>(&self, plane: &Plane<'_, T>, field: &LightField, clear: f64) -> Vec<f32> {
+        let dark = self.pooled[0];
+        let mut means = vec![f32::NAN; plane.columns];
+        for column in &self.columns {
+            let (x, last) = (column.index as f64, plane.rows as f64 - 1.0);
+            let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (from, to) in [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)] {
+                for row in from.max(0.0).ceil() as usize..=to.clamp(0.0, last) as usize {
+                    let contrast = f64::from(plane.at(row, column.index)) - dark;
+                    (sum, count) = (sum + contrast / field.relative(x, row as f64), count + 1.0);
+                }
+            }
+            if count > 0.0 {
+                means[column.index] = (sum / count) as f32;
+            }
+        }
+        let steps = means.windows(2).map(|w| f64::from((w[1] - w[0]).abs())).filter(|step| step.is_finite());
+        let sd = 1.4826 * median_of(steps.collect()) / std::f64::consts::SQRT_2;
+        let mut curve = LevelCurve::default();
+        if !(sd > 0.0 && LevelPool::default().pool(&means, sd as f32, MOST_KNOTS, &mut curve)) {
+            return Vec::new();
+        }
+        let usual = curve.mean as f32;
+        curve.level.iter().map(|level| level / usual).collect()
     }
 
     /// Blur, px.
