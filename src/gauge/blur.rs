@@ -17,6 +17,9 @@ pub(crate) const BLOCKS: usize = 8;
 const PER_BLOCK: usize = 32;
 /// Columns of a block from which its blur is known.
 const LEAST_COUNT: f64 = 6.0;
+/// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
+/// 4:1 over a field leave more, a second edge leaves less.
+const LEAST_AT_ENDS: f32 = 0.7;
 /// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
@@ -107,6 +110,25 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     let (_, median, _) = pool.select_nth_unstable_by(middle, f32::total_cmp);
     let total = f64::from(*median) * std::f64::consts::PI.sqrt();
     Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
+}
+
+/// Whether most windows see one edge alone: their outermost pixels hold most of the contrast that there is in the window. Where one
+/// reaches another shadow, or the part's other edge, they do not.
+pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
+    let (mut alone, mut seen) = (0_usize, 0_usize);
+    for place in (0..windows.centre.len()).filter(|place| windows.centre[*place].is_ok()) {
+        let window = windows.of(place);
+        let used = &window[..window.len() - 1];
+        let mean = |three: &[f32]| three.iter().sum::<f32>() / 3.0;
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for value in used.windows(3).map(mean) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        let ends = mean(&used[used.len() - 3..]) - mean(&used[..3]);
+        seen += 1;
+        alone += usize::from(ends > LEAST_AT_ENDS * (high - low));
+    }
+    2 * alone > seen
 }
 
 /// What a refinement needs beside the windows.

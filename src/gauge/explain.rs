@@ -2,20 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameRefused};
+use super::other_views;
 use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
 use super::shadows::NoShadow;
 use crate::profile::Reason;
 
-/// Least size that a shadow is looked for at to say how large the largest one is, px.
-const SMALLEST_PX: f64 = 6.0;
-/// Share of the columns in which another view of the frame must show a part to be recommended.
-const RECOMMENDED: f64 = 0.5;
 /// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie
 /// 9.8 standard deviations apart, and whole counts round them outwards.
 const ONE_LEVEL: f64 = 12.0;
+
+/// What is said where no window holds both levels.
+const NO_LEVELS: &str = "no column shows both light and shadow beside an edge, and one is needed at least: the part is hidden, blurred beyond \
+    its windows or runs the other way: focus, move the part, or try --vertical";
+
+/// What is said of NaN and infinity.
+pub(crate) const NOT_FINITE: &str = "grey values that are not finite numbers; every pixel must be one: write a number in place of NaN and infinity";
 
 /// A refusal.
 pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
@@ -24,7 +27,7 @@ pub(crate) fn refused(reason: Reason, detail: String) -> FrameRefused {
 
 /// No side of the shadow shows its levels.
 pub(crate) fn no_levels() -> FrameRefused {
-    refused(Reason::NoEdge, "no column shows both light and shadow beside an edge".to_owned())
+    refused(Reason::NoEdge, NO_LEVELS.to_owned())
 }
 
 /// Why no shadow was chosen: what the choice says, else what the grey values do.
@@ -44,7 +47,7 @@ pub(crate) fn too_small((rows, columns): (usize, usize), least: usize) -> FrameR
     refused(
         Reason::NoEdge,
         format!(
-            "{rows} rows x {columns} columns; at least {least} rows are needed to tell levels and noise beside an edge"
+            "{rows} rows x {columns} columns; at least {least} rows are needed to tell levels and noise beside an edge: crop less, or try --vertical where the part stands upright"
         ),
     )
 }
@@ -59,9 +62,6 @@ pub(crate) fn no_part<T: Sample>(
     if grey.is_one_level() {
         return refused(reason, grey.one_level());
     }
-    if let Some(detail) = too_thin(plane, settings) {
-        return refused(Reason::NoEdge, detail);
-    }
     let seen = match reason {
         Reason::LowContrast => format!(
             "{}, and they do not fall into light and shadow; no shadow of {} px or more stands between light in a quarter of the columns",
@@ -73,48 +73,22 @@ pub(crate) fn no_part<T: Sample>(
             grey.range()
         ),
         _ => format!(
-            "no shadow of {} px or more lies in the field ({}); --min-diameter-px (gauge.min_diameter_px) sets the least size",
+            "no shadow of {} px or more lies in the field ({})",
             settings.min_diameter_px,
             grey.range()
         ),
     };
-    refused(reason, format!("{seen}{}", other_view(plane, settings)))
-}
-
-/// The largest shadow is thinner than a part.
-fn too_thin<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Option<String> {
-    let smallest = GaugeSettings { min_diameter_px: SMALLEST_PX, ..settings.clone() };
-    let width = Coarse::found(plane, &smallest).filter(|f| f.share >= RECOMMENDED)?.width_px;
-    (width < settings.min_diameter_px).then(|| {
-        format!(
-            "the largest shadow is about {width:.0} px across, and the least size taken for a part is {} px: --min-diameter-px {:.0} (gauge.min_diameter_px) measures it",
-            settings.min_diameter_px,
-            (0.7 * width).floor().max(4.0)
-        )
-    })
-}
-
-/// What another view of the frame would show.
-fn other_view<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> String {
-    let shows = |plane: &Plane<'_, T>| Coarse::found(plane, settings).filter(|f| f.share >= RECOMMENDED);
-    if let Some(found) = shows(&plane.transposed()) {
-        return format!(
-            "; upright, a shadow of about {:.0} px stands between light: try --vertical",
-            found.width_px
-        );
-    }
-    if let Some(found) = shows(&plane.inverted()) {
-        let (other, option) = if plane.sign > 0.0 {
-            ("a lit part", "try --bright-on-dark")
-        } else {
-            ("a shadow", "try without --bright-on-dark")
-        };
-        return format!(
-            "; {other} of about {:.0} px stands before the other level: {option}",
-            found.width_px
-        );
-    }
-    String::new()
+    let help = other_views::recommended(plane, settings).map_or_else(
+        || {
+            let help = match reason {
+                Reason::OneEdge => "move the part or the field, or magnify less",
+                _ => "move the part into the field; --min-diameter-px (gauge.min_diameter_px) sets the least size, --vertical and --bright-on-dark say how it stands",
+            };
+            format!(": {help}")
+        },
+        |words| format!("; {words}"),
+    );
+    refused(reason, format!("{seen}{help}"))
 }
 
 /// Grey values of a thinned frame.
@@ -162,7 +136,10 @@ impl GreyValues {
         } else {
             "nothing but one level and its noise: no part stands in the light, or there is none"
         };
-        format!("{}: {level}", self.range())
+        format!(
+            "{}: {level}; light and shadow must lie more than {ONE_LEVEL} times the noise apart: put a part into the field, light it from behind, or set the exposure",
+            self.range()
+        )
     }
 }
 
@@ -197,19 +174,27 @@ pub(crate) fn too_few(edges: &FrameEdges, valid: usize, needed: usize) -> FrameR
     }
     let reason = counts.iter().max_by_key(|(_, n)| **n).map_or(Reason::NoEdge, |(reason, _)| *reason);
     if reason == Reason::Saturated {
-        let detail = "light or shadow is clipped at the end of the grey scale and the flanks of the edges do not state how far beyond it lies; expose less";
-        return refused(reason, detail.to_owned());
+        let clipped = counts.get(&reason).copied().unwrap_or(0);
+        let detail = format!(
+            "in {clipped} of {} columns light or shadow is clipped at the end of the grey scale and the flanks of the edges do not state how far beyond it lies; {needed} columns are needed: expose less",
+            edges.columns()
+        );
+        return refused(reason, detail);
     }
     let each: Vec<String> = counts.iter().map(|(reason, n)| format!("{n} {reason}")).collect();
     let help = match reason {
         Reason::Residual => {
-            ": the edges fit no model at this noise; light that falls off steeply beside them, a ghost, or the edge of other optics than the model's: try --esf learnt or --esf FILE"
+            ": the edges fit no model at this noise: another edge than the model's (--esf learnt, or --esf FILE), a loss of focus, motion during the exposure, a ghost, or light that falls off steeply beside them"
         }
         Reason::Contaminated | Reason::Outlier => {
             ": matter on the part, or a part that is not alike on both sides, as threads and flats are: try --rejection by_edge"
         }
-        Reason::Border => ": the edges lie too near the border of the field",
-        _ => "",
+        Reason::Border => ": the edges lie too near the border of the field: move the part or the field",
+        Reason::Steep => ": flanks steeper than 45° are not measured: turn the camera, or try --vertical",
+        Reason::LowContrast => {
+            ": expose more, or average frames (gauge.min_snr sets the least contrast over noise)"
+        }
+        _ => ": focus, move the part into the field, or try --vertical",
     };
     refused(
         reason,
@@ -238,7 +223,7 @@ pub(crate) fn no_fit(residual: f64, noise: f64, most: f64) -> FrameRefused {
     refused(
         Reason::Residual,
         format!(
-            "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} % and {:.0} % are let through (gauge.max_residual_rel): another edge than the model's (--esf learnt, or --esf FILE), motion or vibration during the exposure, a veil, or light that falls off steeply beside the edge",
+            "no edge-spread function fits: {:.1} % of the contrast remain even in the best columns, noise explains {:.1} % and {:.0} % are let through (gauge.max_residual_rel): another edge than the model's (--esf learnt, or --esf FILE), motion or vibration during the exposure, a loss of focus, a veil, or light that falls off steeply beside the edge",
             100.0 * residual,
             100.0 * noise,
             100.0 * most
@@ -250,10 +235,14 @@ pub(crate) fn no_fit(residual: f64, noise: f64, most: f64) -> FrameRefused {
 pub(crate) fn no_wire(reason: Reason) -> FrameRefused {
     let detail = match reason {
         Reason::Border => {
-            "the wire lies too near the border of the field: 7 px of light are needed on both sides of it in 8 columns or more"
+            "the wire lies too near the border of the field: 7 px of light are needed on both sides of it in 8 columns or more: move the part or the field"
         }
-        Reason::LowContrast => "the wire is not darker than the light beside it",
-        _ => "both edges of the wire cannot be told apart: it is too thin for its blur",
+        Reason::LowContrast => {
+            "the wire is not darker than the light beside it, as a shadow must be: light it from behind, or try --bright-on-dark"
+        }
+        _ => {
+            "both edges of the wire cannot be told apart in 8 columns or more: it is too thin for its blur: focus, or magnify more"
+        }
     };
     refused(reason, detail.to_owned())
 }

@@ -4,8 +4,14 @@
 //! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
 //! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out.
 //! Where the change is plain among its own scatter it is taken out of the windows, the contrast of every pixel being divided by
-//! 1 + g·(y_k − D); what is left of it, the light's curvature, is a share of the shift. A level that neighbours share is also an
-//! error that neighbours share: it is stated with the shared uncertainty.
+//!
+//! ```text
+//! exp(g·t + q·t²),  t = y_k − D        exact for light that falls exponentially and for Gaussian spots
+//! ```
+//!
+//! with g from the pixels a few rows farther out and q, one for the side, from those and others farther out still. What is left of it is a
+//! share of the shift. A level that neighbours share is also an error that neighbours share: it is stated with the shared uncertainty.
+//! Of a lit part before a dark ground the light is inside: all this is then looked at inwards from the flat pixels in the part.
 
 use super::edges::Edge;
 use super::levels::LevelCurve;
@@ -28,9 +34,20 @@ const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
 const MEDIAN: f64 = 1.2533;
-/// Share of the shift that stays uncertain where the change was taken out of the windows: over the 14 px between the edge and the
-/// far pixels the slope of exponentially falling light changes by a third of itself at 6:1 over 120 px.
+/// Distance of the farther pixels from the far ones, px.
+const FARTHER: usize = 14;
+/// Share of the shift that stays uncertain where the change was taken out of the windows: without its curvature, the slope under a spot
+/// changes by a third of itself over the 20 px between the edge and the far pixels; with it, what other light departs from, and a share of
+/// what the curvature did (light that falls linearly has little of it, a spot much).
 const LEFT: f32 = 0.35;
+const LEFT_BENT: f32 = 0.04;
+const LEFT_OF_BEND: f32 = 0.3;
+/// Ratio of the slopes to the far and the farther pixels, and departure of the farther ones from a straight fall, beyond which these show
+/// something else than the same light: a spot of 4:1 within the field departs by 7 %.
+const MOST_BEND: f32 = 2.0;
+const MOST_BENT: f32 = 0.12;
+/// Fewest tiles that tell a side's curvature.
+const LEAST_BENT: usize = 2;
 /// Standard uncertainties of a tile's change from which it is taken out.
 const PLAIN: f32 = 6.0;
 /// Least factor of the contrast that a pixel of a window is divided by: farther into the shadow no light is left.
@@ -45,8 +62,12 @@ const MOST_CHANGE: f32 = 0.5;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Falloff {
     tiles: Vec<Change>,
+    /// Whether the light is the part's, inside its edges.
+    inside: bool,
     /// Whether the change was taken out of the windows.
     levelled: bool,
+    /// Curvature of the light's logarithm outwards, 1/px², and its standard uncertainty; none where too few pixels show it.
+    bend: Option<(f32, f32)>,
 }
 
 /// Columns of a tile.
@@ -61,9 +82,13 @@ struct Change {
     counts: f32,
     /// Standard uncertainty of that median by the columns' own scatter, counts.
     scatter: f32,
+    /// Median change to the farther pixels, counts; NaN where unknown.
+    farther: f32,
+    /// Standard uncertainty of that, counts.
+    farther_scatter: f32,
     /// Columns looked at.
     columns: u32,
-    /// What is taken out of the windows, counts.
+    /// Change of the light's logarithm that is taken out of the windows.
     taken: f32,
 }
 
@@ -76,30 +101,58 @@ impl Falloff {
     /// Looks at the light beyond the windows of a side.
     pub(crate) fn look<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
         self.tiles.clear();
-        self.levelled = false;
-        let down = windows.side == Side::Bottom;
-        let ahead = (windows.width - 1 + BEYOND - half(windows.width)) as i32 * windows.side.sign();
+        (self.levelled, self.bend, self.inside) = (false, None, plane.sign < 0.0);
+        let inside = self.inside;
+        let down = (windows.side == Side::Bottom) != inside;
+        let sign = if down { 1 } else { -1 };
+        // From the far pixels to the flat end's middle it is as far on either side.
+        let from_centre = if inside {
+            BEYOND + 1 + half(windows.width)
+        } else {
+            windows.width - 1 + BEYOND - half(windows.width)
+        };
+        let ahead = from_centre as i32 * sign;
         for (tile, centres) in windows.centre.chunks(TILE).enumerate() {
             let mut changes = [f32::NAN; TILE / STEP];
-            let mut count = 0;
+            let mut farther = [f32::NAN; TILE / STEP];
+            let (mut count, mut beyond) = (0, 0);
+            let contrast = mean_levels(windows, tile_columns(tile, windows)).1;
             for (offset, centre) in centres.iter().enumerate().step_by(STEP) {
                 let (Ok(centre), column) = (centre, tile * TILE + offset) else { continue };
                 let mut far = [0.0_f32; FAR];
+                // Of light that falls along the tile, too, each column shows its own share.
+                let scale =
+                    contrast / (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
+                let outwards = |far: &[f32; FAR]| {
+                    let mean = far.iter().sum::<f32>() / FAR as f32;
+                    scale * if inside { windows.dark[column] - mean } else { mean - windows.light[column] }
+                };
                 if windows.light[column].is_finite()
                     && plane.gather((centre + ahead) as isize, down, column, &mut far)
                 {
-                    changes[count] = far.iter().sum::<f32>() / FAR as f32 - windows.light[column];
+                    changes[count] = outwards(&far);
                     count += 1;
+                    let first = (centre + ahead + FARTHER as i32 * sign) as isize;
+                    if plane.gather(first, down, column, &mut far) {
+                        farther[beyond] = outwards(&far);
+                        beyond += 1;
+                    }
                 }
             }
-            self.tiles.push(Change::of(&mut changes[..count]));
+            let Change { counts: farther, scatter: farther_scatter, .. } = Change::of(&mut farther[..beyond]);
+            self.tiles.push(Change { farther, farther_scatter, ..Change::of(&mut changes[..count]) });
         }
     }
 
     /// Knows nothing of the light beyond the windows.
     pub(crate) fn clear(&mut self) {
         self.tiles.clear();
-        self.levelled = false;
+        (self.levelled, self.bend) = (false, None);
+    }
+
+    /// Whether the grey values of the light are clipped, by where those of shadow and light are.
+    pub(crate) fn is_clipped(&self, low: f64, high: f64) -> bool {
+        if self.inside { low.is_finite() } else { high.is_finite() }
     }
 
     /// Takes the change out of the windows of a side where most of its tiles plainly show one. Their flat ends stay as they are, and so do
@@ -108,29 +161,77 @@ impl Falloff {
         if self.levelled {
             return;
         }
-        let Some(mean) = self.trend(windows) else { return };
-        self.levelled = true;
+        let bend = self.side_bend(windows);
+        let Some(mean) = self.trend(windows).or_else(|| self.bent(windows, bend)) else { return };
+        (self.levelled, self.bend) = (true, bend);
         for tile in 0..self.tiles.len() {
-            let share = self.tiles[tile].share(windows, tile_columns(tile, windows));
-            let plain = share * mean.signum() > LEAST_LEVELLED;
-            self.tiles[tile].taken = if plain { self.tiles[tile].counts } else { mean };
+            let columns = tile_columns(tile, windows);
+            let share = self.tiles[tile].share(windows, columns.clone());
+            let own = self.tiles[tile].counts / mean_levels(windows, columns).1;
+            // Beside a light known by its curvature every tile shows its own, also the one at which it is level.
+            let plain = share * mean.signum() > LEAST_LEVELLED || (bend.is_some() && own.abs() < MOST_CHANGE);
+            self.tiles[tile].taken = (if plain { own } else { mean }).ln_1p();
         }
         let width = windows.width;
-        // Place of the light's flat end in a window.
-        let end = (width - 1) as f32 - 0.5 * (windows.flat as f32 + 1.0);
+        // Place of the light's flat end in a window, counted from the shadow's end.
+        let to_middle = if self.inside { windows.flat as f32 - 1.0 } else { windows.flat as f32 + 1.0 };
+        let end = (width - 1) as f32 - 0.5 * to_middle;
         let (dark, contrast) = mean_levels(windows, 0..windows.centre.len());
+        let ground = if self.inside { dark + contrast } else { dark };
+        let (bend, far) = (self.bend.map_or(0.0, |b| b.0), apart(windows.flat));
         for column in (0..windows.centre.len()).filter(|c| windows.light[*c].is_finite()) {
-            let slope = self.taken_at(column) / apart(windows.flat);
-            let own = (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
+            let slope = self.taken_at(column, windows.centre.len()) / far - bend * far;
+            // exp(g·t + q·t²) by its ratio from pixel to pixel.
+            let mut factor = (bend * end * end - slope * end).exp();
+            let mut ratio = (slope + bend * (1.0 - 2.0 * end)).exp();
+            let faster = (2.0 * bend).exp();
             let window = &mut windows.pixels[column * width..(column + 1) * width];
-            for (k, value) in window.iter_mut().enumerate().filter(|(_, value)| **value > low) {
-                let factor = 1.0 + slope / own * (k as f32 - end);
-                *value = dark + (*value - dark) / factor.max(LEAST_FACTOR);
+            for k in 0..width {
+                let value = &mut window[if self.inside { width - 1 - k } else { k }];
+                if *value > low {
+                    *value = ground + (*value - ground) / factor.max(LEAST_FACTOR);
+                }
+                (factor, ratio) = (factor * ratio, ratio * faster);
             }
         }
     }
 
-    /// Mean change of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
+    /// Curvature of the light's logarithm, the median of the tiles, and its standard uncertainty, by their scatter where that is more.
+    fn side_bend(&self, windows: &Windows) -> Option<(f32, f32)> {
+        let tiles = self.tiles.iter().enumerate();
+        let (mut bends, mut variance) = (Vec::new(), 0.0);
+        for (_, bend, u) in tiles.filter_map(|(tile, c)| c.bend(windows, tile_columns(tile, windows))) {
+            bends.push(bend);
+            variance += u * u;
+        }
+        if bends.len() < LEAST_BENT {
+            return None;
+        }
+        let (middle, n) = (bends.len() / 2, bends.len() as f32);
+        let median = *bends.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let apart = bends.iter().map(|bend| (bend - median).abs()).sum::<f32>() / n;
+        Some((median, (MEDIAN as f32 * variance.sqrt() / n).hypot(apart / n.sqrt())))
+    }
+
+    /// Mean change of a light that is level beside the windows but plainly bent: a spot in the edge's own row.
+    fn bent(&self, windows: &Windows, bend: Option<(f32, f32)>) -> Option<f32> {
+        let far = apart(windows.flat) + FARTHER as f32;
+        bend.filter(|(bend, u)| bend.abs() > PLAIN * u && bend.abs() * far * far > LEAST_LEVELLED)?;
+        let (mut sum, mut known, mut plain) = (0.0, 0, 0);
+        for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
+            let contrast = mean_levels(windows, tile_columns(tile, windows)).1;
+            known += 1;
+            if (change.counts / contrast).abs() < MOST_CHANGE
+                && change.farther.abs() > (LEAST_LEVELLED * contrast).max(PLAIN * change.farther_scatter)
+            {
+                sum += change.counts / contrast;
+                plain += 1;
+            }
+        }
+        (2 * plain > known).then(|| sum / plain as f32)
+    }
+
+    /// Mean change, a share of the contrast, of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
     /// uneven; a cloud of mist is beside a few tiles, and the tails of an edge change less.
     fn trend(&self, windows: &Windows) -> Option<f32> {
         let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
@@ -141,7 +242,7 @@ impl Falloff {
                 let share = change.share(windows, tile_columns(tile, windows));
                 let side = usize::from(share > 0.0);
                 if share.abs() > LEAST_LEVELLED {
-                    sums[side] += change.counts;
+                    sums[side] += share;
                     counts[side] += 1;
                 }
             }
@@ -150,12 +251,19 @@ impl Falloff {
         (2 * counts[side] > known).then(|| sums[side] / counts[side] as f32)
     }
 
-    /// The change taken out at a column, between the middles of its tile and the next, counts.
-    fn taken_at(&self, column: usize) -> f32 {
-        let place = (column as f32 / TILE as f32 - 0.5).clamp(0.0, self.tiles.len() as f32 - 1.0);
-        let left = (place as usize).min(self.tiles.len().saturating_sub(2));
-        let (a, b) = (&self.tiles[left], &self.tiles[(left + 1).min(self.tiles.len() - 1)]);
-        a.taken + (place - left as f32) * (b.taken - a.taken)
+    /// The change of the logarithm taken out at a column, between the middles of its tile and the next; of smooth light beyond the outer
+    /// ones, too.
+    fn taken_at(&self, column: usize, columns: usize) -> f32 {
+        let middle = |tile: usize| 0.5 * ((tile * TILE + ((tile + 1) * TILE).min(columns)) as f32 - 1.0);
+        let last = self.tiles.len() - 1;
+        if last == 0 {
+            return self.tiles[0].taken;
+        }
+        let left = ((column as f32 / TILE as f32 - 0.5).max(0.0) as usize).min(last - 1);
+        let beyond = if self.bend.is_some() { 0.6 } else { 0.0 };
+        let t =
+            ((column as f32 - middle(left)) / (middle(left + 1) - middle(left))).clamp(-beyond, 1.0 + beyond);
+        self.tiles[left].taken + t * (self.tiles[left + 1].taken - self.tiles[left].taken)
     }
 
     /// Adds to the shared uncertainty of a side's edges what the light's change outwards moved them by.
@@ -167,20 +275,38 @@ impl Falloff {
         (noise, table): (&NoiseModel, &Table),
     ) {
         let flat = windows.flat as f64;
-        let shift = shift(table, windows.flat) / f64::from(apart(windows.flat));
+        let shift = shift(table, windows.flat) as f32;
+        let near = apart(windows.flat);
+        // From the far pixels to the edge.
+        let reach = near + distance(table, windows.flat) as f32;
         for (tile, (edges, seen)) in line.chunks_mut(TILE).zip(&self.tiles).enumerate() {
             let middle = tile * TILE + edges.len() / 2;
             let (Some(level), Some(ground)) = (light.level.get(middle), dark.level.get(middle)) else {
                 continue;
             };
-            let (level, contrast) = (f64::from(*level), f64::from(level - ground));
+            let contrast = f64::from(level - ground);
+            let level = f64::from(*if self.inside { ground } else { level });
             let variance = noise.variance(level) * (1.0 / flat + 1.0 / FAR as f64) / f64::from(seen.columns);
             let change = f64::from(seen.counts.abs());
-            if !(change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt())) {
+            let sloped = change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt());
+            let bent = seen.bend(windows, tile_columns(tile, windows)).filter(|(_, bend, u)| {
+                bend.abs() > (LIMIT as f32 * u).max(LEAST_CHANGE as f32 / (reach * reach))
+            });
+            if !sloped && bent.is_none() {
                 continue;
             }
-            let left = if self.levelled { LEFT } else { 1.0 };
-            let moved = left * (shift * change / contrast) as f32;
+            let slope = (change / contrast) as f32 / near;
+            let at_edge =
+                bent.map_or(slope, |(slope, bend, _)| (slope - bend * reach).abs().max(slope.abs()));
+            let moved = shift
+                * match (self.levelled, self.bend) {
+                    (false, _) => at_edge,
+                    (true, None) => LEFT * at_edge,
+                    // The curvature's error turns the slope about the far pixels: ln C at the edge by u·D·(D + their distance).
+                    (true, Some((bend, u))) => {
+                        (LEFT_BENT * slope).hypot(LEFT_OF_BEND * bend * reach).hypot(u * reach)
+                    }
+                };
             for edge in edges.iter_mut().filter(|e| e.is_usable()) {
                 edge.u_shared_px = edge.u_shared_px.hypot(moved);
             }
@@ -192,7 +318,15 @@ impl Change {
     /// From the changes of single columns.
     fn of(changes: &mut [f32]) -> Self {
         let columns = changes.len();
-        let unknown = Self { counts: f32::NAN, scatter: f32::NAN, columns: columns as u32, taken: 0.0 };
+        let nan = f32::NAN;
+        let unknown = Self {
+            counts: nan,
+            scatter: nan,
+            farther: nan,
+            farther_scatter: nan,
+            columns: columns as u32,
+            taken: 0.0,
+        };
         if columns < LEAST {
             return unknown;
         }
@@ -211,6 +345,24 @@ impl Change {
         let plain = self.counts.abs() > PLAIN * self.scatter && share.abs() < MOST_CHANGE;
         if plain { share } else { 0.0 }
     }
+
+    /// Mean slope of the light's logarithm to the far pixels, 1/px, its curvature, 1/px², and that one's standard uncertainty; `None` where
+    /// the farther pixels show something else.
+    fn bend(&self, windows: &Windows, columns: std::ops::Range<usize>) -> Option<(f32, f32, f32)> {
+        let (near, far) = (apart(windows.flat), apart(windows.flat) + FARTHER as f32);
+        let contrast = mean_levels(windows, columns).1;
+        let [share, farther] = [self.counts, self.farther].map(|counts| counts / contrast);
+        if !(share.abs() < MOST_CHANGE && farther > LEAST_FACTOR - 1.0) {
+            return None;
+        }
+        let [a, b] = [share.ln_1p() / near, farther.ln_1p() / far];
+        let alike = a * b > 0.0 && a.abs().max(b.abs()) < MOST_BEND * a.abs().min(b.abs());
+        if !alike && (b - a).abs() * far > MOST_BENT {
+            return None;
+        }
+        let u = (self.scatter / near).hypot(self.farther_scatter / far) / (contrast * (far - near));
+        Some((a, (b - a) / (far - near), u))
+    }
 }
 
 /// Mean shadow and contrast of some columns' flat ends, counts.
@@ -222,11 +374,16 @@ fn mean_levels(windows: &Windows, columns: std::ops::Range<usize>) -> (f32, f32)
     (dark / count, (light - dark) / count)
 }
 
+/// Distance D of an edge in the middle of its window from the light's flat end, px.
+fn distance(table: &Table, flat: usize) -> f64 {
+    (table.width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - half(table.width) as f64
+}
+
 /// |Σ w_k E_k (y_k − D)| of an edge in the middle of its window, px of the edge per share of the contrast and px.
 fn shift(table: &Table, flat: usize) -> f64 {
     let phase = table.phase(0.0);
     let middle = half(table.width) as f64;
-    let distance = (table.width - 1) as f64 - 0.5 * (flat as f64 + 1.0) - middle;
+    let distance = distance(table, flat);
     let terms = phase.weights.iter().zip(phase.values).enumerate();
     terms.map(|(k, (w, e))| f64::from(w * e) * (k as f64 - middle - distance)).sum::<f64>().abs()
 }

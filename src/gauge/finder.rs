@@ -155,7 +155,7 @@ impl EdgeStream {
             return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
         }
         if !all_finite(view) {
-            return Err(refused(Reason::Unreadable, "grey values that are not finite numbers".to_owned()));
+            return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
         }
         if view.columns() < LEAST_COLUMNS {
             return self.measure_readings(view, out);
@@ -386,16 +386,22 @@ impl EdgeStream {
     }
 
     fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
-        let (mut sum, mut count) = (0.0, 0.0);
+        let mut first = None;
         for widest in [4.0, 2.0, 0.8] {
+            let (mut sum, mut count, mut all_alone) = (0.0, 0.0, true);
             for (side, centres) in self.sides.iter_mut().zip([&self.coarse.top, &self.coarse.bottom]) {
-                if let Some(sigma) = side.rough_blur(plane, centres, widest) {
+                if let Some((sigma, alone)) = side.rough_blur(plane, centres, widest) {
                     (sum, count) = (sum + sigma, count + 1.0);
+                    all_alone &= alone;
                 }
             }
-            if count > 0.0 {
+            if count > 0.0 && all_alone {
                 return Ok(sum / count);
             }
+            first = first.or((count > 0.0).then_some(sum / count));
+        }
+        if let Some(sigma) = first {
+            return Ok(sigma);
         }
         let needed = self.sides[0].window_width(0.8) / 2;
         Err(explain::too_near(needed, self.coarse.nearest_to_border(plane.rows)))

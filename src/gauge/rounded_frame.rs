@@ -2,7 +2,7 @@
 
 use super::edges::FrameEdges;
 use super::levels::LevelCurve;
-use super::noise::NoiseModel;
+use super::noise::{NoiseModel, Spread};
 use super::rounding::{RoundedSide, noise_behind};
 use super::side::SideState;
 
@@ -20,6 +20,12 @@ pub(crate) struct Rounding {
     pub(crate) step: f64,
     /// Standard deviation of the noise in shadow and light, counts.
     behind: [f64; 2],
+}
+
+/// Noise behind rounded grey values that scatter so, in steps of the grey scale.
+pub(crate) fn noise_in_steps(spread: Spread, step: f64) -> f64 {
+    let sd = noise_behind(spread.variance().unwrap_or(f64::INFINITY) / (step * step));
+    if spread.wide_share() < FEW_WIDE { sd.min(TWO_VALUED) } else { sd }
 }
 
 impl Rounding {
@@ -40,9 +46,7 @@ impl Rounding {
         let [top, bottom] = [&sides[0].survey.spread, &sides[1].survey.spread];
         let behind = [0, 1].map(|k| {
             // Clipped light says nothing of its noise; rounding is not what limits it.
-            let both = top[k].with(bottom[k]);
-            let sd = noise_behind(both.variance().unwrap_or(f64::INFINITY) / (step * step));
-            step * if both.wide_share() < FEW_WIDE { sd.min(TWO_VALUED) } else { sd }
+            step * noise_in_steps(top[k].with(bottom[k]), step)
         });
         Self { step, behind }
     }

@@ -23,7 +23,7 @@ use super::esf::EdgeShape;
 use super::model::EdgeSample;
 
 /// Noise in steps of the grey scale beyond which r is below 1e-5 of its largest value.
-const DITHERED: f64 = 0.55;
+pub(crate) const DITHERED: f64 = 0.55;
 /// Columns over which a local mean is taken: those of the largest diameter's median.
 const LOCAL: usize = 64;
 /// Pixels either side of the edge.
@@ -182,7 +182,7 @@ impl RoundedSide<'_> {
 }
 
 /// Rows that an edge runs over within a local mean, px, on the mean over the line.
-fn rows_swept(line: &[Edge]) -> f64 {
+pub(crate) fn rows_swept(line: &[Edge]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for block in line.chunks(LOCAL) {
         let mut usable = block.iter().filter(|e| e.is_usable()).map(|e| e.row_px);

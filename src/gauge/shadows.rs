@@ -220,8 +220,9 @@ impl Shadows {
                     None => Err(NoShadow {
                         reason: Reason::NoEdge,
                         detail: Some(format!(
-                            "there is no shadow {number}: {} lie in the field, counted from the top",
-                            parts().count()
+                            "there is no shadow {number}: {} of {} px or more lie in the field, counted from the top; give --which one of them, or a smaller --min-diameter-px",
+                            parts().count(),
+                            grid.min_diameter_px
                         )),
                     }),
                 }
@@ -353,7 +354,13 @@ mod tests {
         assert_eq!(chosen(&tube, Some(Which::Number(1))).unwrap().0, Some((20, 84)));
         assert_eq!(chosen(&tube, Some(Which::Number(2))).unwrap().0, Some((115, 179)));
         assert_eq!(chosen(&tube, Some(Which::NearestCentre)).unwrap().0, Some((20, 84)));
-        assert!(chosen(&tube, Some(Which::Number(3))).unwrap_err().detail.unwrap().contains("2 lie"));
+        assert!(
+            chosen(&tube, Some(Which::Number(3)))
+                .unwrap_err()
+                .detail
+                .unwrap()
+                .contains(": 2 of 24 px or more lie")
+        );
     }
 
     #[test]

@@ -195,13 +195,13 @@ impl SideState {
         true
     }
 
-    /// A first blur from wide windows on a few columns; `None` where they do not fit the field.
+    /// A first blur from wide windows on a few columns, and whether these see one edge alone; `None` where they do not fit the field.
     pub(crate) fn rough_blur<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
         centres: &[CoarseEdge],
         widest: f64,
-    ) -> Option<f64> {
+    ) -> Option<(f64, bool)> {
         let windows = &mut self.windows;
         windows.centre.clear();
         windows.centre.extend(blur::samples(centres.len()).map(|column| centres[column]));
@@ -211,7 +211,8 @@ impl SideState {
         for (place, column) in blur::samples(centres.len()).enumerate() {
             windows.read_one(plane, column, place);
         }
-        blur::rough(windows, &mut self.floats)
+        let alone = blur::sees_one_edge(windows);
+        blur::rough(windows, &mut self.floats).map(|sigma| (sigma, alone))
     }
 
     /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
@@ -276,7 +277,7 @@ impl SideState {
         let ends =
             if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
         // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
-        if ends.is_none_or(|ends| !ends.high.is_finite()) {
+        if ends.is_none_or(|ends| !self.falloff.is_clipped(ends.low, ends.high)) {
             self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
         }
         match ends {

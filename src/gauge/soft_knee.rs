@@ -14,6 +14,9 @@ use super::window::Windows;
 const COMPRESSED: f64 = 0.3;
 /// Least variance expected, squared steps of the grey scale, that rounding leaves comparable.
 const LEAST_EXPECTED: f64 = 0.25;
+/// Noise in the dark, as a share of the contrast, below which nothing scatters that could be compressed: what is left is the part's own drift
+/// through the pixels.
+const LEAST_NOISE: f64 = 1e-3;
 /// Share of the contrast up to which grey values are taken as they stand: knees of video cameras begin at 80 to 95 % of full scale.
 const TRUSTED: f64 = 0.65;
 
@@ -27,6 +30,9 @@ pub(crate) fn find(
 ) -> Option<(f32, f64)> {
     let step = elsewhere.step;
     let rounding = step * step / 12.0;
+    if elsewhere.noise[0] < LEAST_NOISE * (elsewhere.levels[1] - elsewhere.levels[0]) {
+        return None;
+    }
     let (seen, at_end) = light_scatter(windows, hard, squares)?;
     let seen = (seen - rounding).max(0.0);
     if hard.is_none() && !(seen + rounding < elsewhere.noise[0].powi(2)) {

@@ -20,9 +20,14 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use super::coarse::CoarseEdge;
 use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
+use super::levels::{LevelCurve, LevelPool};
+use super::light_field::{LightField, Lit};
 use super::median::median_of;
 use super::model::EdgeSample;
+use super::noise::{LEAST_OF_COUNTS, Spread};
 use super::pixels::{Plane, Sample};
+use super::rounded_frame::noise_in_steps;
+use super::wire_rounding::{WirePixel, WireRounding};
 use crate::profile::Reason;
 
 /// Width below which both edges are fitted together, px: above it their windows are clear of each other up to a blur of 2 px.
@@ -38,6 +43,11 @@ const HUBER: f64 = 3.0;
 /// Rounds of the fit; the noise is estimated anew in each.
 const ROUNDS: usize = 4;
 const STEPS: usize = 8;
+/// Columns, at most, and pixels on both sides that the light's field is told from.
+const FIELD_COLUMNS: usize = 256;
+const FIELD_PX: f64 = 20.0;
+/// Knots, at most, of the light along the wire beside the field.
+const MOST_KNOTS: usize = 33;
 /// Pixels from which a zone's noise is estimated.
 const LEAST_PIXELS: usize = 64;
 
@@ -53,6 +63,8 @@ struct Column {
     pixels: Vec<f32>,
     /// Abscissa along the wire, −1 to 1.
     x: f64,
+    /// Light in the middle over that of the field's centre: the contrast's factor.
+    gain: f64,
     /// Rows of both edges.
     edges: Vector2<f64>,
     /// Whether it takes part in the pooled parameters.
@@ -99,17 +111,101 @@ impl Wire {
             return Err(Reason::LowContrast);
         }
         wire.variance = [(0.01 * wire.contrast()).powi(2).max(floor); 2];
-        for _ in 0..ROUNDS {
-            for _ in 0..STEPS {
-                if wire.step().ok_or(Reason::NoEdge)? < 1e-5 {
-                    break;
-                }
-            }
-            wire.estimate_variance(floor);
-            wire.judge();
+        wire.settle(floor).ok_or(Reason::NoEdge)?;
+        if wire.level_light(plane) {
+            wire.settle(floor).ok_or(Reason::NoEdge)?;
         }
         wire.covariance = wire.reduced(&wire.all_sums()).0.try_inverse().ok_or(Reason::NoEdge)?;
         Ok(wire)
+    }
+
+    /// Solves for all parameters; `None` where the equations are singular.
+    fn settle(&mut self, floor: f64) -> Option<()> {
+        for _ in 0..ROUNDS {
+            for _ in 0..STEPS {
+                if self.step()? < 1e-5 {
+                    break;
+                }
+            }
+            self.estimate_variance(floor);
+            self.judge();
+        }
+        Some(())
+    }
+
+    /// Divides the columns by the field of the light beside the wire; false where the light is even.
+    fn level_light<T: Sample>(&mut self, plane: &Plane<'_, T>) -> bool {
+        let dark = self.pooled[0];
+        let clear = 4.0 * self.pooled[SIGMA] + 1.0;
+        let mut points = Vec::new();
+        for column in self.columns.iter().step_by(self.columns.len().div_ceil(FIELD_COLUMNS)) {
+            let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
+            let rows = [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)];
+            for (from, to) in rows {
+                let last = to.min(plane.rows as f64 - 1.0);
+                for row in from.max(0.0).ceil() as usize..=last.max(0.0) as usize {
+                    let contrast = f64::from(plane.at(row, column.index)) - dark;
+                    points.push(Lit { x: column.index as f64, y: row as f64, contrast });
+                }
+            }
+        }
+        let Some(field) = LightField::fit(&points) else { return false };
+        let along = self.light_along(plane, &field, clear);
+        for column in &mut self.columns {
+            let x = column.index as f64;
+            let middle = field.relative(x, 0.5 * column.edges.sum());
+            column.gain = middle * along.get(column.index).copied().map_or(1.0, f64::from);
+            for (k, value) in column.pixels.iter_mut().enumerate() {
+                let light = field.relative(x, f64::from(column.first) + k as f64) / middle;
+                *value = (dark + (f64::from(*value) - dark) / light) as f32;
+            }
+        }
+        // Light of one level all along is left.
+        let light = |from: usize| {
+            median_of(
+                self.columns
+                    .iter()
+                    .map(|c| {
+                        let end = if from == 1 { c.pixels.first() } else { c.pixels.last() };
+                        dark + (f64::from(end.copied().unwrap_or(0.0)) - dark) / c.gain
+                    })
+                    .collect(),
+            )
+        };
+        let levels = [light(1), light(4)];
+        for (from, level) in [1, 4].into_iter().zip(levels) {
+            (self.pooled[from], self.pooled[from + 1], self.pooled[from + 2]) = (level, 0.0, 0.0);
+        }
+        true
+    }
+
+    /// Light beside the wire over the field, column by column of the frame, pooled along it: along a wire light falls as it likes, linearly,
+    /// too, of which the logarithm is no quadratic. Empty where it does not tell.
+    fn light_along<T: Sample>(&self, plane: &Plane<'_, T>, field: &LightField, clear: f64) -> Vec<f32> {
+        let dark = self.pooled[0];
+        let mut means = vec![f32::NAN; plane.columns];
+        for column in &self.columns {
+            let (x, last) = (column.index as f64, plane.rows as f64 - 1.0);
+            let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (from, to) in [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)] {
+                for row in from.max(0.0).ceil() as usize..=to.clamp(0.0, last) as usize {
+                    let contrast = f64::from(plane.at(row, column.index)) - dark;
+                    (sum, count) = (sum + contrast / field.relative(x, row as f64), count + 1.0);
+                }
+            }
+            if count > 0.0 {
+                means[column.index] = (sum / count) as f32;
+            }
+        }
+        let steps = means.windows(2).map(|w| f64::from((w[1] - w[0]).abs())).filter(|step| step.is_finite());
+        let sd = 1.4826 * median_of(steps.collect()) / std::f64::consts::SQRT_2;
+        let mut curve = LevelCurve::default();
+        if !(sd > 0.0 && LevelPool::default().pool(&means, sd as f32, MOST_KNOTS, &mut curve)) {
+            return Vec::new();
+        }
+        let usual = curve.mean as f32;
+        curve.level.iter().map(|level| level / usual).collect()
     }
 
     /// Blur, px.
@@ -140,6 +236,56 @@ impl Wire {
     pub(crate) fn freedom(&self) -> f64 {
         let pixels: usize = self.columns.iter().map(|c| c.pixels.len()).sum();
         pixels as f64 / self.columns.len().max(1) as f64 - 2.0
+    }
+
+    /// The equations of some columns, pooled constants and both edges.
+    pub(crate) fn equations(&self, columns: usize) -> Vec<Vec<WirePixel>> {
+        let step = self.columns.len().div_ceil(columns).max(1);
+        let of = |column: &Column| {
+            let mut pixels = Vec::with_capacity(column.pixels.len());
+            self.each_pixel(column, |_, light, pooled, edges| {
+                let by = [pooled[0], pooled[1], pooled[4], pooled[SIGMA], edges[0], edges[1]];
+                let weight = self.variance_at(light * column.gain).recip();
+                pixels.push(WirePixel {
+                    weight,
+                    light: [pooled[1], pooled[4]].map(|l| l / column.gain),
+                    by: by.into(),
+                });
+            });
+            pixels
+        };
+        self.columns.iter().step_by(step).filter(|column| column.good).map(of).collect()
+    }
+
+    /// What rounding in steps, counts, does to the grey values.
+    pub(crate) fn rounding(&self, step: f64) -> WireRounding {
+        let mut zones = [Vec::new(), Vec::new()];
+        let thinned = (self.columns.len() / FIELD_COLUMNS).max(1);
+        for pair in self.columns.windows(2).step_by(thinned).filter(|p| p[0].index + 1 == p[1].index) {
+            let mut row = pair[0].first;
+            self.each_pixel(&pair[0], |_, light, _, _| {
+                let place = |column: &Column| column.pixels.get((row - column.first) as usize).copied();
+                if let (Some(a), Some(b)) = (place(&pair[0]), place(&pair[1])) {
+                    match light {
+                        l if l < 0.02 => zones[0].push(a - b),
+                        l if l > 0.98 => zones[1].push(a - b),
+                        _ => {}
+                    }
+                }
+                row += 1;
+            });
+        }
+        let least = (step * LEAST_OF_COUNTS) as f32;
+        let [dark, light] = zones.map(|zone| Spread::of(&zone, least));
+        let dark = if dark.variance().is_some() { dark } else { light };
+        let p = &self.pooled;
+        let run = |from: usize| (2.0 * p[from + 1]).abs() / step;
+        WireRounding {
+            step,
+            noise: [dark, light].map(|spread| noise_in_steps(spread, step)),
+            runs: [0.0, run(1), run(4)],
+            alike: (p[1] - p[4]).abs() < 0.5 * step,
+        }
     }
 
     /// Writes both edges of every column of the frame; those that were not fitted keep the gaps that stand there.
@@ -176,7 +322,7 @@ impl Wire {
             chi2: 0.0,
         };
         self.each_pixel(column, |residual, light, by_pooled, by_edges| {
-            let variance = self.variance_at(light);
+            let variance = self.variance_at(light * column.gain);
             s.chi2 += residual * residual / variance;
             let huber = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0);
             let weight = huber / variance;
@@ -194,7 +340,7 @@ impl Wire {
         let (p, x) = (&self.pooled, column.x);
         let powers = [1.0, x, x * x];
         let level = |from: usize| (0..3).map(|k| p[from + k] * powers[k]).sum::<f64>();
-        let (above, below) = (level(1) - p[0], level(4) - p[0]);
+        let (above, below) = (column.gain * (level(1) - p[0]), column.gain * (level(4) - p[0]));
         let mut samples = [[EdgeSample::default(); 2 * BESIDE + 2 * WIDEST_PX as usize]; 2];
         let count = column.pixels.len().min(samples[0].len());
         for (side, samples) in samples.iter_mut().enumerate() {
@@ -211,10 +357,10 @@ impl Wire {
             let (t, b) = (&samples[0][k], &samples[1][k]);
             let value = p[0] + above * t.value + below * b.value;
             let mut by_pooled = Pooled::zeros();
-            by_pooled[0] = 1.0 - t.value - b.value;
+            by_pooled[0] = 1.0 - column.gain * (t.value + b.value);
             for (power, factor) in powers.iter().enumerate() {
-                by_pooled[1 + power] = t.value * factor;
-                by_pooled[4 + power] = b.value * factor;
+                by_pooled[1 + power] = column.gain * t.value * factor;
+                by_pooled[4 + power] = column.gain * b.value * factor;
             }
             by_pooled[SIGMA] = above * t.by_sigma + below * b.by_sigma;
             let by_edges = Vector2::new(-above * t.by_position, below * b.by_position);
@@ -223,7 +369,7 @@ impl Wire {
     }
 
     fn variance_at(&self, light: f64) -> f64 {
-        let share = light.clamp(0.0, 1.0);
+        let share = light.max(0.0);
         self.variance[0] + share * (self.variance[1] - self.variance[0])
     }
 
@@ -316,7 +462,7 @@ fn read<T: Sample>(
         let pixels = (first..=last).map(|row| plane.at(row as usize, index)).collect();
         let x = 2.0 * index as f64 / plane.columns as f64 - 1.0;
         let edges = Vector2::new(f64::from(t) - 0.5, f64::from(b) + 0.5);
-        columns.push(Column { index, first, pixels, x, edges, good: true });
+        columns.push(Column { index, first, pixels, x, gain: 1.0, edges, good: true });
     }
     match (columns.len(), seen) {
         (n, _) if n >= 8 => Ok(columns),

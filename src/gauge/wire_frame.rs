@@ -13,10 +13,14 @@ use crate::profile::Reason;
 
 /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them the middle still has 13 % of the light.
 const LEAST_IN_BLURS: f64 = 3.0;
-/// Share of the pixels at the largest grey value from which light may be clipped, and share of neighbours in the shadow that differ
-/// where there is noise.
+/// Share of the pixels at the largest grey value from which light may be clipped.
 const CLIPPED_FRACTION: f64 = 0.01;
-const NOISY: f64 = 0.2;
+/// Second differences along the shadow of so many steps, and their share where there is noise: a shadow that toggles between two grey
+/// values has none above two, noise of half a step has 8 %.
+const TOGGLES: f32 = 2.5;
+const NOISY: f64 = 0.02;
+/// Share of the range of grey values that is shadow.
+const SHADOW: f32 = 0.15;
 /// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as for other frames.
 const LEAST_VALID: usize = 8;
 const LEAST_MISFIT: f64 = 2.0;
@@ -51,6 +55,11 @@ pub(crate) fn measure<T: Sample>(
     lay_out(coarse, out);
     wire.write(&mut out.top, &mut out.bottom);
     let misfit = judge(settings, wire.freedom(), out);
+    let step = scale.step();
+    let rounding_px = match step > 0.0 {
+        true => wire.rounding(step).state(&wire, [&mut out.top, &mut out.bottom]),
+        false => 0.0,
+    };
     out.shared_length = [plane.columns as f32; 2];
     out.clipped_px = [0.0; 2];
     out.figures = FrameFigures {
@@ -62,7 +71,7 @@ pub(crate) fn measure<T: Sample>(
         snr,
         misfit,
         quantised: scale.floor > 0.0,
-        rounding_px: [0.0; 2],
+        rounding_px: [rounding_px; 2],
         shadows: coarse.shadows.seen,
     };
     let valid = out.valid();
@@ -114,17 +123,23 @@ fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: Scale) -> Option<f64> {
     if !(scale.floor > 0.0) {
         return None;
     }
-    let rows = (0..plane.rows).step_by((plane.rows / 64).max(1));
+    let rows = || (0..plane.rows).step_by((plane.rows / 64).max(1));
+    // A column of one grey value is a stuck one: the wire would show in it.
+    let live: Vec<usize> = (0..plane.columns)
+        .filter(|column| rows().any(|row| plane.at(row, *column) != plane.at(0, *column)))
+        .collect();
     let values: Vec<f32> =
-        rows.flat_map(|row| (0..plane.columns).map(move |column| plane.at(row, column))).collect();
+        rows().flat_map(|row| live.iter().map(move |column| plane.at(row, *column))).collect();
     let (least, most) =
         values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let count = |over: &dyn Fn(f32) -> bool| values.iter().filter(|v| over(**v)).count() as f64;
     let at_most = count(&|v| v >= most);
-    let next = count(&|v| v >= most - 1.0) - at_most;
-    let dark = values.windows(2).filter(|w| w[0].max(w[1]) < 0.5 * (least + most));
-    let (unequal, pairs) =
-        dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(w[0] != w[1])), n + 1.0));
+    let step = scale.step() as f32;
+    let next = count(&|v| v >= most - step) - at_most;
+    let shadow = least + SHADOW * (most - least);
+    let dark = values.windows(3).filter(|w| w[0].max(w[1]).max(w[2]) < shadow);
+    let scatters = |w: &[f32]| (w[0] - 2.0 * w[1] + w[2]).abs() > TOGGLES * step;
+    let (noisy, all) = dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(scatters(w))), n + 1.0));
     let share = at_most / values.len() as f64;
-    (share > CLIPPED_FRACTION && at_most > 2.0 * next && unequal > NOISY * pairs).then_some(share)
+    (share > CLIPPED_FRACTION && at_most > 2.0 * next && noisy > NOISY * all).then_some(share)
 }

@@ -27,7 +27,7 @@ pub enum DecodeError {
     #[error("not an image in a known format; a grey PNG, TIFF, JPEG, BMP or PGM image is needed")]
     NotAnImage,
     /// An image that ends early or is damaged.
-    #[error("damaged or truncated image: {0}")]
+    #[error("damaged or truncated image: {0}; a whole file is needed: record or copy it again")]
     Damaged(String),
     /// A form of a known format that is not read.
     #[error("{0}")]
@@ -63,7 +63,7 @@ pub enum DecodeError {
     Encoding(String),
     /// An image too large to be a frame.
     #[error(
-        "{columns} x {rows} pixels are more than a frame may have ({LONGEST_SIDE} a side, {MOST_PIXELS} in all)"
+        "{columns} x {rows} pixels are more than a frame may have ({LONGEST_SIDE} a side, {MOST_PIXELS} in all); crop it"
     )]
     TooLarge {
         /// Pixels in a row.
@@ -88,7 +88,7 @@ pub enum DecodeError {
     #[error("a bit depth of {0}; 8, 10, 12, 14 or 16 are needed")]
     Depth(u8),
     /// Values that the stated bit depth cannot carry.
-    #[error("a grey value of {found} in a frame said to have {bits} bits")]
+    #[error("a grey value of {found} in a frame said to have {bits} bits, which reach to {}; state the depth of the camera in the file or in frames.csv (bit_depth)", (1_u32 << bits) - 1)]
     BeyondDepth {
         /// Largest value.
         found: String,

@@ -10,12 +10,15 @@ mod formats;
 #[path = "../support/gauge_synth.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the gauge")]
 mod gauge_synth;
+mod kinds;
 mod nc;
 mod optics;
 mod order;
 mod outputs;
 mod pictures;
 mod refusals;
+mod refused;
 mod sizes;
 mod statistics;
 mod support;
+mod uneven;

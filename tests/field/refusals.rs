@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::ring::{RingSettings, measure_ring};
-use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings, Polarity};
+use shadowgauge::gauge::{FrameEdges, Gauge, GaugeSettings, Polarity, Which};
 use shadowgauge::profile::Reason;
 
 use super::gauge_synth::Synth;
@@ -66,6 +66,28 @@ fn light_fields() -> Vec<(String, Field)> {
         fields.push((format!("spot, corners 1:{ratio}"), Box::new(spot)));
     }
     fields
+}
+
+/// Beside another shadow of its size, 20 px of light between them: the wide windows of a first guess of the blur reach it.
+#[test]
+fn a_shadow_close_beside_another_keeps_its_width() {
+    let (rows, width, gap) = (160, 30.2, 20.0);
+    let synth = synth(rows, 200, 1.1);
+    let first = |column: usize| (38.3 + 0.006 * column as f64, 38.3 + width + 0.006 * column as f64);
+    let other = |row: usize, column: usize, mean: f64| {
+        let top = first(column).1 + gap - row as f64;
+        let step = |d: f64| 0.5 * (1.0 + statrs::function::erf::erf(d / 1.1 / std::f64::consts::SQRT_2));
+        DARK + (mean - DARK) * (step(top) + step(-top - width))
+    };
+    for (seed, which) in [Which::Number(1), Which::Largest].into_iter().enumerate() {
+        let frame = synth.frame_with(first, other, Some(seed as u64));
+        let settings = GaugeSettings { which: Some(which), ..GaugeSettings::default() };
+        let edges = Gauge::new(settings).unwrap().edges(&frame.view()).unwrap();
+        let (mean, u) = mean_width(&edges);
+        // The second shadow is drawn at the pixels' middles: its width is known to some hundredths only.
+        let most = if edges.top[0].row_px < 60.0 { 3.0 * u } else { 0.05 };
+        assert!((mean - width).abs() < most, "{which:?}: {mean:.3} u {u:.4}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::super::censored::Ends;
 use super::super::form::Circle;
 use super::super::grey_ends::{self, Level};
+use super::super::light_field::LightField;
 use crate::frame::FrameView;
 
 /// One pixel near an edge.
@@ -81,9 +82,18 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
 }
 
 /// Share of the band's half width beyond which pixels are flat.
-const FLAT: f64 = 0.7;
+pub(super) const FLAT: f64 = 0.7;
 
 impl Band {
+    /// Divides the pixels by a light that is not even; `dark` is the shadow's level, counts, and `circle` what the band follows.
+    pub(super) fn level(&mut self, field: &LightField, dark: f64, circle: &Circle) {
+        for pixel in self.sectors.iter_mut().flatten() {
+            let arm = pixel.reach * circle.radius;
+            let light = field.relative(circle.centre.x + arm * pixel.cos, circle.centre.y + arm * pixel.sin);
+            pixel.value = dark + (pixel.value - dark) / light;
+        }
+    }
+
     /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge, counts, and `whole` says that grey
     /// values are whole counts.
     pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {

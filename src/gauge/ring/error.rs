@@ -26,7 +26,7 @@ pub enum RingError {
     },
     /// No light and shadow in the frame.
     #[error(
-        "the grey values do not fall into light and shadow: their two halves differ by {contrast:.1} counts and scatter by {noise:.1}, at least {least} times that and 4 counts are needed; no shadow stands between light either"
+        "the grey values do not fall into light and shadow: their two halves differ by {contrast:.1} counts and scatter by {noise:.1}, at least {least} times that and 4 counts are needed; no shadow stands between light either: put a part into the field, light it from behind, or expose more"
     )]
     LowContrast {
         /// Difference of the levels, counts.

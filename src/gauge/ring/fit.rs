@@ -70,6 +70,14 @@ pub(super) struct EdgeFit {
     pub(super) noise: f64,
 }
 
+impl EdgeFit {
+    /// Mean shift of the good calipers, px.
+    pub(super) fn mean_shift(&self) -> f64 {
+        let good = || self.calipers.iter().filter(|c| c.good);
+        good().map(|c| c.shift).sum::<f64>() / good().count().max(1) as f64
+    }
+}
+
 /// Noise variance over the share of light, linear between shadow, mid-edge and light.
 #[derive(Clone, Copy, Debug)]
 struct Variance([f64; 3]);

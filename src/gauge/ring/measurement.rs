@@ -6,14 +6,19 @@ use std::f64::consts::TAU;
 use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
+use super::super::light_field::{LightField, Lit};
 use super::super::median::median_of;
 use super::coarse::{self, Coarse};
-use super::edge_pixels::{BandOrder, collect};
+use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
 use super::fit::{EdgeFit, fit_edge};
 use super::millimetres::EdgeMillimetres;
 use super::outline::{Outline, least_ratio_to_stylus};
 use super::{RingError, RingSettings};
 use crate::frame::{FrameView, PixelFormat};
+
+/// Pixels beyond the band that the light's field is told from, and the share of its effect on the edge that stays uncertain.
+const FIELD_PX: f64 = 16.0;
+const LEFT_OF_LIGHT: f64 = 0.1;
 
 /// One edge of a ring, in pixels unless named otherwise.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -84,7 +89,14 @@ pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<Rin
     let Coarse { outer, inner } = coarse::find(view, settings)?;
     let wall = inner.map_or(outer.radius, |bore| outer.radius - bore.radius);
     let half = settings.half_band_px.min(0.45 * wall);
-    let measured = |circle, light_outside| Side { view, settings, light_outside, half }.measure(circle);
+    let side = |light_outside| Side { view, settings, light_outside, half };
+    let mut seen = side(true).light(&outer).unwrap_or_default();
+    if let Some(mut inside) = inner.as_ref().and_then(|bore| side(false).light(bore)) {
+        // One light falls on both sides of the wall.
+        seen.lit.append(&mut inside.lit);
+    }
+    let field = LightField::fit(&seen.lit).map(|field| (field, seen.dark));
+    let measured = |circle, light_outside| side(light_outside).measure(circle, field.as_ref());
     let outer = measured(outer, true)?;
     let inner = inner.map(|bore| measured(bore, false)).transpose()?;
     let concentricity = inner.as_ref().map(|inner| {
@@ -94,6 +106,13 @@ pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<Rin
         Concentricity { px, u_px: 2.0 * outer.u_centre_px.hypot(inner.u_centre_px), mm }
     });
     Ok(RingMeasurement { outer, inner, concentricity })
+}
+
+/// Pixels of light, and the level of the shadow, counts.
+#[derive(Default)]
+struct SeenLight {
+    lit: Vec<Lit>,
+    dark: f64,
 }
 
 /// One edge to be measured.
@@ -109,13 +128,14 @@ impl Side<'_> {
         RingError::Edge { edge: if self.light_outside { "outer" } else { "inner" }, why: why.into() }
     }
 
-    fn measure(&self, coarse: Circle) -> Result<EdgeCircle, RingError> {
+    fn measure(&self, coarse: Circle, field: Option<&(LightField, f64)>) -> Result<EdgeCircle, RingError> {
         let mut calipers = self.settings.calipers;
         while calipers > 64 && coarse.radius * TAU / (calipers as f64) < 2.0 {
             calipers /= 2;
         }
         let least_variance = if self.view.format() == PixelFormat::F32 { 1e-6 } else { 1.0 / 12.0 };
         let (mut circle, mut last, mut ends) = (coarse, None, None);
+        let mut raw = None;
         for _ in 0..3 {
             let order = BandOrder {
                 circle,
@@ -124,14 +144,20 @@ impl Side<'_> {
                 sectors: calipers,
                 bright_on_dark: self.settings.bright_on_dark,
             };
-            let band = collect(self.view, &order);
+            let mut band = collect(self.view, &order);
+            if let (Some((field, dark)), None) = (field, &ends) {
+                raw = Some(band.clone());
+                band.level(field, *dark, &circle);
+            }
             let fitted = |ends| fit_edge(&band, least_variance, self.settings.outlier_sigmas, ends);
             let mut fit = fitted(ends);
             if last.is_none() {
                 let flank = fit.as_ref().map_or(f64::INFINITY, |fit| fit.noise);
                 ends = band.ends(flank, self.view.format() != PixelFormat::F32);
                 if ends.is_some() {
-                    fit = fitted(ends);
+                    band = collect(self.view, &order);
+                    raw = None;
+                    fit = fit_edge(&band, least_variance, self.settings.outlier_sigmas, ends);
                 }
             }
             let fit = fit.map_err(|why| self.error(why))?;
@@ -151,7 +177,35 @@ impl Side<'_> {
             }
         }
         let (followed, fit, points, ls) = last.ok_or_else(|| self.error("not measured"))?;
+        let mut fit = fit;
+        if let Some(Ok(plain)) = raw.map(|b| fit_edge(&b, least_variance, self.settings.outlier_sigmas, None))
+        {
+            fit.u_mean = fit.u_mean.hypot(LEFT_OF_LIGHT * (fit.mean_shift() - plain.mean_shift()));
+        }
         self.assemble(&followed, &fit, &points, ls.fit.circle)
+    }
+
+    /// The light beyond the band of the edge.
+    fn light(&self, circle: &Circle) -> Option<SeenLight> {
+        let order = BandOrder {
+            circle: *circle,
+            light_outside: self.light_outside,
+            half: self.half + FIELD_PX,
+            sectors: 1,
+            bright_on_dark: self.settings.bright_on_dark,
+        };
+        let pixels = collect(self.view, &order).sectors.pop()?;
+        let in_shadow = |p: &&EdgePixel| (-self.half..-FLAT * self.half).contains(&p.distance);
+        let dark = median_of(pixels.iter().filter(in_shadow).map(|p| p.value).collect());
+        let lit = pixels.iter().filter(|p| p.distance > self.half);
+        let lit = lit
+            .map(|p| Lit {
+                x: circle.centre.x + p.reach * circle.radius * p.cos,
+                y: circle.centre.y + p.reach * circle.radius * p.sin,
+                contrast: p.value - dark,
+            })
+            .collect();
+        Some(SeenLight { lit, dark })
     }
 
     /// Edge points of the calipers, px.
