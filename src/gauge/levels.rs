@@ -453,7 +453,7 @@ mod tests {
         type Light = fn(f64) -> f64;
         let lights: [Light; 3] = [
             |c| 200.0 * (-c / 115.0).exp(),
-            |c| 180.0 * (-((c - 60.0) / 90.0).powi(2)).exp(),
+            |c| 180.0 * (-((c - 60.0) / 110.0).powi(2)).exp(),
             |c| 60.0 + 0.9 * c,
         ];
         for (k, light) in lights.into_iter().enumerate() {
