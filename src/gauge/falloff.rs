@@ -57,6 +57,9 @@ const LEAST_FACTOR: f32 = 0.25;
 const LEAST_LEVELLED: f32 = 0.03;
 /// Most change that is taken out, as a share of the contrast: more is not light that falls off but a cloud or another part.
 const MOST_CHANGE: f32 = 0.5;
+/// Change over the far pixels as a share of that from the flat end to them from which they see an edge: light that falls off changes by a
+/// quarter over them, beside its crest by a half.
+const MOST_STEP: f32 = 0.75;
 
 /// How the light of a side changes outwards, tile by tile.
 #[derive(Clone, Debug, Default)]
@@ -86,6 +89,8 @@ struct Change {
     farther: f32,
     /// Standard uncertainty of that, counts.
     farther_scatter: f32,
+    /// Whether the far pixels see another shadow.
+    other: bool,
     /// Columns looked at.
     columns: u32,
     /// Change of the light's logarithm that is taken out of the windows.
@@ -112,9 +117,11 @@ impl Falloff {
             windows.width - 1 + BEYOND - half(windows.width)
         };
         let ahead = from_centre as i32 * sign;
+        let mut others = 0;
         for (tile, centres) in windows.centre.chunks(TILE).enumerate() {
             let mut changes = [f32::NAN; TILE / STEP];
             let mut farther = [f32::NAN; TILE / STEP];
+            let mut steps = [f32::NAN; TILE / STEP];
             let (mut count, mut beyond) = (0, 0);
             let contrast = mean_levels(windows, tile_columns(tile, windows)).1;
             for (offset, centre) in centres.iter().enumerate().step_by(STEP) {
@@ -131,6 +138,7 @@ impl Falloff {
                     && plane.gather((centre + ahead) as isize, down, column, &mut far)
                 {
                     changes[count] = outwards(&far);
+                    steps[count] = scale * (far[FAR - 1] - far[0]);
                     count += 1;
                     let first = (centre + ahead + FARTHER as i32 * sign) as isize;
                     if plane.gather(first, down, column, &mut far) {
@@ -140,7 +148,16 @@ impl Falloff {
                 }
             }
             let Change { counts: farther, scatter: farther_scatter, .. } = Change::of(&mut farther[..beyond]);
-            self.tiles.push(Change { farther, farther_scatter, ..Change::of(&mut changes[..count]) });
+            let change = Change::of(&mut changes[..count]);
+            let stepped = Change::of(&mut steps[..count]).counts.abs() > MOST_STEP * change.counts.abs();
+            let other = change.counts < -MOST_CHANGE * contrast
+                || (stepped && change.counts < -LEAST_LEVELLED * contrast);
+            others += usize::from(other);
+            self.tiles.push(Change { farther, farther_scatter, other, ..change });
+        }
+        // Along most of the side another shadow runs: it says nothing of the light.
+        if 2 * others > self.tiles.len() {
+            self.tiles.iter_mut().filter(|t| t.other).for_each(|t| t.counts = f32::NAN);
         }
     }
 
@@ -324,6 +341,7 @@ impl Change {
             scatter: nan,
             farther: nan,
             farther_scatter: nan,
+            other: false,
             columns: columns as u32,
             taken: 0.0,
         };
