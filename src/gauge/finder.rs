@@ -22,9 +22,10 @@ use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample, all_finite, with_plane};
 use super::repeated::repeated_lines;
 use super::rounded_frame::Rounding;
-use super::scene::Scene;
+use super::scene::{Last, Scene};
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
-use super::side::{Scale, SideState};
+use super::side::SideState;
+use super::survey::Scale;
 use super::window::Side;
 use super::{rings, stuck_rows, wire, wire_frame};
 use crate::frame::FrameView;
@@ -74,15 +75,6 @@ pub struct EdgeStream {
     last: Option<Last>,
     /// Readings of a line camera.
     pub(super) narrow: Option<Narrow>,
-}
-
-/// What the last frame leaves.
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    size: (usize, usize),
-    valid: usize,
-    misfit: f64,
-    frames: u32,
 }
 
 impl EdgeStream {
@@ -448,8 +440,8 @@ impl EdgeStream {
 
     fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
         let ends = self.sides.each_ref().map(|side| side.survey.ends);
-        self.sides[0].share_ends(ends[1]);
-        self.sides[1].share_ends(ends[0]);
+        self.sides[0].survey.share_ends(ends[1]);
+        self.sides[1].survey.share_ends(ends[0]);
         let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
         let count = top.levels.count + bottom.levels.count;
         if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
@@ -488,11 +480,7 @@ impl EdgeStream {
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
-        let [top, bottom] = [&self.sides[0].survey.spread, &self.sides[1].survey.spread];
-        // Crushed shadow states no noise of its own.
-        let in_dark = top[0].with(bottom[0]).variance().or_else(|| top[1].with(bottom[1]).variance())?;
-        let in_light = top[1].with(bottom[1]).variance().unwrap_or(in_dark);
-        Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
+        self.sides[0].survey.noise_with(&self.sides[1].survey, (dark, light), floor)
     }
 
     /// Pools the levels of both sides.

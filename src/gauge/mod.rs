@@ -71,6 +71,7 @@ mod soft_knee;
 mod station;
 mod stretch;
 mod stuck_rows;
+mod survey;
 mod table;
 pub mod turn_form;
 mod turn_scatter;

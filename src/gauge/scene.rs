@@ -25,3 +25,16 @@ impl Scene {
         self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
     }
 }
+
+/// What a stream's last frame leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Last {
+    /// Rows and columns.
+    pub(crate) size: (usize, usize),
+    /// Columns with both edges.
+    pub(crate) valid: usize,
+    /// Median residual.
+    pub(crate) misfit: f64,
+    /// Frames followed since the part was searched.
+    pub(crate) frames: u32,
+}

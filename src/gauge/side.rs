@@ -14,10 +14,11 @@ use super::gate::{self, OutlierScratch};
 use super::grey_ends::{self, Elsewhere};
 use super::learn::{self, Lesson};
 use super::levels::{LevelCurve, LevelPool};
-use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
+use super::noise::{NoiseModel, Spread};
 use super::pixels::{Plane, Sample};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::soft_knee;
+use super::survey::{Scale, Survey};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{LevelSums, Side, Windows, slopes};
 use crate::profile::Reason;
@@ -26,8 +27,6 @@ use crate::profile::Reason;
 const NOISE_SAMPLES: usize = 4096;
 /// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
 const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
-/// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
-const AT_THE_END: f64 = 2.0;
 /// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of itself.
 const SAME_BLUR: f64 = 0.004;
 const SAME_RINGS: f64 = 1e-4;
@@ -72,45 +71,6 @@ pub(crate) struct SideState {
     outliers: OutlierScratch,
     pool: LevelPool,
     blur_scratch: BlurScratch,
-}
-
-/// What is known of the sensor before a frame is looked at.
-#[derive(Clone, Copy)]
-pub(crate) struct Scale {
-    /// Variance of quantisation, counts²; 0 for frames that are not quantised.
-    pub(crate) floor: f64,
-}
-
-impl Scale {
-    /// Smallest variance of a pixel that is taken seriously, counts².
-    pub(crate) fn floor(self, contrast: f64) -> f64 {
-        self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
-    }
-
-    /// That of grey values that come in steps, counts.
-    pub(crate) fn of_step(step: f64) -> Self {
-        Self { floor: step * step / 12.0 }
-    }
-
-    /// Smallest scale of differences that is taken seriously, counts.
-    fn least(self, contrast: f64) -> f32 {
-        self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
-    }
-
-    /// Step of the grey scale, counts; 0 where there is none.
-    pub(crate) fn step(self) -> f64 {
-        (12.0 * self.floor).sqrt()
-    }
-}
-
-/// What a side says of itself before the other one is known.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Survey {
-    pub(crate) levels: LevelSums,
-    /// Where the side's grey values are clipped, in the dark and in the light; none where they are not.
-    pub(crate) ends: Option<Ends>,
-    /// Noise in the shadow and in the light.
-    pub(crate) spread: [Spread; 2],
 }
 
 impl SideState {
@@ -287,36 +247,6 @@ impl SideState {
             None => {}
         }
         self.survey = Survey { levels, ends, spread };
-    }
-
-    /// Takes over an end that the other side shows, where this side's level stands at it: both edges are one camera's, and a side alone may
-    /// be too short to show it.
-    pub(crate) fn share_ends(&mut self, other: Option<Ends>) {
-        let (Some(other), count) = (other, self.survey.levels.count) else { return };
-        if count == 0.0 {
-            return;
-        }
-        let own = self.survey.ends.unwrap_or(Ends { step: other.step, ..Ends::NONE });
-        let LevelSums { dark, light, .. } = self.survey.levels;
-        let scatter = self.survey.spread[1].variance().unwrap_or(0.0).sqrt();
-        let low = if own.low.is_infinite() && dark / count <= other.low + AT_THE_END * scatter {
-            other.low
-        } else {
-            own.low
-        };
-        let high = if own.high.is_infinite() && light / count >= other.high - AT_THE_END * scatter {
-            other.high
-        } else {
-            own.high
-        };
-        if (low, high) != (own.low, own.high) {
-            self.survey.ends = Some(Ends { low, high, ..own });
-            for (end, spread) in [low, high].into_iter().zip(&mut self.survey.spread) {
-                if end.is_finite() {
-                    *spread = Spread::default();
-                }
-            }
-        }
     }
 
     fn spread(&mut self, in_light: bool, least: f32) -> Spread {

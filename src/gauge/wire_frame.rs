@@ -7,7 +7,7 @@ use super::explain;
 use super::gate::{self, OutlierScratch};
 use super::pixels::{Plane, Sample};
 use super::settings::{GaugeSettings, Rejection};
-use super::side::Scale;
+use super::survey::Scale;
 use super::wire::Wire;
 use crate::profile::Reason;
 
