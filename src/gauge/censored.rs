@@ -21,6 +21,11 @@ impl Ends {
     /// A scale without ends.
     pub(crate) const NONE: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY, step: 0.0 };
 
+    /// Whether the light is clipped.
+    pub(crate) fn is_high(self) -> bool {
+        self.high.is_finite()
+    }
+
     /// From the ends found in the dark and in the light, each with the distance of two grey values; `None` where neither was.
     pub(crate) fn of(low: Option<(f32, f64)>, high: Option<(f32, f64)>) -> Option<Self> {
         let step = low.or(high)?.1;

@@ -417,8 +417,8 @@ impl EdgeStream {
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
         both(splits, || look(top, upper), || look(bottom, lower));
-        rings::check(plane, &self.sides)?;
-        self.scene(scale)
+        let scene = self.scene(scale)?;
+        rings::check(plane, &self.sides).map(|()| scene)
     }
 
     /// Reads all windows anew around the edges found.
@@ -551,7 +551,7 @@ impl EdgeStream {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
         out.figures = self.figures(scene);
-        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some()), out);
+        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some_and(Ends::is_high)), out);
         true
     }
 

@@ -48,10 +48,12 @@ impl Rounding {
             // Clipped light says nothing of its noise; rounding is not what limits it.
             step * noise_in_steps(top[k].with(bottom[k]), step)
         });
-        Self { step, behind }
+        // Crushed shadow states no noise of its own: the light's is its upper bound, or as near as is known.
+        let in_dark = top[0].with(bottom[0]).variance().map_or(behind[1], |_| behind[0]);
+        Self { step, behind: [in_dark, behind[1]] }
     }
 
-    /// States it at either edge; the fit of clipped light states its own.
+    /// States it at either edge but where the light is clipped, whose fit states its own.
     pub(crate) fn state(&self, sides: &[SideState; 2], clipped: [bool; 2], out: &mut FrameEdges) {
         if self.step <= 0.0 || !RoundedSide::repeats(self.behind.map(|sd| sd / self.step)) {
             return;
