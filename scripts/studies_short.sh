@@ -26,10 +26,10 @@ study() {
 study run "$bin" run configs/slender_shaft.toml --backend cpu --no-reference --out "$out/run"
 [ -n "${BIN:-}" ] || study edges cargo test --release --locked --test gauge_edges -- --nocapture --test-threads 1
 study uncertainty "$bin" study uncertainty --backend cpu
-# -- coverage: eight classes of 250 scenes from the budget's distributions, deviating and outside ones beside them
-study coverage "$bin" study coverage --scenes 2000
-# -- dirt: 200 frames a kind beside their clean twins, 2000 clean ones
-study contamination "$bin" study contamination --frames 200 --clean 2000 --out "$out/contamination"
+# -- coverage: eight classes of 200 scenes from the budget's distributions, deviating and outside ones beside them
+study coverage "$bin" study coverage --scenes 1600
+# -- dirt: 600 frames a kind beside their clean twins, 3000 clean ones
+study contamination "$bin" study contamination --frames 600 --clean 3000 --out "$out/contamination"
 # -- real parts
 if [ -n "${SHADOWGAUGE_WASHERS:-}" ]; then
   study washers "$bin" study washers "$SHADOWGAUGE_WASHERS" --out "$out/washers"

@@ -106,7 +106,7 @@ fn the_gauge_follows_the_tool_and_every_station_is_read() {
             n += 1.0;
             assert!((d.d_mm - truth).abs() < 4.0 * d.u_mm(), "{station:?} against {truth}");
         }
-        // Four angles and a shaft that yields by its own tolerance tell u poorly: 1.16 and 1.25 were found.
+        // Four angles and a shaft that yields by its own tolerance show u poorly: 1.16 and 1.25 were found.
         assert!((squares / n).sqrt() < 1.6, "rms error/u {}", (squares / n).sqrt());
         assert!(pass.cut.as_ref().unwrap().max_deflection_mm > 1e-3);
     }

@@ -38,7 +38,7 @@ impl WithinPass {
         &self.applied_mm
     }
 
-    /// Takes the stations read so far; `ahead` tells which may still be changed. New offsets, where stations were newly read.
+    /// Takes the stations read so far; `ahead` states which may still be changed. New offsets, where stations were newly read.
     pub fn decide(
         &mut self,
         nominal_mm: f64,

@@ -2,7 +2,7 @@
 //!
 //! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle (top + bottom)/2 follows the axis: over
 //! one field a parabola, whatever the profile. Matter that adheres to one side, or a chip that touches it, moves the middle by half of
-//! what it adds to the diameter. A shaft that bends more than a parabola tells leaves its widths alone ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
+//! what it adds to the diameter. A shaft that bends more than a parabola shows leaves its widths alone ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
 //! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
 
 mod bent;

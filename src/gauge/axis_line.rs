@@ -13,7 +13,7 @@
 //!
 //! Noise and levels move the middle by half of what they do to the width; a blur that is off moves both edges outwards and the middle
 //! not at all; scale errors take their share of the height over the optical axis alone. Over the angles the fit's residual, pooled over the
-//! stations, tells what else scatters (asynchronous spindle motion, vibration); where it exceeds the edges' own statement it counts.
+//! stations, shows what else scatters (asynchronous spindle motion, vibration); where it exceeds the edges' own statement it counts.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ use crate::profile::{Reading, Reason};
 
 /// Share of a station's columns that an angle needs.
 const LEAST_FILL: f64 = 0.3;
-/// Variance of x over that of one angle, at most, where turning part and still part are told apart: angles that span less of the turn
+/// Variance of x over that of one angle, at most, where turning part and still part are separated: angles that span less of the turn
 /// leave both mixed.
 const MOST_GAIN: f64 = 4.0;
 /// Variance of a station's middle over that of its columns' mean, at most, by the slope and bend that are adjusted within it.
@@ -84,7 +84,7 @@ pub struct AxisStation {
     pub u_random_mm: f64,
     /// Standard uncertainty by what all stations share (scale, edge model), mm.
     pub u_common_mm: f64,
-    /// What turns with the part; `None` where the angles do not span enough of a turn to tell it.
+    /// What turns with the part; `None` where the angles do not span enough of a turn to show it.
     pub turning: Option<TurningOffset>,
     /// Spindle angles seen.
     pub angles: usize,
@@ -195,8 +195,8 @@ impl Sums {
     }
 
     /// Mean middle over the whole station and the variance of it over that of a plain mean. Fields that overlap show a part of the station
-    /// twice, and an axis slopes: a parabola through the columns is averaged over the station, a line where they do not tell one, their
-    /// mean where they do not tell that.
+    /// twice, and an axis slopes: a parabola through the columns is averaged over the station, a line where they do not show one, their
+    /// mean where they do not show that.
     fn mean_mm(&self) -> (f64, f64) {
         let n = self.powers[0];
         let start = self.middle_mm[0] / n;

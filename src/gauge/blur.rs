@@ -204,7 +204,7 @@ fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratc
     for k in -steps..=steps {
         let sigma = start * (1.0 + f64::from(k) * step);
         table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
-        // Few columns tell: a pattern is shared by all of them.
+        // Few columns show: a pattern is shared by all of them.
         let sums = block_sums(context, table, samples(columns).step_by(8), normalised);
         let left = sums.residual / sums.count;
         if left < best.0 {

@@ -34,7 +34,7 @@ const LOST: f64 = 0.15;
 /// What a followed frame does to a side's blur.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
-    /// No more than noise, or nothing to tell it from.
+    /// No more than noise, or nothing to show it from.
     Calm,
     /// The edges were moved by it.
     Moved,

@@ -212,7 +212,7 @@ impl EdgeShape {
         }
     }
 
-    /// Largest blur that is believed, px.
+    /// Largest blur that is accepted, px.
     pub(crate) fn most_sigma(&self) -> f64 {
         match self {
             Self::Table(table) if table.ringed => 2.0 * table.sigma,

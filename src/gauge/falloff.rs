@@ -46,7 +46,7 @@ const LEFT_OF_BEND: f32 = 0.3;
 /// something else than the same light: a spot of 4:1 within the field departs by 7 %.
 const MOST_BEND: f32 = 2.0;
 const MOST_BENT: f32 = 0.12;
-/// Fewest tiles that tell a side's curvature.
+/// Fewest tiles that show a side's curvature.
 const LEAST_BENT: usize = 2;
 /// Standard uncertainties of a tile's change from which it is taken out.
 const PLAIN: f32 = 6.0;

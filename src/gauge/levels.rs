@@ -127,7 +127,7 @@ struct Found {
 struct Bend {
     by: [f64; 3],
     columns: usize,
-    /// Columns that tell it.
+    /// Columns that show it.
     count: f64,
 }
 
@@ -172,7 +172,7 @@ impl Bins {
         }
     }
 
-    /// The quartic of least squares over all bins, without its constant and line; `None` where few bins tell it.
+    /// The quartic of least squares over all bins, without its constant and line; `None` where few bins show it.
     fn bend(&self, columns: usize) -> Option<Bend> {
         let mut normal = nalgebra::Matrix5::<f64>::zeros();
         let mut right = nalgebra::Vector5::<f64>::zeros();
@@ -466,7 +466,7 @@ mod tests {
             for column in (0..160).step_by(5) {
                 let miss = f64::from(curve.level[column]) - light(column as f64);
                 let u = f64::from(curve.uncertainty[column]);
-                // A level wrong by .2 % moves an edge by .002 px, less than such frames tell; five knots alone miss by 1 %.
+                // A level wrong by .2 % moves an edge by .002 px, less than such frames show; five knots alone miss by 1 %.
                 assert!(
                     miss.abs() < 3.0 * u + 0.002 * light(column as f64) && u < 0.8,
                     "light {k}, column {column}: {miss:.3} u {u:.3}"

@@ -11,7 +11,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::median::median_of;
 
-/// Fewest pixels of light that tell a field.
+/// Fewest pixels of light that show a field.
 const LEAST: usize = 200;
 /// Contrast below which a pixel is no light but dirt or another part, as a share of the median.
 const LEAST_CONTRAST: f64 = 0.15;

@@ -17,7 +17,7 @@ use crate::profile::Reason;
 
 /// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise to 3 % from ten flat pixels each.
 const POOLED: usize = 32;
-/// Columns of a picture from which levels and noise are told: of fewer, no level is pooled.
+/// Columns of a picture from which levels and noise are estimated: of fewer, no level is pooled.
 const LEAST: usize = 16;
 /// Standard deviation over the median magnitude of a normal distribution.
 const MEDIAN_TO_SD: f64 = 1.4826;
@@ -104,7 +104,7 @@ fn append<T: Copy>(lines: &mut Vec<T>, pixels: &[T], view: &FrameView<'_>) {
     }
 }
 
-/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is clipped or shows no noise to tell by: of
+/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is clipped or shows no noise to show by: of
 /// Gaussian noise of one count's standard deviation, two fifths stand at one value.
 const PILED: f64 = 0.6;
 /// Values at which more than two grey steps of noise would be seen in the other half of the line, counts.

@@ -41,7 +41,7 @@ pub(crate) fn differ(shape: &EdgeShape, one: f64, other: f64) -> bool {
     shape.is_ringed() && (one / other).ln().abs() > SAME_WIDTH
 }
 
-/// The contrast by which stuck rows are told.
+/// The contrast by which stuck rows are found.
 pub(crate) fn stuck_contrast(shape: &EdgeShape, contrast: f32) -> f32 {
     if shape.is_ringed() { RING_TO_RING * contrast } else { contrast }
 }

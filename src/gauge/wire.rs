@@ -43,7 +43,7 @@ const HUBER: f64 = 3.0;
 /// Rounds of the fit; the noise is estimated anew in each.
 const ROUNDS: usize = 4;
 const STEPS: usize = 8;
-/// Columns, at most, and pixels on both sides that the light's field is told from.
+/// Columns, at most, and pixels on both sides that the light's field is estimated from.
 const FIELD_COLUMNS: usize = 256;
 const FIELD_PX: f64 = 20.0;
 /// Knots, at most, of the light along the wire beside the field.
@@ -180,7 +180,7 @@ impl Wire {
     }
 
     /// Light beside the wire over the field, column by column of the frame, pooled along it: along a wire light falls as it likes, linearly,
-    /// too, of which the logarithm is no quadratic. Empty where it does not tell.
+    /// too, of which the logarithm is no quadratic. Empty where it does not show.
     fn light_along<T: Sample>(&self, plane: &Plane<'_, T>, field: &LightField, clear: f64) -> Vec<f32> {
         let dark = self.pooled[0];
         let mut means = vec![f32::NAN; plane.columns];

@@ -18,7 +18,7 @@ pub struct Scan {
     pub when: ScanWhen,
     /// Distance of the field's centre behind the tool while it cuts, mm.
     pub behind_tool_mm: f64,
-    /// Temperature of the part above 20 °C while it is scanned, K, as a thermometer tells: diameters are given at 20 °C (ISO 1).
+    /// Temperature of the part above 20 °C while it is scanned, K, as a thermometer shows: diameters are given at 20 °C (ISO 1).
     pub part_rise_k: f64,
     /// Limits of its error, ± K.
     pub limit_part_rise_k: f64,

@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(angles, [0.0, 180.0, 90.0, 270.0, 0.0, 180.0, 90.0, 270.0]);
         let two = orders(&ProbeSettings { sides: Sides::Two, ..s }, &[5.0], 2, 25.0);
         assert_eq!(two.iter().map(|o| o.side.sign()).collect::<Vec<_>>(), [1.0, -1.0, 1.0, -1.0]);
-        // an axis that is off by a: both distances tell it with opposite signs
+        // an axis that is off by a: both distances show it with opposite signs
         let touch = |order: &TouchOrder| Touch {
             order: *order,
             id: 1,

@@ -10,7 +10,7 @@ use super::{Block, CALM_PX};
 const TERMS: usize = 6;
 /// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what matter shows.
 const MOST_WIDENING: f64 = 0.5;
-/// Fewest blocks that tell such a curve.
+/// Fewest blocks that show such a curve.
 const LEAST_BLOCKS: usize = 4 * TERMS;
 
 /// Whether every block's middle lies on a smooth curve while the widths stay on a line.

@@ -16,7 +16,7 @@ use super::outline::{Outline, least_ratio_to_stylus};
 use super::{RingError, RingSettings};
 use crate::frame::{FrameView, PixelFormat};
 
-/// Pixels beyond the band that the light's field is told from, and the share of its effect on the edge that stays uncertain.
+/// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.
 const FIELD_PX: f64 = 16.0;
 const LEFT_OF_LIGHT: f64 = 0.1;
 
