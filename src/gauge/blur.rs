@@ -62,7 +62,7 @@ impl BlurEstimate {
         other.map_or(columns, |b| (b * columns).div_ceil(BLOCKS)).max(from + 1)
     }
 
-    /// Keeps all blocks within what is believable.
+    /// Keeps the blur of all blocks within its bounds.
     pub(crate) fn limit(&mut self, least: f64) {
         self.sigma.iter_mut().for_each(|s| *s = s.clamp(least, SIGMA_RANGE.1));
     }

@@ -8,7 +8,7 @@ use super::{Block, CALM_PX};
 
 /// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
 const TERMS: usize = 6;
-/// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what matter shows.
+/// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what contamination shows.
 const MOST_WIDENING: f64 = 0.5;
 /// Fewest blocks that show such a curve.
 const LEAST_BLOCKS: usize = 4 * TERMS;
@@ -58,7 +58,7 @@ mod tests {
     fn a_bent_axis_is_no_matter_and_matter_is_no_bent_axis() {
         let bend = |x: f64| 3.0 * (1.2 * x + 0.4).sin();
         assert!(is_bent(&blocks(bend, |_| 0.0)) && is_bent(&blocks(bend, |x| 0.3 * x)));
-        // A long hill on one side: the middle moves by half of what the width grows by.
+        // A long protrusion on one side: the middle moves by half of what the width grows by.
         let hill = |x: f64| (-4.0 * x * x).exp();
         assert!(!is_bent(&blocks(|x| 0.5 * hill(x), hill)));
         assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * hill(x), |x| 2.0 * hill(x))));
