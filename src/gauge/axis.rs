@@ -132,7 +132,8 @@ fn refuse_once(
     if !calm && bent::is_bent(&scratch.blocks) {
         return 0.0;
     }
-    let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain) }) else { return 0.0 };
+    let noise = if calm { 0.0 } else { scratch.block_noise((&*top, &*bottom), usable) };
+    let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain, noise) }) else { return 0.0 };
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
     let mut any = scratch.mark((column_sd, block_sd), (&*top, &*bottom));
     if !calm {
@@ -299,8 +300,14 @@ impl AxisScratch {
         plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
     }
 
-    /// The axis of a frame that is not calm: what half of the blocks agree with best.
-    fn axis(&mut self, plain: Vector3<f64>) -> Option<Vector3<f64>> {
+    /// Standard deviation that the edges' own noise gives the median of a block with so many usable columns in all, px.
+    fn block_noise(&self, edges: (&[Edge], &[Edge]), usable: usize) -> f64 {
+        let columns = usable as f64 / self.blocks.len().max(1) as f64;
+        own_noise(edges, 0..edges.0.len()) * (0.5 * std::f64::consts::PI / columns.max(1.0)).sqrt()
+    }
+
+    /// The axis of a frame that is not calm: what half of the blocks agree with best. `noise`: standard deviation of a block's median, px.
+    fn axis(&mut self, plain: Vector3<f64>, noise: f64) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, or the rest would
@@ -311,7 +318,9 @@ impl AxisScratch {
                 return Some(*axis);
             }
         }
-        let wanders = found[0].0 > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
+        // Of few blocks half lie near some parabola by chance, nearer than their noise lets them.
+        let spread = found[0].0.max(noise);
+        let wanders = spread > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
         Some(if wanders || shares[0].1 > BULGING { plain } else { found[0].1 })
     }
 

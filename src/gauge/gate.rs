@@ -205,17 +205,19 @@ pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
     if whole { most } else { f64::INFINITY }
 }
 
-/// Shortest run of columns that counts as a contour, and the gap that does not end one.
+/// Shortest run of columns that counts as a contour, the gap that does not end one, and the share of its columns that must have both
+/// edges: two hot pixels in a hundred leave half of them, where a window of a dozen pixels at either edge has none.
 const CONTOUR: usize = 32;
-const BRIDGE: usize = 8;
+const BRIDGE: usize = 16;
+const PRESENT: f64 = 1.0 / 3.0;
 
-/// Fraction of the usable columns that lie in runs of at least 32 columns (half the frame, in narrower ones) along which
+/// Fraction of the usable columns that lie in runs over at least 32 columns (half the frame, in narrower ones) along which
 /// neither edge jumps: near 1 for a part, small for blobs of noise that happen to have edges.
 pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
     let contour = CONTOUR.min(top.len() / 2).max(1);
-    let (mut all, mut coherent, mut run) = (0_usize, 0_usize, 0_usize);
+    let (mut all, mut coherent, mut run, mut first) = (0_usize, 0_usize, 0_usize, 0_usize);
     let mut last: Option<(usize, f64, f64)> = None;
-    let mut close = |run: usize| coherent += if run >= contour { run } else { 0 };
+    let is_contour = |run: usize, span: usize| span >= contour && run as f64 >= PRESENT * span as f64;
     for (column, (t, b)) in top.iter().zip(bottom).enumerate() {
         if !(t.is_usable() && b.is_usable()) {
             continue;
@@ -223,17 +225,19 @@ pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
         all += 1;
         let goes_on = last.is_some_and(|(c, top, bottom)| {
             let gap = column - c;
-            let limit = jump_px * gap as f64;
+            let limit = jump_px * gap.min(BRIDGE / 2) as f64;
             gap <= BRIDGE && (t.row_px - top).abs() <= limit && (b.row_px - bottom).abs() <= limit
         });
         if !goes_on {
-            close(run);
-            run = 0;
+            let span = last.map_or(0, |(c, ..)| c + 1 - first);
+            coherent += if is_contour(run, span) { run } else { 0 };
+            (run, first) = (0, column);
         }
         run += 1;
         last = Some((column, t.row_px, b.row_px));
     }
-    close(run);
+    let span = last.map_or(0, |(c, ..)| c + 1 - first);
+    coherent += if is_contour(run, span) { run } else { 0 };
     coherent as f64 / all.max(1) as f64
 }
 
@@ -249,6 +253,24 @@ mod tests {
             let ours = chi2_ratio_limit(freedom, upper_normal_quantile(tail));
             assert!((ours / exact - 1.0).abs() < 0.02, "{ours} {exact}");
         }
+    }
+
+    #[test]
+    fn a_contour_of_half_the_columns_is_one_and_scattered_edges_are_none() {
+        let line = |rows: &dyn Fn(usize) -> Option<f64>| -> Vec<Edge> {
+            let edge =
+                |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+            (0..160).map(|c| rows(c).map_or(Edge::gap(Reason::Residual), edge)).collect()
+        };
+        // 0x9e37…: a fixed draw of half of the columns, gaps of up to eleven among them.
+        let draw = |c: usize| (c as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23) >> 40;
+        let half = line(&|c| (draw(c) % 100 < 50 && c % 40 > 11).then_some(30.0));
+        assert!(half.iter().filter(|e| e.is_usable()).count() < 90);
+        assert_eq!(coherence(&half, &half, 2.5), 1.0);
+        let noise = line(&|c| Some((draw(c) % 120) as f64));
+        assert!(coherence(&noise, &noise, 2.5) < 0.1);
+        let sparse = line(&|c| (c % 7 == 0).then_some((draw(c) % 120) as f64));
+        assert!(coherence(&sparse, &sparse, 2.5) < 0.1);
     }
 
     #[test]

@@ -386,6 +386,23 @@ fn light_through_the_clip_is_measured_within_its_uncertainty() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
+/// Two hot pixels in a hundred and light that falls to three fifths along the shaft: half the columns are lost, and of what is left neither the
+/// contour nor the light beyond the clip is mistaken.
+#[test]
+fn two_hot_pixels_in_a_hundred_leave_a_falling_light_measurable() {
+    let camera = Camera { hot: 0.02, ..EIGHT };
+    let lights = [0.5, 0.6, 0.65, 1.2, 1.5, 1.6, 1.8];
+    let steps = sweep(&lights, 8, |light, seed| shaft_of(&camera.shaft(&Scene::half(light), seed)));
+    for step in &steps {
+        let worst = step.ratios.iter().copied().fold(0.0, f64::max);
+        println!("{:.2}: refused {}, u {:.4} px, worst {worst:.2} u", step.light, step.refused, step.u);
+        assert!(step.refused == 0 || step.light > 1.505, "{step:?}");
+        assert!(worst < 5.0 && step.u < 0.1, "{step:?}");
+    }
+    let beyond = steps.iter().flat_map(|step| &step.ratios).filter(|ratio| **ratio > 3.0).count();
+    assert!(beyond <= 1, "{beyond} of 56 beyond 3 u");
+}
+
 /// Cameras whose response bends before it ends: found by the noise of the light, or by the shape of the flank where none is left.
 #[test]
 fn light_above_a_soft_knee_is_clipped_light() {

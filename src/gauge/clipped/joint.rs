@@ -22,6 +22,8 @@ const CONTRADICTS: f64 = 1.5;
 /// One column of so many, free of stray pixels, states the noise of all; one stray pixel of so many, hot in the flat shadow, makes them hot
 /// pixels: a third of a window is flat shadow.
 const FREE: usize = 4;
+/// Fewest columns that levels with nine knots are estimated from.
+const LEAST_FREE: usize = 36;
 /// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
 /// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
 const OF_LINE: f64 = 0.25;
@@ -288,6 +290,20 @@ impl Joint<'_> {
             columns: self.columns.len(),
             telling: sums.telling / self.columns.len() as f64,
         })
+    }
+
+    /// Leaves the columns out that show a stray pixel, a hot one of the sensor as a rule, where as many as state the noise are free of them:
+    /// what is left of a stray pixel's pull moves the levels, and those move all edges alike.
+    pub(super) fn leave_out_strays(&mut self, windows: &Windows, slope: &[f32]) {
+        let (_, scores) = self.sums(windows, slope);
+        let free = scores.iter().filter(|score| score.stray == 0).count();
+        if free < LEAST_FREE || FREE * free < scores.len() {
+            return;
+        }
+        let mut is_free = scores.iter().map(|score| score.stray == 0);
+        let mut same = is_free.clone();
+        self.columns.retain(|_| is_free.next().unwrap_or(true));
+        self.places.retain(|_| same.next().unwrap_or(true));
     }
 
     /// The gain from the scatter on the flank, the misfit from what the noise leaves of χ².

@@ -198,6 +198,7 @@ fn fit_joint<'a>(
         );
         *place = at.unwrap_or(*place);
     }
+    best.leave_out_strays(windows, slope);
     let settled = best.settle(windows, slope, seen)?;
     if settled.misfit > MISFITTING {
         return hold(&best, windows, slope, seen);
