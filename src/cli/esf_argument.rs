@@ -6,7 +6,7 @@ use super::Failure;
 use super::optics::NominalOptics;
 use crate::gauge::{EdgeTable, EsfModel};
 use crate::job::sampled_edge;
-use crate::render::esf_families::MeasuredEdge;
+use crate::render::optics::edge_spread::MeasuredEdge;
 
 /// Whether a model is in µm and needs a scale to be read by.
 pub fn needs_scale(text: &str) -> bool {

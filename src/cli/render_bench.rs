@@ -153,7 +153,7 @@ fn print(args: &RenderArgs, run: &Timing, renderer: &Renderer) {
 pub(super) fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> Result<[Roi; 2], Failure> {
     let edges = scene.geometric_edges(request).map_err(of_render)?;
     let all = scene.window(request).map_err(of_render)?;
-    let about = |row: fn(&crate::render::columns::ColumnEdges) -> f64| {
+    let about = |row: fn(&crate::render::kernel::column_edges::ColumnEdges) -> f64| {
         let (low, high) =
             edges.iter().map(row).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(r), h.max(r)));
         let first = (0.5 * (low + high) - 0.5 * f64::from(rows)).round().max(0.0) as u32;

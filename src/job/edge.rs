@@ -3,8 +3,8 @@
 use super::{Job, JobError, from_render};
 use crate::gauge::{EsfModel, EsfSamples, GaugeSettings};
 use crate::render::RenderError;
-use crate::render::esf::{EsfTable, Extent, TablePlace};
-use crate::render::esf_families::EdgeSpread;
+use crate::render::optics::edge_spread::EdgeSpread;
+use crate::render::optics::esf_table::{EsfTable, Extent, TablePlace};
 use crate::render::settings::Optics;
 
 /// Samples in the standard deviation of the sharpest detail: a cubic between them errs by (1/16)⁴/384·max|F⁗| = 2e-8.

@@ -4,10 +4,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::error::RenderError;
 use super::gpu::{Api, Gpu, Work};
-use super::params::Job;
-use super::scene::{FrameRequest, Scene};
-use super::shadowgraph;
 use crate::frame::{Buffer, Frame, PixelFormat};
+use crate::render::kernel::params::Job;
+use crate::render::kernel::shadowgraph;
+use crate::render::scene::scene::{FrameRequest, Scene};
 
 /// What renders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use super::contamination::Contamination;
 use super::error::{RenderError, within};
-use super::lens::FieldLight;
 use super::motion::Motion;
-pub use super::optics::{Entocentric, Esf, GaussianEsf, Optics};
-use super::sensor_presets::SensorFile;
-pub use super::sensor_presets::SensorPreset;
 use crate::frame::{PixelFormat, Roi};
+use crate::render::optics::lens::FieldLight;
+pub use crate::render::optics::settings::{Entocentric, Esf, GaussianEsf, Optics};
+use crate::render::sensor::SensorFile;
+pub use crate::render::sensor::SensorPreset;
 
 /// The pixel matrix and its timing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

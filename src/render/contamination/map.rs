@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::lay::Layers;
+use super::shading::Layers;
 
 /// Side of a tile, pixels.
 pub const TILE: usize = 32;

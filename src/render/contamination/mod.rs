@@ -10,20 +10,21 @@
 //! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
 //! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
 
+mod adhering_films;
 mod bands;
+#[allow(clippy::module_inception, reason = "the file of the folder's main type")]
+mod contamination;
 mod field;
-mod films;
-mod lay;
 mod map;
 pub mod mask;
 mod settings;
+mod shading;
 pub mod shapes;
-mod soiling;
 
+pub use adhering_films::{AdheringFilms, Film};
+pub use contamination::{Asked, Rise, Soiling, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
-pub use films::{AdheringFilms, Film};
 pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
-pub use soiling::{Asked, Rise, Soiling, mark_rise};

@@ -10,7 +10,7 @@ use super::{CalibrateError, Recordings};
 use crate::frame::{Buffer, Frame, Roi};
 use crate::gauge::MasterCertificate;
 use crate::gauge::bench::{LensLimits, Thermometer};
-use crate::render::lens::Distortion;
+use crate::render::optics::lens::Distortion;
 use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};

@@ -8,8 +8,8 @@ use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::{
     Calibration, Edge, EsfModel, EsfSamples, FrameEdges, Gauge, GaugeSettings, StationAverager,
 };
-use crate::render::esf_families::PartiallyCoherentEdge;
 use crate::render::form::form_shaft;
+use crate::render::optics::edge_spread::PartiallyCoherentEdge;
 use crate::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
 use crate::render::{OpticalBench, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};

@@ -2,19 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::bench::OpticalBench;
-use super::columns::ColumnEdges;
-use super::contamination::{Asked, Rise, mark_rise};
-use super::error::RenderError;
-use super::light_map::LightMap;
-use super::params::{Window, Windows};
 use super::scene::FrameRequest;
+use super::true_optics::OpticalBench;
+use crate::render::contamination::{Asked, Rise, mark_rise};
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::ColumnEdges;
+use crate::render::kernel::light_map::LightMap;
+use crate::render::kernel::params::{Window, Windows};
 use crate::shaft::Shaft;
 
 /// Raises the edges by the films on the shaft; the rises, column by column, or none where there are no films.
 ///
 /// `edges` reach `halo` columns beyond the window at either end.
-pub(super) fn raise_edges(
+pub(crate) fn raise_edges(
     bench: &OpticalBench,
     shaft: &Shaft,
     request: &FrameRequest,
@@ -41,7 +41,7 @@ pub(super) fn raise_edges(
 }
 
 /// The window as contamination meets it.
-pub(super) struct Seen<'a> {
+pub(crate) struct Seen<'a> {
     /// Its edges, raised by `rises`.
     pub edges: &'a [ColumnEdges],
     pub rises: &'a [Rise],
@@ -53,7 +53,7 @@ pub(super) struct Seen<'a> {
 /// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
 ///
 /// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
-pub(super) fn contamination(
+pub(crate) fn contamination(
     bench: &OpticalBench,
     request: &FrameRequest,
     windows: Windows,

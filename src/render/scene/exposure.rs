@@ -2,19 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::columns::ColumnEdges;
-use super::contamination::Rise;
-use super::error::RenderError;
-use super::params::Window;
 use super::scene::{FrameRequest, Scene};
-use super::silhouette::Turned;
+use crate::render::contamination::Rise;
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::ColumnEdges;
+use crate::render::kernel::params::Window;
+use crate::render::silhouette::Turned;
 
 /// Columns of a task; the result does not depend on the number of threads.
 const BLOCK: usize = 256;
 
 /// One instant of an exposure.
 #[derive(Clone, Debug)]
-pub(super) struct Instant<'a> {
+pub(crate) struct Instant<'a> {
     /// Share of the light.
     pub weight: f64,
     /// The shaft as it stands.
@@ -29,7 +29,7 @@ pub(super) struct Instant<'a> {
 
 impl Instant<'_> {
     /// The rise at a fractional place among the columns, linear between two: films are wide against a pixel.
-    pub(super) fn rise_at(&self, place: f64) -> Rise {
+    pub(crate) fn rise_at(&self, place: f64) -> Rise {
         let Some(last) = self.rises.len().checked_sub(1) else { return Rise::default() };
         let place = place.clamp(0.0, last as f64);
         let (a, b) = (self.rises[place as usize], self.rises[(place as usize + 1).min(last)]);
@@ -39,7 +39,7 @@ impl Instant<'_> {
 }
 
 /// The instants of a request's exposure; a single one where nothing moves.
-pub(super) fn instants<'a>(
+pub(crate) fn instants<'a>(
     scene: &'a Scene,
     request: &FrameRequest,
     window: Window,
@@ -72,7 +72,7 @@ pub(super) fn instants<'a>(
 }
 
 /// Mean edges over the instants.
-pub(super) fn mean(instants: &[Instant<'_>]) -> Vec<ColumnEdges> {
+pub(crate) fn mean(instants: &[Instant<'_>]) -> Vec<ColumnEdges> {
     if let [only] = instants {
         return only.edges.clone();
     }

@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use super::adhering_films::{AdheringFilms, Film};
 use super::bands::{KeptTiles, lay_packed};
 use super::field::{ContaminationField, FieldGeometry};
-use super::films::{AdheringFilms, Film};
 use super::mask;
 use super::settings::Contamination;
 use crate::render::error::RenderError;
-use crate::render::light_map::LightMap;
+use crate::render::kernel::light_map::LightMap;
 
 /// Films are drawn in pieces of the shaft of this length, each with a seed of its own, mm: any field sees the same ones.
 const PIECE_MM: f64 = 10.0;

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{RenderError, within};
-use super::esf_families::{GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
+use super::edge_spread::{GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge};
 use super::lens::Distortion;
+use crate::render::error::{RenderError, within};
 
 /// The family of the edge-spread function. One table in the config: `[optics.esf.gaussian]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

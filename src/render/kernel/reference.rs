@@ -12,7 +12,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::esf_families::EdgeSpread;
+use crate::render::optics::edge_spread::EdgeSpread;
 
 /// Distance, in σ beyond the pixel, at which Gaussians are cut: Φ(-7) = 1e-12.
 const REACH_SIGMA: f64 = 7.0;

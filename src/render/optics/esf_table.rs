@@ -11,12 +11,12 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::error::RenderError;
-use super::esf_families::quadrature::gauss_legendre;
-use super::esf_families::{
+use super::edge_spread::quadrature::gauss_legendre;
+use super::edge_spread::{
     EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, PartiallyCoherentEdge, Shifts,
 };
-use super::optics::{Esf, Optics};
+use super::settings::{Esf, Optics};
+use crate::render::error::RenderError;
 
 /// Knots a unit of σ of the Gaussian's table: cubic Hermite errs by (1/16)⁴/384·max|F⁗| = 2e-8.
 const KNOTS_PER_SIGMA: f64 = 16.0;
@@ -445,7 +445,7 @@ fn over_radii(
 }
 
 /// Φ(u) and φ(u); the reference takes another route to Φ (libm's erf).
-pub(super) fn gaussian(u: f64) -> (f64, f64) {
+pub(crate) fn gaussian(u: f64) -> (f64, f64) {
     let density = (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
     (statrs::function::erf::erfc(-u / std::f64::consts::SQRT_2) * 0.5, density)
 }

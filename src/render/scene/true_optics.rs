@@ -6,10 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::contamination::{FieldGeometry, Soiling};
-use super::error::RenderError;
-use super::esf::{EsfTable, Extent, TableCache};
-use super::settings::{BenchSettings, Esf, Optics};
+use crate::render::contamination::{FieldGeometry, Soiling};
+use crate::render::error::RenderError;
+use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
+use crate::render::settings::{BenchSettings, Esf, Optics};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;

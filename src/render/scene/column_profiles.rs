@@ -11,21 +11,21 @@
 //! known beforehand, with panels of an eighth of a pixel: an angle of tan 60° then errs by 1e-4 px). Other families have
 //! no such form: there a point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact along
 //! every straight edge; at a corner of 90° it would err by up to .27 of full intensity in light of one colour from a point, where
-//! the rings of both edges cross: there the shoulders of cylinders are drawn from the amplitudes ([`super::laser_shoulder`];
+//! the rings of both edges cross: there the shoulders of cylinders are drawn from the amplitudes (`optics::laser_shoulder`;
 //! `tests/render_shaft/corners.rs` holds them against the opaque quadrant). An edge in motion is the mean of its images.
 
 use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use super::columns::{Column, Depth, Edge, PROFILE, Straight};
-use super::esf::{EsfTable, Node, TablePlace, gaussian};
-use super::esf_families::LaserShadow;
-use super::esf_families::quadrature::{gauss_legendre, panels};
 use super::exposure::Instant;
-use super::laser_shoulder::{LaserShoulder, Pieces};
-use super::params::Window;
 use super::scene::Scene;
+use crate::render::kernel::column_edges::{Column, Depth, Edge, PROFILE, Straight};
+use crate::render::kernel::params::Window;
+use crate::render::optics::edge_spread::LaserShadow;
+use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
+use crate::render::optics::esf_table::{EsfTable, Node, TablePlace, gaussian};
+use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces};
 
 /// Reach of the Gaussian in σ: 1 - Φ(5.25) = 8e-8.
 const REACH: f64 = 5.25;
@@ -70,7 +70,7 @@ struct Line {
 }
 
 /// What the profiles of a frame are made from.
-pub(super) struct Profiles<'a> {
+pub(crate) struct Profiles<'a> {
     pub scene: &'a Scene,
     pub esf: &'a EsfTable,
     pub window: Window,
@@ -84,7 +84,7 @@ pub(super) struct Profiles<'a> {
 
 impl Profiles<'_> {
     /// Gives the columns that need it profiles of their own and returns these, four rows an element.
-    pub(super) fn add(&self, columns: &mut [Column]) -> Vec<[f32; 4]> {
+    pub(crate) fn add(&self, columns: &mut [Column]) -> Vec<[f32; 4]> {
         let broken: Vec<bool> = (0..columns.len()).map(|c| self.scene.is_broken(self, c)).collect();
         let moved = |c: usize| {
             let at = |i: &Instant<'_>| i.edges[c + self.halo];
@@ -397,7 +397,7 @@ impl Image<'_> {
 impl Profiles<'_> {
     /// Nodes over a pixel in both directions, as steep edges need them.
     fn quadrature_over_pixel(&self) -> Vec<(f64, f64, f64)> {
-        let nodes = super::esf::pixel_quadrature(self.esf.sharp_px, 1.0);
+        let nodes = crate::render::optics::esf_table::pixel_quadrature(self.esf.sharp_px, 1.0);
         nodes.iter().map(|n| (f64::from(n.along), f64::from(n.down), f64::from(n.weight))).collect()
     }
 }

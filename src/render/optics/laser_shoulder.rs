@@ -15,12 +15,12 @@
 
 use std::sync::LazyLock;
 
-use super::esf::{EsfTable, TablePlace, gaussian};
-use super::esf_families::LaserShadow;
-use super::esf_families::fresnel_integrals::fresnel;
+use super::edge_spread::LaserShadow;
+use super::edge_spread::fresnel_integrals::fresnel;
+use super::esf_table::{EsfTable, TablePlace, gaussian};
 
 /// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the amplitude there.
-pub(super) const SEEN_UNITS: f64 = 10.0;
+pub(crate) const SEEN_UNITS: f64 = 10.0;
 
 /// Shoulders farther away than this, in √(λz/2), are left out.
 const FAR_UNITS: f64 = 30.0;
@@ -63,7 +63,7 @@ fn three(sd: f64) -> [(f64, f64); 3] {
 }
 
 /// A laser before a stepped outline.
-pub(super) struct LaserShoulder {
+pub(crate) struct LaserShoulder {
     /// √(λz/2), px.
     unit_px: f64,
     /// √(λ0/λ) and weight.
@@ -73,7 +73,7 @@ pub(super) struct LaserShoulder {
 }
 
 /// One edge of the outline as a column sees it: level pieces between corners.
-pub(super) struct Pieces {
+pub(crate) struct Pieces {
     /// Columns of the corners, ascending.
     pub corners: Vec<f64>,
     /// Row of each piece, one more than there are corners.
@@ -83,7 +83,7 @@ pub(super) struct Pieces {
 }
 
 impl LaserShoulder {
-    pub(super) fn new(laser: &LaserShadow, pixel_um: f64, scale: f64) -> Self {
+    pub(crate) fn new(laser: &LaserShadow, pixel_um: f64, scale: f64) -> Self {
         let relative = laser.bandwidth_nm / FWHM / laser.wavelength_nm;
         let source_px = laser.source_half_angle_mrad * laser.distance_mm / pixel_um;
         Self {
@@ -94,12 +94,12 @@ impl LaserShoulder {
     }
 
     /// Columns about `at` whose corners count.
-    pub(super) fn about(&self, at: f64) -> (f64, f64) {
+    pub(crate) fn about(&self, at: f64) -> (f64, f64) {
         (at - FAR_UNITS * self.unit_px, at + FAR_UNITS * self.unit_px)
     }
 
     /// Rows of the pieces that a column sees.
-    pub(super) fn rows_seen(&self, pieces: &Pieces, at: f64) -> impl Iterator<Item = f64> {
+    pub(crate) fn rows_seen(&self, pieces: &Pieces, at: f64) -> impl Iterator<Item = f64> {
         let reach = SEEN_UNITS * self.unit_px;
         let begins = std::iter::once(f64::NEG_INFINITY).chain(pieces.corners.iter().copied());
         let ends = pieces.corners.iter().copied().chain([f64::INFINITY]);
@@ -108,7 +108,7 @@ impl LaserShoulder {
     }
 
     /// Adds weight·I of the rows from `first` on in the column `at`.
-    pub(super) fn add(
+    pub(crate) fn add(
         &self,
         pieces: &Pieces,
         (esf, place): (&EsfTable, &TablePlace),

@@ -1,8 +1,8 @@
 //! Light that is not even, as the kernel reads it.
 //!
 //! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
-//! vignetting and the gradient of the backlight ([`super::lens::FieldLight`]), `clear` what contamination leaves. Stray light in the
-//! shadow is a veil over the whole field and stays as it is.
+//! vignetting and the gradient of the backlight ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what
+//! contamination leaves. Stray light in the shadow is a veil over the whole field and stays as it is.
 //!
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
 //! 32 pixels of a row that nothing touches are known, written once and read by no one.
@@ -26,7 +26,7 @@ const CELL_WORDS: usize = CELL / 2;
 pub struct LightMap {
     /// Two factors a word, rows padded to whole words.
     pub words: Vec<u32>,
-    /// Bits of [`super::contamination::mask`], row-major; empty where nobody asked for it.
+    /// Bits of [`crate::render::contamination::mask`], row-major; empty where nobody asked for it.
     pub mask: Vec<u8>,
     /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
     pub touched: Vec<bool>,
@@ -35,7 +35,7 @@ pub struct LightMap {
 }
 
 /// Some whole rows of a map.
-pub(super) struct Lines<'a> {
+pub(crate) struct Lines<'a> {
     pub words: &'a mut [u32],
     pub touched: &'a mut [bool],
     pub columns: usize,
@@ -52,7 +52,7 @@ impl LightMap {
     }
 
     /// Makes room for a window, keeping the allocations: what a map of the same size holds stays known.
-    pub(super) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
+    pub(crate) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
         let (words, cells) = (rows * columns.div_ceil(2), rows * columns.div_ceil(CELL));
         if (self.words.len(), self.touched.len(), self.columns) != (words, cells, columns) {
             self.columns = columns;
@@ -66,7 +66,7 @@ impl LightMap {
 
     /// Whether a pixel of the cell that begins at `column` is dimmed.
     #[inline(always)]
-    pub(super) fn is_touched(&self, row: usize, column: usize) -> bool {
+    pub(crate) fn is_touched(&self, row: usize, column: usize) -> bool {
         self.touched[row * self.columns.div_ceil(CELL) + column / CELL]
     }
 }
@@ -74,7 +74,7 @@ impl LightMap {
 impl Lines<'_> {
     /// Packs the factors of these rows; `dimmed` tells of every cell of a row whether it holds others than 1.
     #[inline(always)]
-    pub(super) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
+    pub(crate) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
         let lines = self.words.chunks_exact_mut(self.columns.div_ceil(2));
         let lines = lines.zip(self.touched.chunks_exact_mut(dimmed.len()));
         for ((words, touched), values) in lines.zip(values.chunks_exact(self.columns)) {

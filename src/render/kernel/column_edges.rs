@@ -9,7 +9,7 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::esf::EsfTable;
+use crate::render::optics::esf_table::EsfTable;
 
 /// Columns of a task; the result does not depend on the number of threads.
 const BLOCK: usize = 256;
@@ -64,10 +64,10 @@ pub struct RowBlur {
 
 /// Straight-edge equivalent of an edge about a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Straight {
-    pub(super) row: f64,
-    pub(super) slope: f64,
-    pub(super) excess_variance: f64,
+pub(crate) struct Straight {
+    pub(crate) row: f64,
+    pub(crate) slope: f64,
+    pub(crate) excess_variance: f64,
 }
 
 impl RowBlur {
@@ -88,7 +88,7 @@ impl RowBlur {
     }
 
     /// The straight equivalent of `edges`, the window of `2·reach + 1` rows about a column.
-    pub(super) fn straight(&self, edges: impl Iterator<Item = f64> + Clone) -> Straight {
+    pub(crate) fn straight(&self, edges: impl Iterator<Item = f64> + Clone) -> Straight {
         let reach = self.reach() as f64;
         let row: f64 = self.weights.iter().zip(edges.clone()).map(|(w, e)| w * e).sum();
         let (mut moment, mut variance) = (0.0, 0.0);

@@ -1,10 +1,11 @@
 //! What the kernel is told about a frame: the same bytes for the shader and for its CPU twin.
 
+use super::column_edges::{Bands, Column};
 use super::light_map::LightMap;
 use super::noise::frame_key;
 use super::shadowgraph::shaped;
-use super::{columns::Bands, columns::Column, esf::EsfTable, esf::Node};
 use crate::frame::PixelFormat;
+use crate::render::optics::esf_table::{EsfTable, Node};
 
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub const FILL_ROWS: u32 = 16;

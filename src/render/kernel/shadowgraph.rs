@@ -6,7 +6,7 @@
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::columns::{Edge, PROFILE};
+use super::column_edges::{Edge, PROFILE};
 use super::edge_cells::{CELL, EdgeCell, edge_cells};
 use super::light_map::LightMap;
 use super::noise::{DENOMINATOR, NUMERATOR};
@@ -64,7 +64,7 @@ fn most(a: f32, b: f32) -> f32 {
 
 /// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
 #[inline(always)]
-pub(super) fn whole(x: f32) -> u32 {
+pub(crate) fn whole(x: f32) -> u32 {
     let rounded = x + 8_388_608.0;
     let over = u32::from(rounded - 8_388_608.0 > x);
     (rounded.to_bits() & 0x007f_ffff) - over
@@ -134,7 +134,7 @@ fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
 
 /// Share of the light that a pixel gets past one edge, integrated over the pixel's area.
 #[inline(always)]
-pub(super) fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
+pub(crate) fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     if edge.table >= PROFILE {
         return profile(job, edge, row);
     }

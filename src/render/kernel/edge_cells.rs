@@ -3,20 +3,20 @@
 //! The arithmetic of every lane is the kernel's own, in the kernel's order, so that lanes change no bit. Only the table's
 //! look-up stays a load a pixel; what comes before and after it vectorises.
 
-use super::columns::{Edge, PROFILE};
+use super::column_edges::{Edge, PROFILE};
 use super::params::Job;
 use super::shadowgraph::{transmitted, whole};
 
 /// Columns of a cell, the light map's.
-pub(super) use super::light_map::CELL;
+pub(crate) use super::light_map::CELL;
 
 /// One edge of neighbouring columns, a value a lane.
 #[derive(Clone, Debug)]
-pub(super) struct EdgeCell {
+pub(crate) struct EdgeCell {
     /// First row of the column's band; a lane beyond the frame has none.
     start: [i32; CELL],
     /// Integer part of the edge's row.
-    pub(super) whole: [i32; CELL],
+    pub(crate) whole: [i32; CELL],
     part: [f32; CELL],
     across: [f32; CELL],
     along: [f32; CELL],
@@ -56,19 +56,19 @@ impl EdgeCell {
 
     /// Whether a lane lies in its band in this row.
     #[inline(always)]
-    pub(super) fn touches(&self, row: i32) -> bool {
+    pub(crate) fn touches(&self, row: i32) -> bool {
         self.rows.contains(&row)
     }
 
     /// Whether a lane's pixel of this row lies in its band.
     #[inline(always)]
-    pub(super) fn in_band(&self, lane: usize, row: i32, band_rows: u32) -> bool {
+    pub(crate) fn in_band(&self, lane: usize, row: i32, band_rows: u32) -> bool {
         (row.wrapping_sub(self.start[lane]) as u32) < band_rows
     }
 
     /// Share of the light that the pixels of a row get past the edges of the columns from `first` on.
     #[inline(always)]
-    pub(super) fn light(&self, job: &Job<'_>, at: (usize, usize), row: i32, out: &mut [f32; CELL]) {
+    pub(crate) fn light(&self, job: &Job<'_>, at: (usize, usize), row: i32, out: &mut [f32; CELL]) {
         *out = [0.0; CELL];
         if !self.straight {
             let (first, side) = at;
@@ -134,7 +134,7 @@ fn edge_spreads(job: &Job<'_>, u: &[f32; CELL], tables: &[u32; CELL], skip: u32)
 }
 
 /// Upper and lower edges of all columns.
-pub(super) fn edge_cells(job: &Job<'_>) -> Vec<[EdgeCell; 2]> {
+pub(crate) fn edge_cells(job: &Job<'_>) -> Vec<[EdgeCell; 2]> {
     (0..job.columns.len())
         .step_by(CELL)
         .map(|first| [EdgeCell::new(job, first, 0), EdgeCell::new(job, first, 1)])

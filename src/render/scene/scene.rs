@@ -6,20 +6,22 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::bench::OpticalBench;
-use super::columns::{ColumnEdges, Depth, RowBlur, Straight, bands, fold_pixel, kernel_columns, steepest};
-use super::error::RenderError;
-use super::esf::{EsfTable, Extent, Node, pixel_quadrature};
-use super::esf_families::{EdgeSpread, LaserShadow};
+use super::column_profiles::Profiles;
+use super::contamination_layer::{self, Seen};
 use super::exposure::{self, Instant};
-use super::laser_shoulder::SEEN_UNITS;
-use super::light_map::LightMap;
-use super::optics::Esf;
-use super::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
-use super::profiles::Profiles;
-use super::silhouette::{Outline, Turned, View};
-use super::veil::{self, Seen};
+use super::true_optics::OpticalBench;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::{
+    ColumnEdges, Depth, RowBlur, Straight, bands, fold_pixel, kernel_columns, steepest,
+};
+use crate::render::kernel::light_map::LightMap;
+use crate::render::kernel::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
+use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
+use crate::render::optics::esf_table::{EsfTable, Extent, Node, pixel_quadrature};
+use crate::render::optics::laser_shoulder::SEEN_UNITS;
+use crate::render::optics::settings::Esf;
+use crate::render::silhouette::{Outline, Turned, View};
 use crate::shaft::Shaft;
 
 /// Stream of the spindle's asynchronous error motion.
@@ -196,7 +198,7 @@ impl Scene {
     }
 
     /// The shaft at a spindle angle, with the error motion that this frame alone has.
-    pub(super) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
+    pub(crate) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
         let turned = self.outline.turned(angle_deg);
         let rms_um = self.outline.shaft().spindle.asynchronous_rms_um;
         if rms_um == 0.0 {
@@ -212,7 +214,7 @@ impl Scene {
     }
 
     /// Whether every slice projects by itself.
-    pub(super) fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         self.view(0.0).is_straight(self.outline.shaft().pose.tilt_to_camera_mrad)
     }
 
@@ -240,7 +242,7 @@ impl Scene {
     }
 
     /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
-    pub(super) fn gaps_at(
+    pub(crate) fn gaps_at(
         &self,
         turned: &Turned<'_>,
         field_z_mm: f64,
@@ -258,13 +260,13 @@ impl Scene {
     }
 
     /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
-    pub(super) fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
+    pub(crate) fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
         let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
         self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
     }
 
     /// Whether a column of a frame sees a corner of the outline within the blur.
-    pub(super) fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
+    pub(crate) fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
         if !self.outline.has_breaks() {
             return false;
         }
@@ -281,7 +283,7 @@ impl Scene {
     }
 
     /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
-    pub(super) fn laser_shoulders(&self) -> Option<&LaserShadow> {
+    pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
         let Esf::Fresnel(laser) = &self.bench.esf else { return None };
         let optics = &self.bench.nominal.optics;
         let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
@@ -289,7 +291,7 @@ impl Scene {
     }
 
     /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
-    pub(super) fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
+    pub(crate) fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
         let bench = &self.bench;
         let (rows, columns) = (bench.rows(), bench.columns());
         let distortion = &bench.nominal.optics.distortion;
@@ -386,7 +388,13 @@ impl Scene {
         if !self.wiped {
             for instant in &mut instants {
                 let edges = &mut instant.edges;
-                instant.rises = veil::raise_edges(&self.bench, self.outline.shaft(), request, window, edges)?;
+                instant.rises = contamination_layer::raise_edges(
+                    &self.bench,
+                    self.outline.shaft(),
+                    request,
+                    window,
+                    edges,
+                )?;
             }
         }
         let edges = exposure::mean(&instants);
@@ -426,7 +434,8 @@ impl Scene {
             blur_px: self.esf.blur_px,
             dark: bands.dark.clone(),
         };
-        let contamination = veil::contamination(&self.bench, request, windows, &seen, with_mask)?;
+        let contamination =
+            contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
         let keys = FrameKeys {
             seed: request.seed,
             frame_id: request.frame_id,
@@ -475,7 +484,7 @@ impl Scene {
     }
 
     /// Takes a frame's contamination back for its memory and gives out its mask.
-    pub(super) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
+    pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
         let mask = std::mem::take(&mut map.mask);
         if let Some(soiling) = &self.bench.soiling {
             soiling.recycle(map);
