@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::calibration_plan::{self, LoadedPlan};
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::json_text;
 use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Failure;
+use super::failure::Failure;
 use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::bench::Date;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::Failure;
+use super::failure::Failure;
 use crate::config::{self, ConfigError};
 use crate::files::OutputFolder;
 

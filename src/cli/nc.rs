@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::files::OutputFile;
 use crate::job::{Job, JobError};

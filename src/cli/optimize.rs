@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};

@@ -1,6 +1,6 @@
 //! `shadowgauge schema`: the JSON Schema of a config file, for editors.
 
-use super::{CommandResult, Outcome};
+use super::failure::{CommandResult, Outcome};
 
 /// Prints the schema.
 ///

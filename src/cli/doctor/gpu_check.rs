@@ -5,8 +5,8 @@ use crate::config;
 use crate::render::{BackendChoice, FrameRequest, RenderError, Renderer};
 use crate::studies::golden_cases::{CASES, FrameDifference, GoldenCase, compare};
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::render::timing::{Timing, edge_windows, timing};
-use crate::cli::{CommandResult, Failure, Outcome};
 
 /// What is timed: its name, config and how many rows of two windows are read, if not the whole sensor.
 const TIMED: [(&str, &str, Option<u32>); 3] = [

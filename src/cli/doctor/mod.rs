@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::render::BackendChoice;
 use crate::render::gpu::{AdapterReport, adapter_reports, automatic};
 
-use super::{CommandResult, Outcome};
+use crate::cli::failure::{CommandResult, Outcome};
 
 /// Arguments of `doctor`.
 #[derive(Debug, clap::Args)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::cli::optics::NominalOptics;
 use crate::gauge::{EdgeTable, EsfModel};
 use crate::job::sampled_edge;

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};

@@ -6,7 +6,7 @@ use super::choice::add_warning;
 use super::size::{axis_line, common_mm, envelope, judge_turn, part_form};
 use super::statistics::FrameMeans;
 use super::turn::{axis_json, scatter_word, turn_json};
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::bench::Conditions;

@@ -26,7 +26,7 @@ use self::judge::{Follower, JudgeArgs, stated_budget};
 use self::statistics::statistics_line;
 use self::turn::turn_table;
 use self::words::{judged_by, place, stretch_text};
-use super::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};

@@ -8,7 +8,7 @@ use crate::gauge::bench::Conditions;
 use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
 use crate::gauge::stated::stated;
 
-use crate::cli::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 
 /// Measures a ring in each named frame and prints one JSON document (`{"frames":[{"frame":…,"outer_diameter_px":…}]}`) or a
 /// line each, in mm too with a calibration; a frame that shows no ring carries its `error` and does not stop the others.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::{AxisAverager, AxisLine};

@@ -7,8 +7,8 @@ use std::time::SystemTime;
 
 use super::frame_files::encode;
 use crate::cli::calibration_plan::{self, LoadedPlan};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::render::{FRAMES_HEADER, RenderArgs, describe, of_render, put};
-use crate::cli::{CommandResult, Failure, Outcome};
 use crate::files::OutputFolder;
 use crate::frame::Frame;
 use crate::gauge::bench::Date;

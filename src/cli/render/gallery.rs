@@ -11,8 +11,8 @@ use crate::render::{FrameRequest, Renderer};
 use super::frame_files::{FileFormat, encode, encode_mask, write_grey};
 use super::gallery_cases::{CASES, Case};
 use super::label_font;
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::render::{RenderArgs, of_render, put, scene};
-use crate::cli::{CommandResult, Failure, Outcome};
 
 /// Pictures side by side on the sheet.
 const ACROSS: usize = 5;

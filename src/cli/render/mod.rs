@@ -24,7 +24,7 @@ use self::frame_files::{FileFormat, encode, encode_mask, preview};
 use self::gallery::gallery;
 use self::timing::bench;
 use super::calibration_plan::is_plan;
-use super::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 
 /// Arguments of `render`.

@@ -7,8 +7,8 @@ use crate::frame::{Frame, Roi};
 use crate::job::Job;
 use crate::render::{FrameRequest, Renderer, Scene};
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::render::{RenderArgs, of_render, request, scene};
-use crate::cli::{CommandResult, Failure, Outcome};
 
 /// Frames drawn before the clock starts: pipelines are compiled and caches filled.
 const WARM_UP: usize = 3;

@@ -8,7 +8,7 @@ use clap::Subcommand;
 
 use self::paper_000::Reproduce000Args;
 use self::paper_003::Reproduce003Args;
-use super::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::report::html::Page;
 use crate::studies::reproduction::{Row, Verdict};
 

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{StudyFolder, csv_text};
 use crate::cli::reproduce;
-use crate::cli::{CommandResult, Failure};
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::paper_003_page;
+use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder};
 use crate::cli::reproduce;
-use crate::cli::{CommandResult, Failure};
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::{self, Inputs};

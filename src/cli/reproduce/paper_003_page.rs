@@ -1,6 +1,6 @@
 //! The page and the files of `shadowgauge reproduce 003`.
 
-use crate::cli::Failure;
+use crate::cli::failure::Failure;
 use crate::cli::input_output::{StudyFolder, csv_text};
 use crate::cli::reproduce;
 use crate::report::html::Page;

@@ -12,10 +12,10 @@ use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
-use crate::run_folder::{AxisRow, PassRow, RunFolder, RunFolderError, axis_json};
+use crate::run_folder::{AxisRow, PassRow, RunFolder, axis_json};
 
 use self::recorder::{Recorded, Recorder};
-use super::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome, folder_failure};
 
 /// Folder of the uncontrolled run below the controlled one.
 pub const REFERENCE_FOLDER: &str = "without_control";
@@ -174,15 +174,6 @@ fn claim(job: &Job, out: &Path) -> Result<RunFolder, Failure> {
     let resolved = config::resolved(job).map_err(Failure::fail)?;
     let hash = config::hash(job).map_err(Failure::fail)?;
     RunFolder::claim(out, &hash, &resolved).map_err(folder_failure)
-}
-
-/// A folder that is taken is refused; one that cannot be written or read fails.
-pub fn folder_failure(error: RunFolderError) -> Failure {
-    match error {
-        RunFolderError::Taken { .. } => Failure::refuse(error),
-        RunFolderError::Output(error) => error.into(),
-        other => Failure::fail(other),
-    }
 }
 
 impl Finished {

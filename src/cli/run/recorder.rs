@@ -17,8 +17,7 @@ use crate::run_folder::{
     StationRow, TrueAxisRow, TruthRow, profile_of, read_diameters,
 };
 
-use super::folder_failure;
-use crate::cli::Failure;
+use crate::cli::failure::{Failure, folder_failure};
 
 /// What a recorded run leaves in memory.
 pub struct Recorded {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{StudyFolder, json_text};
-use crate::cli::{CommandResult, Failure, Outcome};
 use crate::gauge::GaugeSettings;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};

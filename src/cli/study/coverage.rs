@@ -1,6 +1,6 @@
 //! `shadowgauge study coverage`: whether stated intervals cover the true diameters, in rendered and measured scenes.
 
-use crate::cli::{CommandResult, Failure, Outcome};
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::coverage::{Class, ClassFigures, class_figures, coverage};
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
-use crate::cli::{CommandResult, Failure, Outcome};
 use crate::process::fit::{PowerFit, fit_power_law, read_forces};
 use crate::process::{ForceLaw, PowerLaw};
 use crate::report::html::Page;

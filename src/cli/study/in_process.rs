@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
-use crate::cli::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;

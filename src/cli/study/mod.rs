@@ -23,7 +23,7 @@ use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::uncertainty::StudyUncertaintyArgs;
 use self::washers::StudyWashersArgs;
-use super::CommandResult;
+use crate::cli::failure::CommandResult;
 
 /// The studies.
 #[derive(Debug, Subcommand)]

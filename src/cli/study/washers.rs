@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{StudyFolder, json_text};
-use crate::cli::{CommandResult, Failure, Outcome};
 use crate::report::washers_page;
 use crate::source::{FileFrames, list_images};
 use crate::studies::washers::{MethodFigures, Pair, Part, SIDES, WashersError, WashersStudy, washers};
