@@ -2,9 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::contamination::Asked;
-use super::map::{Band, TILE};
 use super::shading::Layers;
+use super::tiles::{Asked, Band, TILE};
 use crate::render::kernel::light_map::{LightMap, Lines};
 use multiversion::multiversion;
 

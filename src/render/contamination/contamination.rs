@@ -8,6 +8,7 @@ use super::bands::{KeptTiles, lay_packed};
 use super::field::{ContaminationField, FieldGeometry};
 use super::mask;
 use super::settings::Contamination;
+use super::tiles::Asked;
 use crate::render::error::RenderError;
 use crate::render::kernel::light_map::LightMap;
 
@@ -45,17 +46,6 @@ pub struct Rise {
     pub top_px: f64,
     /// Of the lower edge, downwards.
     pub bottom_px: f64,
-}
-
-/// What is wanted of a window's light.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Asked {
-    /// Rows and columns.
-    pub size: [usize; 2],
-    /// Whether the mask is wanted, too.
-    pub with_mask: bool,
-    /// Rows of the window whose light nobody reads.
-    pub unseen: Range<i32>,
 }
 
 impl Soiling {

@@ -20,11 +20,13 @@ pub mod mask;
 mod settings;
 mod shading;
 pub mod shapes;
+mod tiles;
 
 pub use adhering_films::{AdheringFilms, Film};
-pub use contamination::{Asked, Rise, Soiling, mark_rise};
+pub use contamination::{Rise, Soiling, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
 pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
+pub use tiles::Asked;

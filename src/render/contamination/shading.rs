@@ -3,9 +3,9 @@
 
 use multiversion::multiversion;
 
-use super::map::{Band, TILE};
 use super::mask::{MIST, THRESHOLD};
 use super::shapes::{disc, half_plane, into_polygon, line};
+use super::tiles::{Band, TILE};
 
 /// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
 pub(super) const CLOUD_REACH: f64 = 4.8;
