@@ -6,7 +6,8 @@
 
 use rayon::prelude::*;
 
-use super::{EdgeSpread, PartiallyCoherentEdge};
+use super::partial::PartiallyCoherentEdge;
+use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
 /// Most tables of a stack.

@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::function::erf::erfc;
 
-use super::EdgeSpread;
+use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
 /// Reach of the table in σ before its ends fade: the rest is 2e-10.

@@ -19,7 +19,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quadrature::{gauss_legendre, panels};
-use super::{EdgeSpread, Shifts};
+use super::shifts::Shifts;
+use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
 /// Cells over the strip in which its brightness is taken as even.

@@ -15,7 +15,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fresnel_integrals::fresnel;
-use super::{EdgeSpread, Shifts};
+use super::shifts::Shifts;
+use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
 /// Largest error of the table's interpolation, share of full intensity: a third of what the family promises.

@@ -10,7 +10,7 @@ use std::io::Read;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::EdgeSpread;
+use super::table::EdgeSpread;
 use crate::render::error::RenderError;
 
 const KEY: &str = "optics.esf.measured.file";

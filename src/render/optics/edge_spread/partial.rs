@@ -14,8 +14,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quadrature::{gauss_legendre, panels};
+use super::shifts::Shifts;
+use super::table::EdgeSpread;
 use super::transmission::{Spectrum, incoherent};
-use super::{EdgeSpread, Shifts};
 use crate::render::error::{RenderError, within};
 
 /// Largest error of the table's interpolation, share of full intensity.
