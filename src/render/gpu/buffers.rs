@@ -5,7 +5,8 @@ use std::sync::mpsc;
 use bytemuck::cast_slice;
 
 use super::super::error::RenderError;
-use crate::render::kernel::params::{FILL_ROWS, Job, Params};
+use crate::render::kernel::job::Job;
+use crate::render::kernel::params::{FILL_ROWS, Params};
 
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;

@@ -10,7 +10,8 @@ pub use adapters::{AdapterReport, adapter_reports, automatic, was_opened};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
-use crate::render::kernel::params::{FILL_ROWS, Job, pixels_per_word};
+use crate::render::kernel::job::Job;
+use crate::render::kernel::params::{FILL_ROWS, pixels_per_word};
 
 /// The shader, one file for all kernels of a shadowgraph.
 pub const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");

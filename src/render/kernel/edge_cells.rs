@@ -4,8 +4,9 @@
 //! look-up stays a load a pixel; what comes before and after it vectorises.
 
 use super::column_edges::{Edge, PROFILE};
-use super::params::Job;
-use super::shadowgraph::{transmitted, whole};
+use super::job::Job;
+use super::light_map::whole;
+use super::shadowgraph::transmitted;
 
 /// Columns of a cell, the light map's.
 pub(crate) use super::light_map::CELL;

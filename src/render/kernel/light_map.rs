@@ -7,8 +7,6 @@
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
 //! 32 pixels of a row that nothing touches are known, written once and read by no one.
 
-use super::shadowgraph::whole;
-
 /// The 16-bit factor of clear light.
 pub const CLEAR: f32 = 32_768.0;
 
@@ -106,4 +104,12 @@ fn pack_cell(words: &mut [u32], values: &[f32]) {
 #[inline(always)]
 fn factor(value: f32) -> u32 {
     whole((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
+}
+
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
+#[inline(always)]
+pub(crate) fn whole(x: f32) -> u32 {
+    let rounded = x + 8_388_608.0;
+    let over = u32::from(rounded - 8_388_608.0 > x);
+    (rounded.to_bits() & 0x007f_ffff) - over
 }

@@ -1,11 +1,7 @@
 //! What the kernel is told about a frame: the same bytes for the shader and for its CPU twin.
 
-use super::column_edges::{Bands, Column};
-use super::light_map::LightMap;
 use super::noise::frame_key;
-use super::shadowgraph::shaped;
 use crate::frame::PixelFormat;
-use crate::render::optics::esf_table::{EsfTable, Node};
 
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub const FILL_ROWS: u32 = 16;
@@ -137,29 +133,6 @@ impl Levels {
     }
 }
 
-/// A frame made ready for the kernel.
-#[derive(Clone, Debug)]
-pub struct Job<'a> {
-    /// Uniforms.
-    pub params: Params,
-    /// Format of the pixels written.
-    pub format: PixelFormat,
-    /// Edges of every column.
-    pub columns: Vec<Column>,
-    /// Rows that an edge touches.
-    pub bands: Bands,
-    /// What contamination leaves of the light, pixel by pixel; none where nothing dims it.
-    pub contamination: Option<LightMap>,
-    /// The edge-spread table.
-    pub esf: &'a EsfTable,
-    /// Nodes over a pixel.
-    pub quadrature: Vec<Node>,
-    /// Whether edges lie between two tables.
-    pub stacked: bool,
-    /// Light down the columns whose edges are no straight lines, four rows an element; edges index it behind `esf`.
-    pub profiles: Vec<[f32; 4]>,
-}
-
 /// Pixels in a 32-bit word of a format.
 pub fn pixels_per_word(format: PixelFormat) -> u32 {
     match format {
@@ -225,13 +198,14 @@ pub struct FrameKeys {
 }
 
 impl Params {
-    /// Uniforms of a frame with even light; bands, quadrature and light are filled in from their tables.
+    /// Uniforms of a frame with even light; bands, quadrature, light and the noise of flat pixels are
+    /// filled in from their tables.
     pub fn new(windows: Windows, format: PixelFormat, levels: &Levels, noise: bool, keys: FrameKeys) -> Self {
         let window = windows.frame();
         let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
         // A signal this far beyond any scale is clipped by it; f32 counts stay exact.
         let ceiling = ceiling.min(4.0e6);
-        let mut params = Self {
+        Self {
             rows: window.rows,
             columns: window.columns,
             words: window.columns.div_ceil(pixels_per_word(format)),
@@ -257,10 +231,7 @@ impl Params {
             ceiling: ceiling as f32,
             light_words: window.columns.div_ceil(2),
             ..bytemuck::Zeroable::zeroed()
-        };
-        params.flat_bright = shaped(&params, params.shadow + params.contrast);
-        params.flat_shadow = shaped(&params, params.shadow);
-        params
+        }
     }
 
     /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light to work out.

@@ -25,7 +25,8 @@ use crate::render::kernel::params::Window;
 use crate::render::optics::edge_spread::LaserShadow;
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
 use crate::render::optics::esf_table::{EsfTable, Node, TablePlace, gaussian};
-use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces};
+use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces, SEEN_UNITS};
+use crate::render::silhouette::Turned;
 
 /// Reach of the Gaussian in σ: 1 - Φ(5.25) = 8e-8.
 const REACH: f64 = 5.25;
@@ -80,6 +81,70 @@ pub(crate) struct Profiles<'a> {
     pub quadrature: &'a [Node],
     /// Segments of the tables that the kernel reads: the profiles come behind them.
     pub kernel_segments: usize,
+}
+
+impl Scene {
+    /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
+    fn gaps_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> [Option<[f64; 2]>; 2] {
+        if !(self.is_straight() && self.bench.nominal.optics.distortion.is_none()) {
+            return [None; 2];
+        }
+        let z = self.bench.column_z_mm(field_z_mm, sensor_column);
+        let rows = |ends: [f64; 2]| {
+            let [a, b] = ends.map(|x| self.bench.row_of_x(x));
+            [a.min(b), a.max(b)]
+        };
+        [true, false].map(|top| turned.gap(z, top).map(rows))
+    }
+
+    /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
+    fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
+        let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
+        self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
+    }
+
+    /// Whether a column of a frame sees a corner of the outline within the blur.
+    fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
+        if !self.outline.has_breaks() {
+            return false;
+        }
+        let mut reach_px = 5.25 * self.largest_sigma_px + 1.0;
+        if let Some(laser) = self.laser_shoulders() {
+            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.bench.pixel_mm);
+        }
+        let reach_mm = reach_px * self.bench.pixel_mm + self.margin_mm;
+        let column = f64::from(frame.window.column) + column as f64;
+        frame.instants.iter().any(|i| {
+            let z = self.bench.column_z_mm(i.field_z_mm, column);
+            self.outline.is_broken(z - reach_mm, z + reach_mm)
+        })
+    }
+
+    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
+    fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
+        let bench = &self.bench;
+        let (rows, columns) = (bench.rows(), bench.columns());
+        let distortion = &bench.nominal.optics.distortion;
+        let z = |column: f64| bench.column_z_mm(instant.field_z_mm, column);
+        let (from, to) = (z(low) - self.margin_mm, z(high) + self.margin_mm);
+        let mut corners = Vec::new();
+        for s in self.outline.breaks_mm(from, to) {
+            for (z_mm, x_mm) in instant.turned.corner_seen(s) {
+                let column = bench.centre_column() + (z_mm - instant.field_z_mm) / bench.pixel_mm;
+                let row = bench.row_of_x(x_mm);
+                corners.push(if distortion.is_none() {
+                    column
+                } else {
+                    distortion.distort_px(row, column, rows, columns).1
+                });
+            }
+        }
+        corners.sort_by(f64::total_cmp);
+        corners.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let helices = &self.outline.shaft().features.helices;
+        let known = self.is_straight() && !helices.iter().any(|h| h.from_mm <= to && h.to_mm >= from);
+        (corners, known)
+    }
 }
 
 impl Profiles<'_> {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::scene::FrameRequest;
+use super::request::FrameRequest;
 use super::true_optics::OpticalBench;
 use crate::render::contamination::{Asked, Rise, mark_rise};
 use crate::render::error::RenderError;

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::scene::{FrameRequest, Scene};
+use super::request::FrameRequest;
+use super::scene::Scene;
 use crate::render::contamination::Rise;
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::ColumnEdges;

@@ -6,20 +6,14 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::column_profiles::Profiles;
-use super::contamination_layer::{self, Seen};
-use super::exposure::{self, Instant};
+use super::request::FrameRequest;
 use super::true_optics::OpticalBench;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::render::error::RenderError;
-use crate::render::kernel::column_edges::{
-    ColumnEdges, Depth, RowBlur, Straight, bands, fold_pixel, kernel_columns, steepest,
-};
-use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{FrameKeys, Job, Levels, Params, Window, Windows, pixels_per_word};
+use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
+use crate::render::kernel::params::{Levels, Window, Windows};
 use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
-use crate::render::optics::esf_table::{EsfTable, Extent, Node, pixel_quadrature};
-use crate::render::optics::laser_shoulder::SEEN_UNITS;
+use crate::render::optics::esf_table::{EsfTable, Extent};
 use crate::render::optics::settings::Esf;
 use crate::render::silhouette::{Outline, Turned, View};
 use crate::shaft::Shaft;
@@ -30,46 +24,22 @@ const ASYNCHRONOUS_STREAM: u64 = 0x6173_796e_6368;
 /// Room that a pinhole keeps from the shaft, mm.
 const CLEARANCE_MM: f64 = 1.0;
 
-/// Which frame of a scene to draw.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameRequest {
-    /// Sequence number; keys the noise together with `seed`.
-    pub frame_id: u64,
-    /// Start of exposure, ns.
-    pub t_ns: u64,
-    /// Machine z of the sensor's central column, mm.
-    pub z_mm: f64,
-    /// Spindle angle φ, degrees.
-    pub angle_deg: f64,
-    /// Whether the sensor adds temporal noise.
-    pub noise: bool,
-    /// Window of the sensor; `None` reads all of it.
-    pub roi: Option<Roi>,
-    /// A second window of the same columns below the first, as cameras with several regions deliver it: its rows follow
-    /// the first one's in the frame. Each window then holds one edge.
-    pub second_roi: Option<Roi>,
-    /// Seed of the noise.
-    pub seed: u64,
-    /// Pixel format, when it is not the sensor's own; levels are scaled to it.
-    pub format: Option<PixelFormat>,
-}
-
 /// One shaft before one bench.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    bench: OpticalBench,
-    outline: Outline,
-    esf: Arc<EsfTable>,
-    blur: RowBlur,
+    pub(super) bench: OpticalBench,
+    pub(super) outline: Outline,
+    pub(super) esf: Arc<EsfTable>,
+    pub(super) blur: RowBlur,
     /// One over the distance of the pinhole, 1/mm; 0 for a telecentric lens.
-    per_distance: f64,
+    pub(super) per_distance: f64,
     /// Largest distance of any axis from the plane of focus, mm.
-    depth_mm: f64,
+    pub(super) depth_mm: f64,
     /// Standard deviation of the widest Gaussian, px.
-    largest_sigma_px: f64,
+    pub(super) largest_sigma_px: f64,
     /// How far along z tilt, perspective and distortion may carry a corner, mm.
-    margin_mm: f64,
-    wiped: bool,
+    pub(super) margin_mm: f64,
+    pub(super) wiped: bool,
 }
 
 impl Scene {
@@ -185,18 +155,6 @@ impl Scene {
         ))
     }
 
-    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over the exposure where they
-    /// move, as the lens distorts them.
-    ///
-    /// # Errors
-    /// Refuses a window outside the sensor and a shaft that leaves the field.
-    pub fn geometric_edges(&self, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
-        let windows = self.windows(request)?;
-        let mut edges = exposure::mean(&exposure::instants(self, request, windows.span(), 0)?);
-        stack(&mut edges, windows)?;
-        Ok(edges)
-    }
-
     /// The shaft at a spindle angle, with the error motion that this frame alone has.
     pub(crate) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
         let turned = self.outline.turned(angle_deg);
@@ -218,7 +176,7 @@ impl Scene {
         self.view(0.0).is_straight(self.outline.shaft().pose.tilt_to_camera_mrad)
     }
 
-    fn view(&self, field_z_mm: f64) -> View {
+    pub(super) fn view(&self, field_z_mm: f64) -> View {
         View { middle_z_mm: field_z_mm, per_distance: self.per_distance }
     }
 
@@ -241,94 +199,12 @@ impl Scene {
         ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
     }
 
-    /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
-    pub(crate) fn gaps_at(
-        &self,
-        turned: &Turned<'_>,
-        field_z_mm: f64,
-        sensor_column: f64,
-    ) -> [Option<[f64; 2]>; 2] {
-        if !(self.is_straight() && self.bench.nominal.optics.distortion.is_none()) {
-            return [None; 2];
-        }
-        let z = self.bench.column_z_mm(field_z_mm, sensor_column);
-        let rows = |ends: [f64; 2]| {
-            let [a, b] = ends.map(|x| self.bench.row_of_x(x));
-            [a.min(b), a.max(b)]
-        };
-        [true, false].map(|top| turned.gap(z, top).map(rows))
-    }
-
-    /// Straight-edge equivalent of an edge (0 upper, 1 lower) of a column at an instant.
-    pub(crate) fn straight(&self, instant: &Instant<'_>, column: usize, side: usize) -> Straight {
-        let window = instant.edges[column..column + 2 * self.blur.reach() + 1].iter();
-        self.blur.straight(window.map(|e| if side == 0 { e.top_px } else { e.bottom_px }))
-    }
-
-    /// Whether a column of a frame sees a corner of the outline within the blur.
-    pub(crate) fn is_broken(&self, frame: &Profiles<'_>, column: usize) -> bool {
-        if !self.outline.has_breaks() {
-            return false;
-        }
-        let mut reach_px = 5.25 * self.largest_sigma_px + 1.0;
-        if let Some(laser) = self.laser_shoulders() {
-            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.bench.pixel_mm);
-        }
-        let reach_mm = reach_px * self.bench.pixel_mm + self.margin_mm;
-        let column = f64::from(frame.window.column) + column as f64;
-        frame.instants.iter().any(|i| {
-            let z = self.bench.column_z_mm(i.field_z_mm, column);
-            self.outline.is_broken(z - reach_mm, z + reach_mm)
-        })
-    }
-
     /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
     pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
         let Esf::Fresnel(laser) = &self.bench.esf else { return None };
         let optics = &self.bench.nominal.optics;
         let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
         (plain && self.outline.is_stepped()).then_some(laser)
-    }
-
-    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
-    pub(crate) fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
-        let bench = &self.bench;
-        let (rows, columns) = (bench.rows(), bench.columns());
-        let distortion = &bench.nominal.optics.distortion;
-        let z = |column: f64| bench.column_z_mm(instant.field_z_mm, column);
-        let (from, to) = (z(low) - self.margin_mm, z(high) + self.margin_mm);
-        let mut corners = Vec::new();
-        for s in self.outline.breaks_mm(from, to) {
-            for (z_mm, x_mm) in instant.turned.corner_seen(s) {
-                let column = bench.centre_column() + (z_mm - instant.field_z_mm) / bench.pixel_mm;
-                let row = bench.row_of_x(x_mm);
-                corners.push(if distortion.is_none() {
-                    column
-                } else {
-                    distortion.distort_px(row, column, rows, columns).1
-                });
-            }
-        }
-        corners.sort_by(f64::total_cmp);
-        corners.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        let helices = &self.outline.shaft().features.helices;
-        let known = self.is_straight() && !helices.iter().any(|h| h.from_mm <= to && h.to_mm >= from);
-        (corners, known)
-    }
-
-    /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
-    fn depth(&self, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
-        if self.esf.is_even() || (self.depth_mm == 0.0 && !self.esf.has_radii()) {
-            return Vec::new();
-        }
-        let view = self.view(instant.field_z_mm);
-        (window.column..window.column + window.columns)
-            .map(|c| self.bench.column_z_mm(instant.field_z_mm, f64::from(c)))
-            .map(|z| Depth {
-                y_mm: instant.turned.axis_depth_mm(z, &view),
-                radius_mm: self.outline.mean_radius_mm(z),
-            })
-            .collect()
     }
 
     /// Levels in counts of the format asked for.
@@ -366,149 +242,6 @@ impl Scene {
             ..FrameMeta::default()
         }
     }
-
-    /// Everything the kernel needs for a frame.
-    ///
-    /// # Errors
-    /// As [`Self::geometric_edges`].
-    pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
-        self.job_with(request, true)
-    }
-
-    /// [`Self::job`], the truth of the contamination only where it is asked for.
-    ///
-    /// # Errors
-    /// As [`Self::job`].
-    pub fn job_with(&self, request: &FrameRequest, with_mask: bool) -> Result<Job<'_>, RenderError> {
-        let windows = self.windows(request)?;
-        let window = windows.span();
-        let format = self.format(request);
-        let halo = self.blur.reach();
-        let mut instants = exposure::instants(self, request, window, halo)?;
-        if !self.wiped {
-            for instant in &mut instants {
-                let edges = &mut instant.edges;
-                instant.rises = contamination_layer::raise_edges(
-                    &self.bench,
-                    self.outline.shaft(),
-                    request,
-                    window,
-                    edges,
-                )?;
-            }
-        }
-        let edges = exposure::mean(&instants);
-        let mut stacked = edges.clone();
-        stack(&mut stacked, windows)?;
-        let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
-        let depth = self.depth(&instants[0], window);
-        let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
-        let mut quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
-        let folded = fold_pixel(&self.esf, &mut columns);
-        let esf = folded.unwrap_or(&self.esf);
-        let profiles = if instants.len() > 1 || self.outline.has_breaks() {
-            let frame = Profiles {
-                scene: self,
-                esf: &self.esf,
-                window,
-                halo,
-                instants: &instants,
-                depth: &depth,
-                quadrature: &quadrature,
-                kernel_segments: esf.segments.len(),
-            };
-            frame.add(&mut columns)
-        } else {
-            Vec::new()
-        };
-        if folded.is_some() {
-            quadrature = vec![Node { along: 0.0, down: 0.0, weight: 1.0, padding: 0.0 }];
-        }
-        // Whole rows: the lower edges keep their places to the last bit.
-        columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
-        let bands = bands(&columns, pixels_per_word(format) as usize, esf);
-        let rises = instants.last().map_or(&[][..], |i| &i.rises);
-        let seen = Seen {
-            edges: &stacked[seen(stacked.len())],
-            rises: &rises[seen(rises.len())],
-            blur_px: self.esf.blur_px,
-            dark: bands.dark.clone(),
-        };
-        let contamination =
-            contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
-        let keys = FrameKeys {
-            seed: request.seed,
-            frame_id: request.frame_id,
-            pattern_seed: self.bench.pattern_seed,
-        };
-        let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
-        params.nodes = quadrature.len() as u32;
-        params.band_rows = bands.rows;
-        params.overlap = u32::from(bands.overlap);
-        params.esf_segments = esf.per_table;
-        params.esf_reach = esf.reach;
-        params.esf_per_unit = esf.per_unit;
-        self.light_params(&mut params, contamination.as_ref());
-        params.set_dark(&bands.dark);
-        Ok(Job {
-            params,
-            format,
-            columns,
-            bands,
-            contamination,
-            esf,
-            quadrature,
-            stacked: self.esf.is_stacked(),
-            profiles,
-        })
-    }
-
-    fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
-        params.light = match contamination {
-            Some(map) if !map.words.is_empty() => 2,
-            _ => u32::from(!self.bench.nominal.light.field.is_even()),
-        };
-        let light = &self.bench.nominal.light.field;
-        params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
-            .map(|k| k as f32);
-        params.sag = light.sag as f32;
-        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
-        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
-    }
-
-    /// Takes a job's memory back for the next frame.
-    pub fn give_back(&self, job: Job<'_>) {
-        if let Some(map) = job.contamination {
-            self.recycle(map);
-        }
-    }
-
-    /// Takes a frame's contamination back for its memory and gives out its mask.
-    pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
-        let mask = std::mem::take(&mut map.mask);
-        if let Some(soiling) = &self.bench.soiling {
-            soiling.recycle(map);
-        }
-        mask
-    }
-}
-
-/// Moves the lower edges into the rows that a second window has in the frame.
-fn stack(edges: &mut [ColumnEdges], windows: Windows) -> Result<(), RenderError> {
-    if windows.second.is_none() {
-        return Ok(());
-    }
-    let (split, rows) = (f64::from(windows.first.rows), f64::from(windows.frame().rows));
-    for e in &mut *edges {
-        e.bottom_px -= f64::from(windows.skip());
-    }
-    let apart =
-        |e: &ColumnEdges| e.top_px >= 0.0 && e.top_px < split && e.bottom_px >= split && e.bottom_px < rows;
-    if edges.iter().all(apart) {
-        return Ok(());
-    }
-    let right = "each window must hold one edge of the shaft in every column: move it, or give it more rows";
-    Err(RenderError::setting("second_roi", &format!("{windows:?}"), right))
 }
 
 /// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual
