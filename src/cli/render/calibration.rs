@@ -5,10 +5,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use super::args::RenderArgs;
+use super::folder_files::{FRAMES_HEADER, describe, of_render, put};
 use super::frame_files::encode;
 use crate::cli::calibration_plan::{self, LoadedPlan};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::render::{FRAMES_HEADER, RenderArgs, describe, of_render, put};
 use crate::files::OutputFolder;
 use crate::frame::Frame;
 use crate::gauge::bench::Date;

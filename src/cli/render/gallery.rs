@@ -8,11 +8,12 @@ use crate::frame::{Frame, PixelFormat};
 use crate::job::Job;
 use crate::render::{FrameRequest, Renderer};
 
+use super::args::{RenderArgs, scene};
+use super::folder_files::{of_render, put};
 use super::frame_files::{FileFormat, encode, encode_mask, write_grey};
 use super::gallery_cases::{CASES, Case};
 use super::label_font;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::render::{RenderArgs, of_render, put, scene};
 
 /// Pictures side by side on the sheet.
 const ACROSS: usize = 5;

@@ -7,8 +7,9 @@ use crate::frame::{Frame, Roi};
 use crate::job::Job;
 use crate::render::{FrameRequest, Renderer, Scene};
 
+use super::args::{RenderArgs, request, scene};
+use super::folder_files::of_render;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::render::{RenderArgs, of_render, request, scene};
 
 /// Frames drawn before the clock starts: pipelines are compiled and caches filled.
 const WARM_UP: usize = 3;
