@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::tables;
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{StudyFolder, csv_text};
-use crate::cli::reproduce;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
@@ -57,14 +57,14 @@ pub fn run(args: &Reproduce000Args) -> CommandResult {
         write(&folder, &inputs, &rows, &parts)?;
         folder.finish()?;
     }
-    reproduce::print(&rows, args.json)
+    tables::print(&rows, args.json)
 }
 
 fn write(folder: &StudyFolder, inputs: &Inputs, rows: &[Row], parts: &[Part]) -> Result<(), Failure> {
     let mut page =
         Page::new("Reproduction: least-squares compensation of a single shaft through macro variables");
-    page.text(reproduce::VERDICTS);
-    page.text(&reproduce::summary(rows));
+    page.text(tables::VERDICTS);
+    page.text(&tables::summary(rows));
     if !parts.is_empty() {
         for (heading, file, caption, chart) in [
             (
@@ -97,7 +97,7 @@ fn write(folder: &StudyFolder, inputs: &Inputs, rows: &[Row], parts: &[Part]) ->
         ),
         ("Experiment through frames", &["experiment.frames."]),
     ];
-    reproduce::tables(&mut page, rows, &sections);
+    tables::tables(&mut page, rows, &sections);
     folder.write("rows.csv", &csv_text(rows)?)?;
     folder.write("report.html", page.finish().as_bytes())
 }

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::paper_003_page;
+use super::tables;
 use crate::cli::failure::{CommandResult, Failure};
 use crate::cli::input_output::{ConfigText, StudyFolder};
-use crate::cli::reproduce;
 use crate::render::{BackendChoice, Renderer};
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduce_003::{self, Inputs};
@@ -55,5 +55,5 @@ pub fn run(args: &Reproduce003Args) -> CommandResult {
         paper_003_page::write(&folder, &found)?;
         folder.finish()?;
     }
-    reproduce::print(&found.rows, args.json)
+    tables::print(&found.rows, args.json)
 }

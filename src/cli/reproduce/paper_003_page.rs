@@ -1,8 +1,8 @@
 //! The page and the files of `shadowgauge reproduce 003`.
 
+use super::tables;
 use crate::cli::failure::Failure;
 use crate::cli::input_output::{StudyFolder, csv_text};
-use crate::cli::reproduce;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::reproduce_003::{Curve, Curves, Reproduction};
@@ -27,15 +27,15 @@ const PARTS: [(&str, &[&str]); 6] = [
 /// Exit 3 where a plot or the disk fails.
 pub fn write(folder: &StudyFolder, found: &Reproduction) -> Result<(), Failure> {
     let mut page = Page::new("Reproduction: slender shaft, genetic algorithm and PID (Xue, Miao, Xue 2023)");
-    page.text(reproduce::VERDICTS);
-    page.text(&reproduce::summary(&found.rows));
+    page.text(tables::VERDICTS);
+    page.text(&tables::summary(&found.rows));
     for figure in figures(found) {
         let svg = figure.chart.to_svg().map_err(Failure::fail)?;
         page.heading(figure.heading);
         page.figure(&svg, &figure.caption);
         folder.write(&format!("{}.svg", figure.file), svg.as_bytes())?;
     }
-    reproduce::tables(&mut page, &found.rows, &PARTS);
+    tables::tables(&mut page, &found.rows, &PARTS);
     folder.write("curves.csv", &csv_text(&curve_rows(&found.curves))?)?;
     folder.write("rows.csv", &csv_text(&found.rows)?)?;
     folder.write("report.html", page.finish().as_bytes())
