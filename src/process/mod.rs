@@ -12,6 +12,7 @@ mod disturbance;
 pub mod fem;
 pub mod fit;
 mod force;
+mod force_components;
 pub mod geometry;
 pub mod kienzle;
 pub mod line;
@@ -21,6 +22,7 @@ mod section;
 mod settings;
 pub mod stepped;
 mod texture;
+mod tool;
 pub mod tool_factors;
 mod turning;
 
@@ -28,10 +30,13 @@ pub use bending::BendingSettings;
 pub use check::SettingsError;
 pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
-pub use force::{Components, DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub use force::{DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub use force_components::Components;
 pub use section::Section;
 pub use settings::{
     BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,
-    SupportSettings, TextureSettings, ToolSettings,
+    SupportSettings, TextureSettings,
 };
-pub use turning::{BaseForm, Contributions, FollowedPass, ProcessError, Stock, TurningProcess};
+pub use tool::ToolSettings;
+pub use turning::followed::{Contributions, FollowedPass};
+pub use turning::{BaseForm, ProcessError, Stock, TurningProcess};
