@@ -12,15 +12,12 @@ mod error;
 mod file;
 mod folder;
 mod lock;
+mod names;
 mod place;
 
 pub use error::OutputError;
 pub use file::OutputFile;
 pub use folder::{OutputFolder, clear, clear_temporary, make_folder};
 pub use lock::Lock;
+pub use names::{LOCK_NAME, TEMPORARY};
 pub use place::{is_same_file, replace};
-
-/// How all temporary names begin.
-pub const TEMPORARY: &str = ".tmp-";
-/// The lock in a folder that is written to.
-pub const LOCK_NAME: &str = ".tmp-lock";
