@@ -3,6 +3,8 @@
 mod bmp;
 mod decode;
 mod depth;
+mod error;
+mod extension;
 mod folder;
 mod frame_table;
 mod ifd;
@@ -18,7 +20,8 @@ mod scale;
 mod tiff;
 mod transfer;
 
-pub use decode::{DecodeError, Decoded, Wanted, decode, decode_wanted, pages};
+pub use decode::{Decoded, Wanted, decode, decode_wanted, pages};
+pub use error::DecodeError;
 pub use folder::{FileFrames, Listing, ReadError, StoredFrame, list_images, listing, out_of_order};
 pub use frame_table::{FrameInfo, FrameTable, TableError};
 pub use natural_order::natural;
