@@ -1,15 +1,4 @@
-//! A shaft: radius over z and θ, form errors, axis and pose. Describes; computes nothing an instrument could peek at.
-//!
-//! r(z,θ) = R(z) + Σ_{k≥2} a_k cos(k(θ - θ_k)) + texture(z,θ), θ the body angle from x towards y; eccentricity
-//! (k = 1), bow and deflection move the axis c(z,φ), φ the spindle angle: a body point θ stands at machine angle
-//! θ + φ. Eccentricity and bow turn with the body; deflection, spindle error and pose do not. Threads and feed marks are
-//! heights over the phase of a helix, flats and keyways cut the slice. [`form`] is what a user writes.
-
-pub mod form;
-
-pub use form::{
-    Bow, ContourPoint, Deflection, FeedMarks, ShaftForm, TextureForm, TextureSpectrum, Thermal, Thread,
-};
+//! The body: profile, lobes, texture, axis and pose, as the renderer draws it.
 
 /// A point of the mean radius profile R(z); between knots R is linear, beyond the ends constant.
 /// Two knots at the same z make a shoulder.
