@@ -4,18 +4,14 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::{CellError, SimulatedCell};
 use crate::probe::pretravel::Pretravel;
-use crate::probe::{ProbeSettings, Touch, TouchOrder};
+use crate::probe::{ProbeSettings, TouchOrder};
 use crate::process::GuidewayPoint;
 use crate::render::silhouette::{Outline, Turned};
-use crate::shaft::Shaft;
 
 /// Streams of the job's seed.
 const PROBE_STREAM: u64 = 0x0070_726f_6265;
 const DRIFT_STREAM: u64 = 0x6472_6966_7421;
-/// Time from touch to touch: a way of 2 mm at 50 mm/min, and back.
-const TOUCH_NS: u64 = 5_000_000_000;
 /// Standard deviation of the ball's true diameter beside the nominal one, mm: tolerance of stylus balls of grade 5 to 10
 /// (ISO 3290-1: mean diameters of a lot within ±1 µm and better).
 const U_BALL_MM: f64 = 0.0003;
@@ -34,17 +30,17 @@ pub(super) struct TrueProbe {
     length_mm: f64,
     ball_mm: f64,
     height_mm: f64,
-    part_c: f64,
-    master_c: f64,
+    pub(super) part_c: f64,
+    pub(super) master_c: f64,
     seed: u64,
 }
 
 /// What is touched.
-struct Target<'a> {
-    outline: &'a Outline,
-    warmth_c: f64,
-    is_part: bool,
-    drift_mm: f64,
+pub(super) struct Target<'a> {
+    pub(super) outline: &'a Outline,
+    pub(super) warmth_c: f64,
+    pub(super) is_part: bool,
+    pub(super) drift_mm: f64,
 }
 
 impl TrueProbe {
@@ -71,7 +67,7 @@ impl TrueProbe {
     }
 
     /// How far X of the machine has gone since the calibration, mm.
-    fn drift_mm(&self, pass: u32) -> f64 {
+    pub(super) fn drift_mm(&self, pass: u32) -> f64 {
         if pass == 0 {
             return 0.0;
         }
@@ -101,7 +97,7 @@ impl TrueProbe {
     }
 
     /// X that the control keeps of a touch.
-    fn touch(&self, target: &Target<'_>, order: &TouchOrder, id: u64) -> Option<f64> {
+    pub(super) fn touch(&self, target: &Target<'_>, order: &TouchOrder, id: u64) -> Option<f64> {
         let s = &self.settings;
         let sign = order.side.sign();
         let kelvin = target.warmth_c - 20.0;
@@ -155,53 +151,11 @@ impl TrueProbe {
     }
 }
 
-impl SimulatedCell<'_> {
-    /// Touches the part or a master pin, in the order asked for.
-    pub(super) fn touches(
-        &mut self,
-        master: Option<usize>,
-        orders: &[TouchOrder],
-    ) -> Result<Vec<Touch>, CellError> {
-        let Some(probe) = self.probe.clone() else { return Err(CellError::NoProbe) };
-        let shaft = match master {
-            Some(index) => Shaft::cylinder(self.masters_mm[index]),
-            None => self.part.clone(),
-        };
-        let outline = Outline::new(shaft)?;
-        let target = Target {
-            outline: &outline,
-            warmth_c: if master.is_some() { probe.master_c } else { probe.part_c },
-            is_part: master.is_none(),
-            drift_mm: probe.drift_mm(self.pass),
-        };
-        let base = self.first_frame_id();
-        let mut next = match master {
-            Some(index) => base + (1 << 31) + ((index as u64) << 24),
-            None => self.frame_id,
-        };
-        let mut touches = Vec::with_capacity(orders.len());
-        for order in orders {
-            self.clock_ns += TOUCH_NS;
-            touches.push(Touch {
-                order: *order,
-                id: next,
-                t_ns: self.clock_ns,
-                x_mm: probe.touch(&target, order, next),
-            });
-            next += 1;
-        }
-        if master.is_none() {
-            self.frame_id = next;
-        }
-        Ok(touches)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::probe::{Side, Sides, Stylus};
-    use crate::shaft::{Lobe, ProfileKnot};
+    use crate::shaft::{Lobe, ProfileKnot, Shaft};
 
     fn still(settings: &ProbeSettings) -> TrueProbe {
         let quiet = ProbeSettings {
