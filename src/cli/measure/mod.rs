@@ -8,6 +8,7 @@ mod judge;
 pub mod ring;
 mod size;
 mod statistics;
+mod table;
 mod timing;
 mod turn;
 mod words;
@@ -24,8 +25,9 @@ use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use self::judge::{Follower, JudgeArgs, stated_budget};
 use self::statistics::statistics_line;
+use self::table::print_table;
 use self::turn::turn_table;
-use self::words::{judged_by, place, stretch_text};
+use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::files::OutputFile;
@@ -33,7 +35,6 @@ use crate::frame::{Frame, FrameMeta, FrameView};
 use crate::gauge::bench::{Conditions, Date, GivenConditions, ShaftRuns};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
-use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper_over,
@@ -518,45 +519,6 @@ fn frame_figures(
 fn column_reason(top: &Edge, bottom: &Edge) -> Option<Reason> {
     let gap = [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason);
     gap.or_else(|| top.reason()).or_else(|| bottom.reason())
-}
-
-fn print_table(figures: &[Value], bench: Option<&Value>) {
-    say_line!(
-        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} flags",
-        "frame",
-        "columns",
-        "valid",
-        "max px",
-        "max mm",
-        "u mm",
-        "over columns",
-        "judged by"
-    );
-    let of = |f: &Value, value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
-        (Some(value), Some(u)) => stated(value, u),
-        _ => ["-", "-"].map(str::to_owned),
-    };
-    for f in figures {
-        let [max_px, _] = of(f, "max_diameter_px", "u_max_px");
-        let [max_mm, u_mm] = of(f, "max_diameter_mm", "u_max_mm");
-        let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
-            flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
-        });
-        say_line!(
-            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} {flags}",
-            f["frame"].as_str().unwrap_or(""),
-            f["columns"],
-            f["valid"],
-            max_px,
-            max_mm,
-            u_mm,
-            stretch_text(f),
-            judged_by(f),
-        );
-    }
-    if let Some(bench) = bench {
-        say_line!("bench: {bench}");
-    }
 }
 
 /// Claims the file of --edges, which must be nothing that is read. On stdout it stands alone.
