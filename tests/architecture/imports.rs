@@ -46,7 +46,10 @@ impl Paths {
     }
 
     fn used(&mut self, name: &str, segments: &[String]) {
-        self.push(segments);
+        match segments {
+            [only] if only != "self" && only != "super" => self.push(&["self".to_owned(), only.clone()]),
+            _ => self.push(segments),
+        }
         if self.inline == 0 {
             self.bindings.push((name.to_owned(), self.absolute(segments)));
         }
@@ -241,12 +244,14 @@ impl<'a> Tree<'a> {
         };
         let is_bare = rest.len() == path.len();
         for (i, segment) in rest.iter().enumerate() {
-            let inner = [&module[..], &[segment.clone()]].concat();
-            if self.by_module.contains_key(&inner[..]) {
+            let inner = [&module[..], std::slice::from_ref(segment)].concat();
+            // A file, or a folder of files.
+            let first_inside = self.by_module.range(&inner[..]..).next();
+            if first_inside.is_some_and(|(known, _)| known.starts_with(&inner)) {
                 module = inner;
                 continue;
             }
-            let Some(&at) = self.by_module.get(&module[..]) else { return None };
+            let &at = self.by_module.get(&module[..])?;
             return self.in_file(at, segment, &rest[i + 1..], via).or((!is_bare || i > 0).then_some(at));
         }
         self.by_module.get(&module[..]).copied()
