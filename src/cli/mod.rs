@@ -1,7 +1,13 @@
-//! The command line: one file a subcommand. `main.rs` parses, calls, prints the error.
+//! The command line: a file or folder a subcommand. `main.rs` parses, calls, prints the error.
 //!
 //! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
 //! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
+//!
+//! In: arguments and files. Out: what the library computed, as text, JSON and files; a command computes
+//! nothing that the library could. Beside the commands stand `failure` (how a command ends), `output`
+//! (stdout), `input_output` (configs in, folders out), `calibration_plan` (read by several commands)
+//! and `process`. A new command is a file with its arguments and a function `run`, and a line of
+//! `commands!`; none imports this file.
 
 #[macro_use]
 mod output;
@@ -40,52 +46,50 @@ struct Arguments {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// The main job with the built-in preset: cut, render, measure, correct, cut again.
-    Demo(demo::DemoArgs),
-    /// Run a config's job: pass after pass into a run folder, with a report.
-    Run(run::RunArgs),
-    /// Render shadowgraph frames of a config's shaft with their truth.
-    Render(render::RenderArgs),
-    /// Show adapters, drivers, what `auto` would choose and what is missing.
-    Doctor(doctor::DoctorArgs),
-    /// Calibrate a bench: dark and flat fields, master pins, a check pin.
-    Calibrate(calibrate::CalibrateArgs),
-    /// Show a config's optics.
-    #[command(subcommand)]
-    Optics(optics::OpticsCommand),
-    /// Measure edges and diameters of frames in files.
-    Measure(Box<measure::MeasureArgs>),
-    /// Print the JSON Schema of a config file.
-    Schema,
-    /// Choose cutting data: the shortest time under limits of size error and roughness.
-    Optimize(optimize::OptimizeArgs),
-    /// A paper's figures beside ours.
-    #[command(subcommand)]
-    Reproduce(reproduce::Paper),
-    /// Write the offsets of a run as an NC program.
-    Nc(nc::NcArgs),
-    /// Measurements over the stages.
-    #[command(subcommand)]
-    Study(study::Study),
+/// Declares the commands: a line each, with its help, its arguments and the function that runs it.
+macro_rules! commands {
+    ($($(#[$about:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($(#[$about])* $name($arguments),)*
+        }
+
+        fn dispatch(command: &Command) -> CommandResult {
+            match command {
+                $(Command::$name(arguments) => $run(arguments),)*
+            }
+        }
+    };
 }
 
-fn dispatch(command: &Command) -> CommandResult {
-    match command {
-        Command::Demo(args) => demo::run(args),
-        Command::Run(args) => run::run(args),
-        Command::Render(args) => render::run(args),
-        Command::Doctor(args) => doctor::run(args),
-        Command::Calibrate(args) => calibrate::run(args),
-        Command::Optics(command) => optics::run(command),
-        Command::Measure(args) => measure::run(args),
-        Command::Schema => schema::run(),
-        Command::Optimize(args) => optimize::run(args),
-        Command::Reproduce(paper) => reproduce::run(paper),
-        Command::Nc(args) => nc::run(args),
-        Command::Study(study) => study::run(study),
-    }
+commands! {
+    /// The main job with the built-in preset: cut, render, measure, correct, cut again.
+    Demo(demo::DemoArgs) => demo::run,
+    /// Run a config's job: pass after pass into a run folder, with a report.
+    Run(run::RunArgs) => run::run,
+    /// Render shadowgraph frames of a config's shaft with their truth.
+    Render(render::RenderArgs) => render::run,
+    /// Show adapters, drivers, what `auto` would choose and what is missing.
+    Doctor(doctor::DoctorArgs) => doctor::run,
+    /// Calibrate a bench: dark and flat fields, master pins, a check pin.
+    Calibrate(calibrate::CalibrateArgs) => calibrate::run,
+    /// Show a config's optics.
+    #[command(subcommand)]
+    Optics(optics::OpticsCommand) => optics::run,
+    /// Measure edges and diameters of frames in files.
+    Measure(Box<measure::MeasureArgs>) => measure::run,
+    /// Print the JSON Schema of a config file.
+    Schema(schema::SchemaArgs) => schema::run,
+    /// Choose cutting data: the shortest time under limits of size error and roughness.
+    Optimize(optimize::OptimizeArgs) => optimize::run,
+    /// A paper's figures beside ours.
+    #[command(subcommand)]
+    Reproduce(reproduce::Paper) => reproduce::run,
+    /// Write the offsets of a run as an NC program.
+    Nc(nc::NcArgs) => nc::run,
+    /// Measurements over the stages.
+    #[command(subcommand)]
+    Study(study::Study) => study::run,
 }
 
 /// Parses the process's arguments, runs the command, prints the error; gives the exit code of the contract.

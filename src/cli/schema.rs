@@ -2,11 +2,15 @@
 
 use super::failure::{CommandResult, Outcome};
 
+/// Arguments of `schema`: none.
+#[derive(Debug, clap::Args)]
+pub struct SchemaArgs {}
+
 /// Prints the schema.
 ///
 /// # Errors
 /// Never.
-pub fn run() -> CommandResult {
+pub fn run(_: &SchemaArgs) -> CommandResult {
     say_line!("{}", crate::config::json_schema());
     Ok(Outcome::Done)
 }
