@@ -1,6 +1,11 @@
 //! The closed loop: one pass after another is cut, scanned, measured and corrected; each yields a [`PassResult`].
 //!
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
+//!
+//! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
+//! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
+//! with the last one, `evidence` is what a decision was made by besides the profile. A new way to
+//! measure a pass is a method of [`ClosedLoop`] in a file of its own that gives a `Scanned`.
 
 mod error;
 mod evidence;

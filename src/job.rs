@@ -2,6 +2,11 @@
 //!
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
+//!
+//! `part`, `scan`, `probe` and `follow` are tables of the job itself; `stations` and `workpiece`
+//! are functions of their values; `edge` and `gauge_settings` give the gauge the edge of the job's
+//! own optics; `error` is what a check refuses. A new table is a field of [`Job`] with a check of
+//! its own, called in [`Job::check`].
 
 mod edge;
 mod error;

@@ -3,6 +3,12 @@
 //! Per station, in mm of diameter: error e(k) = D(k) − r(k) of pass k, offset o(k+1) of the next, commanded diameter
 //! b(k+1) = r(k+1) − o(k+1). A *law* ([`Pid`], least squares, …) proposes offsets; the guards release them or hold
 //! the last ones with a reason. Stability of the loop from pass to pass is judged in [`stability`].
+//!
+//! In: the plan of a pass, its measured profile and a [`PassContext`]. Out: a
+//! [`Decision`](crate::plan::Decision). `readings` turns a profile into errors, `law/` proposes,
+//! `parts` adds what follows from earlier parts, `guards` release or hold, `compensator` joins them
+//! behind the trait [`Controller`]; `build` makes one from `settings/`. A new law is a file in
+//! `law/`, a table in `settings/`, a name in `controller_name` and an arm in `build`.
 
 mod build;
 mod compensator;

@@ -7,6 +7,10 @@
 //!
 //! Temporary names are fixed, and whoever writes holds an OS lock on them (`flock`; gone with its holder, however it ended). So a second
 //! process gets the name of the holder, and what a killed one left is found unlocked and cleared by the next.
+//!
+//! [`OutputFile`] is one file, [`OutputFolder`] a folder that stands in its place once it is
+//! finished; `place` decides what may be written, `lock` and `names` keep others out. `error`
+//! separates what is refused from what fails.
 
 mod error;
 mod file;

@@ -13,6 +13,11 @@
 //! tests. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD family, both from common
 //! usage, not checked against the makers' manuals; neither was run on a control, and the user alarm G65 H99 of `gsk`
 //! is unverified. Run such programs dry, above the part, first.
+//!
+//! `settings`, `machine`, `probe_settings` and `stated` are the machine's data; `route`, `path` and
+//! `skeleton` plan, `dialect` words the blocks, `turning`, `macro_program` and `probing_program`
+//! are the programs, `surroundings` the solids. A new dialect is a variant of [`Dialect`] with its
+//! words and its rows in `replay`; a new program a file beside `turning`.
 
 mod dialect;
 mod error;

@@ -9,6 +9,9 @@
 //! part and master is taken out on masters ([`ProbeCalibration`]); what is not is in the uncertainty. Two touches make a
 //! two-point diameter: from one side with the spindle turned by 180° between them, or from both sides. Eccentricity and bow
 //! cancel in both; what stands still in the machine (sag, the straightness of the guideway) cancels from both sides alone.
+//!
+//! `settings` is the `[probe]` table, `touch` a touch, `pairs` two of them; `profile` gives the
+//! stations' diameters with u.
 
 mod calibration;
 mod pairs;

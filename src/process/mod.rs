@@ -3,6 +3,12 @@
 //! [`TurningProcess`] keeps the workpiece. [`TurningProcess::cut`] takes what is commanded and gives what remains:
 //! the tool stands at b(z), the shaft yields by u(z), D(z) = b(z) + 2u(z), and the force that bends it follows
 //! the depth really cut. Nothing here knows what was measured.
+//!
+//! From the tool to the part: `tool` and [`tool_factors`], [`material`], the force laws (`force`,
+//! [`kienzle`], with `force_components`), the beam ([`beam`], `line`, [`fem`], [`stepped`] by
+//! different methods), [`bending`] (the held shaft under all loads), `disturbance`, `texture`, and
+//! `turning`, which joins them in a pass. `settings` is the `[process]` table. A new force law is a
+//! variant of [`ForceLaw`]; a new cause of error a table of `settings` and a term in `turning`.
 
 pub mod beam;
 pub mod bending;

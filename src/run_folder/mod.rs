@@ -5,9 +5,10 @@
 //! stands in it has all its data; whatever a killed run left of a later pass is overwritten. `report.html` is written
 //! last of all: a folder that has one is finished and never touched again.
 //!
-//! In: rows of finished passes (`tables`, `axis_table`, `form_tables`, `parquet_file`) and what control was given
-//! (`control`); out: the same rows, read back. `folder` holds the folder itself. A new table is a file of its own with its row
-//! type, its name in the folder, and a method of [`RunFolder`] to write and to read it.
+//! In: rows of finished passes (`tables`, `axis_table`, `form_tables`, `parquet_file`) and what
+//! control was given (`control`); out: the same rows, read back. `folder` holds the folder itself.
+//! A new table is a file of its own with its row type, its name in the folder, and a method of
+//! [`RunFolder`] to write and to read it.
 
 mod axis_table;
 mod control;

@@ -5,8 +5,8 @@
 //! θ + φ. Eccentricity and bow turn with the body; deflection, spindle error and pose do not. Threads and feed marks are
 //! heights over the phase of a helix, flats and keyways cut the slice. [`form`] is what a user writes.
 //!
-//! `body` is what is drawn and turned; a new form of the body is a field of [`Shaft`] or [`Features`], a table in [`form`],
-//! and its place in `render::form` and `render::silhouette`.
+//! `body` is what is drawn and turned; a new form of the body is a field of [`Shaft`] or
+//! [`Features`], a table in [`form`], and its place in `render::form` and `render::silhouette`.
 
 mod body;
 pub mod form;

@@ -1,4 +1,11 @@
-//! `shadowgauge measure`: edges and diameters of frames in files; what is said of them beyond that is in `measure_judge`.
+//! `shadowgauge measure`: edges and diameters of frames in files.
+//!
+//! In: frames (`frames`), a calibration and conditions, an edge-spread function (`esf_argument`).
+//! Out: a table (`table`) or JSON, edges as CSV. This file measures frame by frame; what follows
+//! from several is beside it: `judge` (budgets, decisions on a tolerance), `size` and `turn` (a
+//! part over its angles), `statistics` (series), `crests` (largest diameters of a stretch), `ring`
+//! (parts seen end-on), `timing`. A new figure of a frame is a key of its JSON object, made here;
+//! one of a series has a file of its own.
 
 mod choice;
 mod crests;

@@ -1,4 +1,10 @@
 //! `shadowgauge render`: frames of a config's shaft with their truth, or how long a frame takes.
+//!
+//! In: a job, or a calibration with `[simulate]` (`calibration`), or `--gallery` (`gallery`,
+//! `gallery_cases`, `label_font`). Out: a folder of frames in one of the formats of `frame_files`,
+//! with `frames.csv` and the truth (`folder_files`); with `--bench` times alone (`timing`). `args`
+//! holds the arguments, the scene and the requests they stand for. A new kind of output is a file
+//! beside these with an entry in [`run`]; none imports this file.
 
 mod args;
 mod calibration;

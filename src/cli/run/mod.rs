@@ -1,5 +1,8 @@
 //! `shadowgauge run`: cut, render, measure, correct, pass after pass, into a run folder; and the same without control
 //! beside it.
+//!
+//! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
+//! `recorder` writes what each pass leaves and reads it back when a run is resumed.
 
 mod recorder;
 

@@ -1,4 +1,7 @@
 //! `shadowgauge study …`: measurements over the stages.
+//!
+//! A study has a file here with its arguments, its config and what it prints, and one in `studies`
+//! that computes. A new one is such a pair, its `mod` line and a variant of [`Study`].
 
 mod contamination;
 mod controllers;

@@ -1,4 +1,7 @@
 //! The kernels on a wgpu device: one device for the process, buffers kept between frames.
+//!
+//! In: a [`Job`]. Out: its pixels. `adapters` lists devices and chooses one, `buffers` holds what a
+//! frame needs on it. The shader is `shaders/shadowgraph.wgsl`; its CPU twin is `render::kernel`.
 
 mod adapters;
 mod buffers;

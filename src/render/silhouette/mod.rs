@@ -18,9 +18,10 @@
 //! shoulder leans over, the outermost edge counts, and the light beneath the overhang is a gap ([`Turned::gap`]). Threads, feed marks, flats and keyways divide the segments further
 //! (`slice`); tilt towards the camera and perspective take the envelope over the slices (`envelope`).
 //!
-//! In: a [`Shaft`](crate::shaft::Shaft), refused by `check` where it cannot be drawn. Out: [`Outline`] (bounds, once a
-//! shaft), [`Turned`] (once a spindle angle), and from it edges in mm over machine z. A new feature of the body gets its height
-//! and bounds in `features` and its share of a slice in `slice`.
+//! In: a [`Shaft`](crate::shaft::Shaft), refused by `check` where it cannot be drawn. Out:
+//! [`Outline`] (bounds, once a shaft), [`Turned`] (once a spindle angle), and from it edges in mm
+//! over machine z. A new feature of the body gets its height and bounds in `features` and its share
+//! of a slice in `slice`.
 
 mod bent;
 mod check;
