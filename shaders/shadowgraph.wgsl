@@ -3,7 +3,7 @@
 //
 // `fill` writes bright field and shadow everywhere, `band` overwrites the rows that an edge touches, `constant`
 // writes one value: the floor that full frames are compared with. Pixels are packed 4, 2 or 1 to a 32-bit word
-// (8-bit counts, 16-bit counts, f32 counts). The CPU twin is src/render/shadowgraph.rs: same names, same order.
+// (8-bit counts, 16-bit counts, f32 counts). The CPU twin is src/render/kernel/{shadowgraph,cpu}.rs: same names, same order.
 //
 // Written for processors as devices too: there an invocation costs as much as its store, a load from a storage buffer is
 // a loop over the lanes, a loop runs under an execution mask and a branch runs both sides. So an invocation fills 16

@@ -1,111 +1,41 @@
 //! The closed loop: one pass after another is cut, scanned, measured and corrected; each yields a [`PassResult`].
 //!
 //! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
+//!
+//! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
+//! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
+//! with the last one, `evidence` is what a decision was made by besides the profile. A new way to
+//! measure a pass is a method of [`ClosedLoop`] in a file of its own that gives a `Scanned`.
 
+mod error;
 mod evidence;
 mod in_process;
+mod instrument;
 mod masters;
 mod pass_before;
 mod scan;
 mod touches;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use thiserror::Error;
-
-use crate::cell::{CellError, TrueAxis, TurningCell};
+use crate::cell::{TrueAxis, TurningCell};
 use crate::conformity::DecisionRule;
+pub use error::LoopError;
 pub use evidence::Evidence;
-pub use touches::Calibrated;
+pub use instrument::Calibrated;
+pub use scan::{FrameReading, Progress, Sample};
 
-use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
-use crate::frame::{Frame, FrameSource, SourceError};
-use crate::gauge::axis_line::{AxisAverager, AxisLine};
-use crate::gauge::turn_form::{PartForm, TurnAverager};
-use crate::gauge::{
-    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
-};
-use crate::job::{Job, JobError, ScanWhen};
+use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
+use crate::gauge::Gauge;
+use crate::gauge::axis_line::AxisLine;
+use crate::gauge::turn_form::PartForm;
+use crate::job::{Job, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::process::CutSummary;
-use crate::profile::{DiameterProfile, Reading};
-use evidence::{AfterCut, Stamp};
-
-/// Length of the intervals over which one frame's columns are averaged for the record, mm.
-const RECORD_STEP_MM: f64 = 0.5;
-
-/// A loop that cannot go on.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum LoopError {
-    /// The job does not fit together.
-    #[error(transparent)]
-    Job(#[from] JobError),
-    /// The cell failed.
-    #[error(transparent)]
-    Cell(#[from] CellError),
-    /// A frame did not arrive.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// The gauge refuses its settings.
-    #[error(transparent)]
-    Gauge(#[from] GaugeSettingsError),
-    /// The gauge cannot be calibrated.
-    #[error("calibration: {0}")]
-    Calibration(#[from] CalibrationError),
-    /// The probe cannot be calibrated.
-    #[error("calibration: {0}")]
-    Probe(#[from] crate::probe::CalibrationError),
-    /// A calibration that is none of the job's instrument.
-    #[error("calibration: the job measures with {0}, the calibration given is none of it")]
-    OtherInstrument(&'static str),
-    /// A master pin could not be measured.
-    #[error("calibration: no frame of master pin {pin} could be measured: {why}")]
-    Master {
-        /// Number of the pin, from 1.
-        pin: usize,
-        /// The gauge's reason.
-        why: String,
-    },
-    /// The controller refuses its settings.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    /// A recorded pass does not fit the job.
-    #[error("the recorded pass {pass} has {found} stations, the job {expected}")]
-    Replay {
-        /// Pass, from 1.
-        pass: u32,
-        /// Stations in the record.
-        found: usize,
-        /// Stations of the job.
-        expected: usize,
-    },
-}
-
-/// What one frame said about a short z interval.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrameReading {
-    /// Frame it comes from.
-    pub frame_id: u64,
-    /// Start of exposure, ns.
-    pub t_ns: u64,
-    /// Spindle angle, degrees.
-    pub angle_deg: f64,
-    /// Middle of the interval, mm.
-    pub z_mm: f64,
-    /// Mean diameter of the interval.
-    pub reading: Reading,
-}
-
-/// A frame kept for people to look at, with the edges found in it.
-#[derive(Clone, Debug)]
-pub struct Sample {
-    /// The frame.
-    pub frame: Frame,
-    /// Its edges.
-    pub edges: FrameEdges,
-}
+use crate::profile::DiameterProfile;
+use evidence::AfterCut;
+use scan::{Measured, Scanned};
 
 /// One finished pass.
 #[derive(Clone, Debug)]
@@ -146,9 +76,6 @@ pub struct PassResult {
     pub gauge: Duration,
 }
 
-/// Told of each frame: (frames done, frames in the pass).
-pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
-
 /// A job on a cell, between passes.
 pub struct ClosedLoop<'a> {
     job: &'a Job,
@@ -170,20 +97,6 @@ pub struct ClosedLoop<'a> {
     stock: Option<DiameterProfile>,
     /// The last pass of this part: what was commanded and what was measured.
     before: Option<(PassPlan, DiameterProfile)>,
-}
-
-/// A scan, measured.
-struct Scanned {
-    profile: DiameterProfile,
-    form: PartForm,
-    axis: AxisLine,
-    readings: Vec<FrameReading>,
-    sample: Option<Sample>,
-    frames: usize,
-    refused: Vec<String>,
-    waited: Duration,
-    measured: Duration,
-    ends: Option<(Stamp, Stamp)>,
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
@@ -208,7 +121,7 @@ impl<'a> ClosedLoop<'a> {
         job.check_coverage()?;
         let stations = job.part.station_z_mm().len();
         let controller = control::build(&job.run_control(), &job.part.station_z_mm())?;
-        let (gauge, calibration) = touches::instrument(job, cell.as_mut(), calibration)?;
+        let (gauge, calibration) = instrument::instrument(job, cell.as_mut(), calibration)?;
         let offset = DiameterOffset::zero(stations);
         Ok(Self {
             job,
@@ -503,96 +416,5 @@ impl<'a> ClosedLoop<'a> {
     /// Offsets of the next pass as the controller asked for them, before the machine's program rounded them.
     pub fn asked(&self) -> &DiameterOffset {
         &self.asked
-    }
-}
-
-/// Measures every master pin and fits scale and edge offset.
-/// What is gathered while a pass is scanned.
-struct Measured<'c> {
-    calibration: &'c Calibration,
-    stream: EdgeStream,
-    edges: FrameEdges,
-    averager: StationAverager,
-    turns: TurnAverager,
-    axis: AxisAverager,
-    sample_frame: usize,
-    readings: Vec<FrameReading>,
-    sample: Option<Sample>,
-    refused: Vec<String>,
-    frames: usize,
-    waited: Duration,
-    measured: Duration,
-    /// First and last frame.
-    ends: Option<(Stamp, Stamp)>,
-}
-
-impl<'c> Measured<'c> {
-    fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
-        let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
-        let angles = job.scan.angles.max(1);
-        Self {
-            calibration,
-            stream,
-            edges: FrameEdges::default(),
-            averager,
-            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
-            axis: AxisAverager::new(
-                job.part.station_z_mm(),
-                job.part.station_mm,
-                calibration.axis_zero(job.camera.rows_about_axis()),
-            ),
-            sample_frame: frames / angles / 2 * angles,
-            readings: Vec::new(),
-            sample: None,
-            refused: Vec::new(),
-            frames: 0,
-            waited: Duration::ZERO,
-            measured: Duration::ZERO,
-            ends: None,
-        }
-    }
-
-    fn wait(&mut self, source: &mut dyn FrameSource) -> Result<Option<Frame>, SourceError> {
-        let start = Instant::now();
-        let frame = source.next_frame();
-        self.waited += start.elapsed();
-        frame
-    }
-
-    /// Measures a frame and gives it back, unless it is the one kept as a sample.
-    fn take(&mut self, frame: Frame) -> Option<Frame> {
-        let start = Instant::now();
-        let index = self.frames;
-        self.frames += 1;
-        let stamp = Stamp::of(&frame.meta);
-        self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
-        let measured = self.stream.measure(&frame.view(), &mut self.edges);
-        match &measured {
-            Ok(()) => self.add(&frame),
-            Err(refused) => self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id)),
-        }
-        self.measured += start.elapsed();
-        if measured.is_ok() && index == self.sample_frame {
-            self.sample = Some(Sample { frame, edges: self.edges.clone() });
-            return None;
-        }
-        Some(frame)
-    }
-
-    fn add(&mut self, frame: &Frame) {
-        let columns = self.calibration.diameters(&self.edges);
-        self.averager.add(&frame.meta, &columns);
-        self.turns.add(&frame.meta, &columns);
-        self.axis.add(&frame.meta, &columns);
-        let meta = &frame.meta;
-        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
-            FrameReading {
-                frame_id: meta.frame_id,
-                t_ns: meta.t_ns,
-                angle_deg: meta.angle_deg,
-                z_mm,
-                reading,
-            }
-        }));
     }
 }

@@ -2,9 +2,17 @@
 //!
 //! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
 //! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
+//!
+//! `part`, `scan`, `probe` and `follow` are tables of the job itself; `stations` and `workpiece`
+//! are functions of their values; `edge` and `gauge_settings` give the gauge the edge of the job's
+//! own optics; `error` is what a check refuses. A new table is a field of [`Job`] with a check of
+//! its own, called in [`Job::check`].
 
 mod edge;
+mod error;
 mod follow;
+mod gauge_settings;
+mod part;
 mod probe;
 mod scan;
 mod stations;
@@ -12,193 +20,23 @@ mod workpiece;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 pub use crate::conformity::Tolerance;
-use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion};
-use crate::control::{ControlError, ControlSettings, ControllerName};
+use crate::control::{ControlSettings, ControllerName};
 use crate::gauge::GaugeSettings;
-use crate::nc::{Dialect, NcError, NcSettings};
+use crate::nc::{Dialect, NcSettings};
 use crate::plan::{CuttingData, PassPlan, ScanPlan};
 use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
-use crate::render::RenderError;
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
 use crate::shaft::ShaftForm;
 pub use edge::{NominalEdge, sampled_edge};
+pub use error::{JobError, from_render};
+use error::{from_control, from_nc, positive};
+pub use part::Part;
 pub use scan::{MasterPin, Masters, Scan, ScanWhen, StockScan};
-
-/// A setting that cannot be right, with the dotted key it stands under.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{key}: {problem}")]
-pub struct JobError {
-    /// Dotted key as in the TOML file, e.g. `optics.magnification`.
-    pub key: String,
-    /// What is wrong and what would be right.
-    pub problem: String,
-}
-
-impl JobError {
-    /// An error at `key`.
-    pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { key: key.into(), problem: problem.into() }
-    }
-}
-
-/// The part and its passes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Part {
-    /// Length from the chuck face to the tailstock, mm.
-    pub length_mm: f64,
-    /// Diameter of the stock before the first pass, mm.
-    pub stock_diameter_mm: f64,
-    /// Nominal diameter r(k) of every pass, mm, falling.
-    pub nominal_diameter_mm: Vec<f64>,
-    /// Added to the nominal of the last pass: where in its tolerance the part shall lie, mm; 0 unless set.
-    pub aim_mm: f64,
-    /// Length of a station, mm.
-    pub station_mm: f64,
-    /// Middles of the stations, mm from the chuck face, ascending, where they do not lie side by side from end to end: each
-    /// takes `station_mm` and lies inside the part.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub station_z_mm: Option<Vec<f64>>,
-    /// Tolerance of the finished part; without one no verdict is given.
-    #[serde(default)]
-    pub tolerance: Option<Tolerance>,
-    /// Probability with which conformity to the tolerance must be proven at every station (ISO 14253-1), 0.5 to 1.
-    pub conformance_probability: f64,
-}
-
-impl Default for Part {
-    fn default() -> Self {
-        Self {
-            length_mm: 500.0,
-            stock_diameter_mm: 27.0,
-            nominal_diameter_mm: vec![26.5, 26.0, 25.5, 25.0],
-            aim_mm: 0.0,
-            station_mm: 5.0,
-            station_z_mm: None,
-            tolerance: Some(Tolerance::new(25.0, 0.0, -0.013)),
-            conformance_probability: PROBABILITY,
-        }
-    }
-}
-
-impl Part {
-    /// Number of passes.
-    pub fn passes(&self) -> usize {
-        self.nominal_diameter_mm.len()
-    }
-
-    /// What pass `pass` (from 1) aims at, mm: its nominal, the last one with the aim added.
-    pub fn target_mm(&self, pass: u32) -> f64 {
-        let index = (pass as usize).saturating_sub(1).min(self.passes().saturating_sub(1));
-        let aim = if index + 1 == self.passes() { self.aim_mm } else { 0.0 };
-        self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
-    }
-
-    /// Middles of the stations, mm from the chuck face: those listed, else side by side from the chuck face on, where a rest
-    /// shorter than a station at the end is left out.
-    pub fn station_z_mm(&self) -> Vec<f64> {
-        if let Some(listed) = &self.station_z_mm {
-            return listed.clone();
-        }
-        let count = (self.length_mm / self.station_mm + 1e-9).floor() as usize;
-        (0..count).map(|i| (i as f64 + 0.5) * self.station_mm).collect()
-    }
-
-    /// The last pass must aim inside the tolerance, or no part could ever be good.
-    fn check_aim(&self) -> Result<(), JobError> {
-        let Some(tolerance) = self.tolerance else { return Ok(()) };
-        let (aim, (lower, upper)) = (self.target_mm(self.passes() as u32), tolerance.limits_mm());
-        if (lower..=upper).contains(&aim) {
-            return Ok(());
-        }
-        Err(JobError::at(
-            "part.tolerance.nominal_mm",
-            format!(
-                "{} mm: the last pass aims at {aim:.4} mm (part.nominal_diameter_mm and part.aim_mm), outside {lower:.4} to {upper:.4} mm",
-                tolerance.nominal_mm
-            ),
-        ))
-    }
-
-    /// A word where the last pass aims at a limit of its tolerance: half of all parts would lie outside.
-    fn aims_at_a_limit(&self) -> Option<String> {
-        let (lower, upper) = self.tolerance?.limits_mm();
-        let aim = self.target_mm(self.passes() as u32);
-        let on_a_limit = (aim - lower).min(upper - aim).abs() < 1e-3 * (upper - lower);
-        on_a_limit.then(|| {
-            format!(
-                "the last pass aims at {aim:.4} mm, a limit of its tolerance ({lower:.4} to {upper:.4} mm): part.aim_mm = {:.4} would aim \
-                 at the middle",
-                self.aim_mm + 0.5 * (lower + upper) - aim
-            )
-        })
-    }
-
-    fn check(&self) -> Result<(), JobError> {
-        positive("part.length_mm", self.length_mm)?;
-        positive("part.stock_diameter_mm", self.stock_diameter_mm)?;
-        positive("part.station_mm", self.station_mm)?;
-        if self.station_mm > self.length_mm {
-            return Err(JobError::at(
-                "part.station_mm",
-                format!(
-                    "a station of {} mm is longer than the part ({} mm)",
-                    self.station_mm, self.length_mm
-                ),
-            ));
-        }
-        if self.length_mm / self.station_mm > 1e5 {
-            return Err(JobError::at(
-                "part.station_mm",
-                "gives more than 100 000 stations; 1 to 10 mm is usual",
-            ));
-        }
-        stations::check(self)?;
-        if self.nominal_diameter_mm.is_empty() {
-            return Err(JobError::at("part.nominal_diameter_mm", "is empty; give the diameter of each pass"));
-        }
-        let mut before = self.stock_diameter_mm;
-        for (index, &nominal) in self.nominal_diameter_mm.iter().enumerate() {
-            let key = format!("part.nominal_diameter_mm[{index}]");
-            positive(&key, nominal)?;
-            if nominal >= before {
-                return Err(JobError::at(
-                    key,
-                    format!("{nominal} mm does not remove material from {before} mm; diameters must fall"),
-                ));
-            }
-            before = nominal;
-        }
-        self.check_tolerance()
-    }
-
-    fn check_tolerance(&self) -> Result<(), JobError> {
-        DecisionRule::new(self.conformance_probability)
-            .map_err(|e| JobError::at("part.conformance_probability", e.to_string()))?;
-        let Some(t) = self.tolerance else { return Ok(()) };
-        if t.criterion != SizeCriterion::TwoPoint {
-            let why = format!(
-                "{} is judged by measure --turn: a run judges the stations' mean two-point sizes",
-                t.criterion.as_str()
-            );
-            return Err(JobError::at("part.tolerance", why));
-        }
-        // What is no number does not lie below.
-        if !(t.lower_mm < t.upper_mm) {
-            return Err(JobError::at(
-                "part.tolerance.lower_mm",
-                format!("{} mm must lie below upper_mm = {} mm", t.lower_mm, t.upper_mm),
-            ));
-        }
-        Ok(())
-    }
-}
 
 /// Where offsets go: the control whose increments they are rounded to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -328,7 +166,8 @@ impl Job {
             1 => vec![self.part.length_mm / 2.0],
             n => (0..n).map(|i| first + (last - first) * i as f64 / steps).collect(),
         };
-        let field_z_mm = stations::fields_that_show(&self.part, field_z_mm, half);
+        let field_z_mm =
+            stations::fields_that_show(self.part.listed(), field_z_mm, half + 0.5 * self.part.station_mm);
         let angle_deg = (0..self.scan.angles).map(|i| 180.0 * i as f64 / self.scan.angles as f64).collect();
         ScanPlan { field_z_mm, angle_deg }
     }
@@ -346,7 +185,8 @@ impl Job {
     /// `[control.model]` does not give it, and the lower limit of size from the part's tolerance.
     pub fn run_control(&self) -> ControlSettings {
         let mut control = self.control.clone();
-        control.model = control.model.for_workpiece(&workpiece::workpiece(self).0);
+        control.model =
+            control.model.for_workpiece(&workpiece::workpiece(&self.part, &self.process, &self.cutting).0);
         let lower = self.part.tolerance.map(|t| t.nominal_mm + t.lower_mm).filter(|l| *l > 0.0);
         control.guards.lower_limit_mm = control.guards.lower_limit_mm.or(lower);
         control
@@ -406,7 +246,8 @@ impl Job {
     pub fn cautions(&self) -> Vec<String> {
         let model =
             self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();
-        let force = if model { workpiece::workpiece(self).1 } else { None };
+        let force =
+            if model { workpiece::workpiece(&self.part, &self.process, &self.cutting).1 } else { None };
         force.into_iter().chain(self.part.aims_at_a_limit()).collect()
     }
 
@@ -529,37 +370,5 @@ impl Job {
             ));
         }
         Ok(())
-    }
-}
-
-/// A renderer's refusal as one of the job.
-pub fn from_render(error: RenderError) -> JobError {
-    match error {
-        RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
-        other => JobError::at("optics", other.to_string()),
-    }
-}
-
-fn from_control(error: ControlError) -> JobError {
-    match error {
-        ControlError::Setting { key, value, right } => JobError::at(key, format!("{value} must be {right}")),
-        other => JobError::at("control", other.to_string()),
-    }
-}
-
-fn from_nc(error: NcError) -> JobError {
-    match error {
-        NcError::Setting { key, value, right } => {
-            JobError::at(key.replacen("nc.", "nc.machine.", 1), format!("{value} must be {right}"))
-        }
-        other => JobError::at("nc.machine", other.to_string()),
-    }
-}
-
-fn positive(key: &str, value: f64) -> Result<(), JobError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(JobError::at(key, format!("{value} must be a positive number")))
     }
 }

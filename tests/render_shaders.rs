@@ -126,7 +126,10 @@ fn shader_carries_the_constants_of_the_noise() {
 
 #[test]
 fn twin_has_every_function_of_the_shader() {
-    let twin = include_str!("../src/render/shadowgraph.rs");
+    let twin = concat!(
+        include_str!("../src/render/kernel/shadowgraph.rs"),
+        include_str!("../src/render/kernel/cpu.rs")
+    );
     for (_, function) in shadowgraph().functions.iter() {
         let name = function.name.as_deref().unwrap();
         let twin_name = name

@@ -1,6 +1,7 @@
 //! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at that instant.
 
-use super::{CellError, FollowedCut, SimulatedCell, TurningCell};
+use super::simulated::SimulatedCell;
+use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
 use crate::process::FollowedPass;

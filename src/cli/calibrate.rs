@@ -7,9 +7,9 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::calibration_plan::{self, LoadedPlan};
-use super::esf_argument::{esf_model, needs_scale};
-use super::study_files::json_text;
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::json_text;
+use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;

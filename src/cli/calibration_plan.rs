@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Failure;
-use super::study_files::ConfigText;
+use super::failure::Failure;
+use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::bench::Date;
 use crate::studies::calibration::CalibrationPlan;

@@ -6,8 +6,8 @@ use crate::config;
 use crate::render::BackendChoice;
 use crate::run_folder::RunFolder;
 
+use super::failure::{CommandResult, Failure, Outcome};
 use super::run::execute;
-use super::{CommandResult, Failure, Outcome};
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -38,5 +38,5 @@ pub fn run(args: &DemoArgs) -> CommandResult {
 fn clear_earlier(out: &Path, resolved: &str) -> Result<(), Failure> {
     let name = |text: &str| text.lines().find(|l| l.starts_with("name = ")).map(str::to_owned);
     let own = name(resolved);
-    RunFolder::clear(out, |earlier| name(earlier) == own).map_err(super::run::folder_failure)
+    RunFolder::clear(out, |earlier| name(earlier) == own).map_err(super::failure::folder_failure)
 }

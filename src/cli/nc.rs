@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::files::OutputFile;
 use crate::job::{Job, JobError};
@@ -101,14 +101,14 @@ fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
         settings.validate().map_err(Failure::refuse)?;
         return Ok(settings);
     };
-    let file = super::study_files::ConfigText::read(path)?;
+    let file = crate::cli::input_output::ConfigText::read(path)?;
     let settings = part_number(file.parse()?);
     settings.validate().map_err(|error| in_file(&file, error))?;
     Ok(settings)
 }
 
 /// A refusal that points at the key in the machine's file.
-fn in_file(file: &super::study_files::ConfigText, error: NcError) -> Failure {
+fn in_file(file: &crate::cli::input_output::ConfigText, error: NcError) -> Failure {
     match error {
         NcError::Setting { key, value, right } => {
             let key = key.strip_prefix("nc.").unwrap_or(key);

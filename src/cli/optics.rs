@@ -7,8 +7,8 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::calibration_plan::{self, is_plan};
-use super::study_files::ConfigText;
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::bench::Date;
 use crate::job::NominalEdge;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::study_files::{ConfigText, StudyFolder, csv_text, json_text};
-use super::{CommandResult, Failure, Outcome};
+use super::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::optimize::{self, Constraint, OptimizeConfig, Problem, Solution, Study};

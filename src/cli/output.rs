@@ -5,7 +5,7 @@ use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write as _, stdout};
 use std::sync::OnceLock;
 
-use super::Failure;
+use super::failure::Failure;
 
 static FIRST_ERROR: OnceLock<Error> = OnceLock::new();
 

@@ -1,12 +1,16 @@
 //! `shadowgauge schema`: the JSON Schema of a config file, for editors.
 
-use super::{CommandResult, Outcome};
+use super::failure::{CommandResult, Outcome};
+
+/// Arguments of `schema`: none.
+#[derive(Debug, clap::Args)]
+pub struct SchemaArgs {}
 
 /// Prints the schema.
 ///
 /// # Errors
 /// Never.
-pub fn run() -> CommandResult {
+pub fn run(_: &SchemaArgs) -> CommandResult {
     say_line!("{}", crate::config::json_schema());
     Ok(Outcome::Done)
 }

@@ -1,7 +1,9 @@
 //! A pass that is measured while it is cut, and what is still to be cut corrected by what lies behind the tool.
 
+use super::ClosedLoop;
+use super::error::LoopError;
 use super::evidence::AfterCut;
-use super::{ClosedLoop, LoopError, Measured, Progress, Scanned};
+use super::scan::{Measured, Progress, Scanned};
 use crate::cell::FollowedCut;
 use crate::control::WithinPass;
 use crate::plan::{DiameterOffset, PassPlan};

@@ -1,6 +1,6 @@
 //! The calibration that a job begins with: its masters before the gauge.
 
-use super::LoopError;
+use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::bench::Conditions;
 use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};

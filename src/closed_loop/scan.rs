@@ -1,9 +1,152 @@
 //! A scan's frames, taken one by one, and what they come to.
 
-use super::{LoopError, Measured, Progress, Scanned};
+use std::time::{Duration, Instant};
+
+use super::error::LoopError;
+use super::evidence::Stamp;
 use crate::cell::TurningCell;
+use crate::frame::{Frame, FrameSource, SourceError};
+use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::form::Cutoff;
+use crate::gauge::turn_form::{PartForm, TurnAverager};
+use crate::gauge::{Calibration, EdgeStream, FrameEdges, StationAverager};
+use crate::job::Job;
 use crate::plan::ScanPlan;
+use crate::profile::{DiameterProfile, Reading};
+
+/// Length of the intervals over which one frame's columns are averaged for the record, mm.
+const RECORD_STEP_MM: f64 = 0.5;
+
+/// What one frame said about a short z interval.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameReading {
+    /// Frame it comes from.
+    pub frame_id: u64,
+    /// Start of exposure, ns.
+    pub t_ns: u64,
+    /// Spindle angle, degrees.
+    pub angle_deg: f64,
+    /// Middle of the interval, mm.
+    pub z_mm: f64,
+    /// Mean diameter of the interval.
+    pub reading: Reading,
+}
+
+/// A frame kept for people to look at, with the edges found in it.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// The frame.
+    pub frame: Frame,
+    /// Its edges.
+    pub edges: FrameEdges,
+}
+
+/// Told of each frame: (frames done, frames in the pass).
+pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
+
+/// A scan, measured.
+pub(super) struct Scanned {
+    pub(super) profile: DiameterProfile,
+    pub(super) form: PartForm,
+    pub(super) axis: AxisLine,
+    pub(super) readings: Vec<FrameReading>,
+    pub(super) sample: Option<Sample>,
+    pub(super) frames: usize,
+    pub(super) refused: Vec<String>,
+    pub(super) waited: Duration,
+    pub(super) measured: Duration,
+    pub(super) ends: Option<(Stamp, Stamp)>,
+}
+
+/// What is gathered while a pass is scanned.
+pub(super) struct Measured<'c> {
+    calibration: &'c Calibration,
+    stream: EdgeStream,
+    edges: FrameEdges,
+    pub(super) averager: StationAverager,
+    turns: TurnAverager,
+    axis: AxisAverager,
+    sample_frame: usize,
+    readings: Vec<FrameReading>,
+    sample: Option<Sample>,
+    refused: Vec<String>,
+    pub(super) frames: usize,
+    waited: Duration,
+    measured: Duration,
+    /// First and last frame.
+    ends: Option<(Stamp, Stamp)>,
+}
+
+impl<'c> Measured<'c> {
+    pub(super) fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
+        let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
+        let angles = job.scan.angles.max(1);
+        Self {
+            calibration,
+            stream,
+            edges: FrameEdges::default(),
+            averager,
+            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
+            axis: AxisAverager::new(
+                job.part.station_z_mm(),
+                job.part.station_mm,
+                calibration.axis_zero(job.camera.rows_about_axis()),
+            ),
+            sample_frame: frames / angles / 2 * angles,
+            readings: Vec::new(),
+            sample: None,
+            refused: Vec::new(),
+            frames: 0,
+            waited: Duration::ZERO,
+            measured: Duration::ZERO,
+            ends: None,
+        }
+    }
+
+    pub(super) fn wait(&mut self, source: &mut dyn FrameSource) -> Result<Option<Frame>, SourceError> {
+        let start = Instant::now();
+        let frame = source.next_frame();
+        self.waited += start.elapsed();
+        frame
+    }
+
+    /// Measures a frame and gives it back, unless it is the one kept as a sample.
+    pub(super) fn take(&mut self, frame: Frame) -> Option<Frame> {
+        let start = Instant::now();
+        let index = self.frames;
+        self.frames += 1;
+        let stamp = Stamp::of(&frame.meta);
+        self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
+        let measured = self.stream.measure(&frame.view(), &mut self.edges);
+        match &measured {
+            Ok(()) => self.add(&frame),
+            Err(refused) => self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id)),
+        }
+        self.measured += start.elapsed();
+        if measured.is_ok() && index == self.sample_frame {
+            self.sample = Some(Sample { frame, edges: self.edges.clone() });
+            return None;
+        }
+        Some(frame)
+    }
+
+    fn add(&mut self, frame: &Frame) {
+        let columns = self.calibration.diameters(&self.edges);
+        self.averager.add(&frame.meta, &columns);
+        self.turns.add(&frame.meta, &columns);
+        self.axis.add(&frame.meta, &columns);
+        let meta = &frame.meta;
+        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
+            FrameReading {
+                frame_id: meta.frame_id,
+                t_ns: meta.t_ns,
+                angle_deg: meta.angle_deg,
+                z_mm,
+                reading,
+            }
+        }));
+    }
+}
 
 impl Measured<'_> {
     /// Takes all frames of a scan.

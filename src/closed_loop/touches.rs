@@ -1,93 +1,18 @@
-//! The probe as the loop's instrument: its calibration, its scan, its look at a master.
+//! The probe as the loop's instrument: its scan, its look at a master.
 
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
+use super::ClosedLoop;
+use super::error::LoopError;
 use super::evidence::Stamp;
-use super::{ClosedLoop, FrameReading, LoopError, Progress, Scanned, masters};
-use crate::cell::TurningCell;
+use super::instrument::Calibrated;
+use super::scan::{FrameReading, Progress, Scanned};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::form::Cutoff;
 use crate::gauge::turn_form::TurnAverager;
-use crate::gauge::{Calibration, Gauge};
-use crate::job::Job;
-use crate::probe::{self, MasterTouches, ProbeCalibration, ProbeSettings, Touch};
+use crate::probe::{self, ProbeCalibration, ProbeSettings, Touch};
 use crate::profile::{Diameter, Reading, Reason};
-
-/// The calibration of the instrument that a job measures with.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Calibrated {
-    /// Of the camera.
-    Camera(Box<Calibration>),
-    /// Of the touch probe.
-    Probe(ProbeCalibration),
-}
-
-impl From<Calibration> for Calibrated {
-    fn from(calibration: Calibration) -> Self {
-        Self::Camera(Box::new(calibration))
-    }
-}
-
-impl Calibrated {
-    /// The same under the conditions of the job's part.
-    pub(super) fn of_part(&self, job: &Job) -> Self {
-        match self {
-            Self::Camera(camera) => (**camera).clone().with_conditions(job.part_conditions()).into(),
-            Self::Probe(_) => self.clone(),
-        }
-    }
-
-    /// Of the camera.
-    ///
-    /// # Errors
-    /// Where the calibration is the probe's.
-    pub(super) fn camera(&self) -> Result<&Calibration, LoopError> {
-        match self {
-            Self::Camera(camera) => Ok(camera),
-            Self::Probe(_) => Err(LoopError::OtherInstrument("the camera")),
-        }
-    }
-}
-
-/// The instrument that a job measures with, calibrated on its masters unless a calibration is given.
-pub(super) fn instrument(
-    job: &Job,
-    cell: &mut dyn TurningCell,
-    known: Option<Calibrated>,
-) -> Result<(Gauge, Calibrated), LoopError> {
-    let gauge = Gauge::new(job.gauge_settings()?)?;
-    let calibration = match (known, &job.probe) {
-        (Some(known), _) => known,
-        (None, Some(probe)) => Calibrated::Probe(calibrate(job, probe, cell)?),
-        (None, None) => masters::calibrate(job, cell, &gauge)?.into(),
-    };
-    match (&calibration, &job.probe) {
-        (Calibrated::Camera(camera), None) => Ok((gauge.expecting(camera.misfit()), calibration)),
-        (Calibrated::Probe(_), Some(_)) => Ok((gauge, calibration)),
-        (_, None) => Err(LoopError::OtherInstrument("the camera")),
-        (_, Some(_)) => Err(LoopError::OtherInstrument("the probe")),
-    }
-}
-
-/// Touches every master pin.
-fn calibrate(
-    job: &Job,
-    settings: &ProbeSettings,
-    cell: &mut dyn TurningCell,
-) -> Result<ProbeCalibration, LoopError> {
-    let mut masters = Vec::new();
-    for (index, pin) in job.masters.pins.iter().enumerate() {
-        let orders = probe::orders(settings, &[0.0], settings.master_diameters, pin.diameter_mm);
-        let pairs = probe::pairs(&cell.touch(Some(index), &orders)?);
-        let u_mm = pin.expanded_u_mm / pin.coverage_factor;
-        masters.push(MasterTouches { diameter_mm: pin.diameter_mm, u_mm, pairs });
-    }
-    Ok(probe::calibrate(settings, &masters)?)
-}
 
 impl<'a> ClosedLoop<'a> {
     /// The probe and its calibration, where the job measures with one.

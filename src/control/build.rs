@@ -1,12 +1,15 @@
 //! From settings to a controller, and what its loop is worth.
 
 use super::compensator::{Compensator, Off};
+use super::controller::Controller;
+use super::controller_name::ControllerName;
+use super::error::ControlError;
 use super::law::{DoubleEwmaLaw, EwmaLaw, IlcLaw, Law, LsqLaw, ModelLaw, PidLaw, nominal_gain};
+use super::settings::{ControlSettings, OffsetForm, Spatial};
 use super::stability::{
     Plant, StabilityReport, Transfer, double_ewma_transfer, integral_transfer, judge, model_transfer,
     pid_transfer,
 };
-use super::{ControlError, ControlSettings, Controller, ControllerName, OffsetForm, Spatial};
 use crate::plan::CuttingData;
 
 /// Cutting data and depth at which the model's own plant gain is stated: paper 003, section 3.3.

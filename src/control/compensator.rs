@@ -4,11 +4,12 @@
 //! not been measured.
 
 use super::context::{PartStart, PassContext};
+use super::controller::Controller;
 use super::guards::{self, Guarded, Memory, Refusal};
 use super::law::{Feedforward, Law, Seen};
 use super::parts::PartLoop;
 use super::readings::{self, Errors};
-use super::{ControlSettings, Controller};
+use super::settings::ControlSettings;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 
@@ -184,7 +185,7 @@ pub(crate) struct Off;
 
 impl Controller for Off {
     fn name(&self) -> &str {
-        super::ControllerName::None.as_str()
+        crate::control::controller_name::ControllerName::None.as_str()
     }
 
     fn decide_in(

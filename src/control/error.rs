@@ -1,5 +1,7 @@
 //! What control refuses.
 
+use super::controller_name::ControllerName;
+
 /// Why a controller cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -56,5 +58,33 @@ pub enum ControlError {
 }
 
 fn names() -> String {
-    super::ControllerName::ALL.map(super::ControllerName::as_str).join(", ")
+    ControllerName::ALL.map(ControllerName::as_str).join(", ")
+}
+
+impl std::str::FromStr for ControllerName {
+    type Err = ControlError;
+
+    fn from_str(word: &str) -> Result<Self, ControlError> {
+        Self::ALL
+            .into_iter()
+            .find(|name| name.as_str() == word)
+            .ok_or_else(|| ControlError::UnknownController { word: word.to_owned() })
+    }
+}
+
+/// Refuses a value, naming its key and what would be right.
+pub(crate) fn require(
+    holds: bool,
+    key: &'static str,
+    value: f64,
+    right: &'static str,
+) -> Result<(), ControlError> {
+    if holds { Ok(()) } else { Err(ControlError::Setting { key, value, right }) }
+}
+
+/// Refuses a limit that is given and not positive.
+pub(super) fn require_limit(key: &'static str, limit: Option<f64>) -> Result<(), ControlError> {
+    limit.map_or(Ok(()), |value| {
+        require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
+    })
 }

@@ -1,8 +1,8 @@
 //! What an offset must pass before it is released. A refusal names the guard, its limit, the place and what was seen.
 
-use super::GuardSettings;
 use super::context::{NextPass, PassContext};
 use super::readings::Errors;
+use super::settings::GuardSettings;
 use crate::plan::{HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 

@@ -3,11 +3,19 @@
 //! Per station, in mm of diameter: error e(k) = D(k) − r(k) of pass k, offset o(k+1) of the next, commanded diameter
 //! b(k+1) = r(k+1) − o(k+1). A *law* ([`Pid`], least squares, …) proposes offsets; the guards release them or hold
 //! the last ones with a reason. Stability of the loop from pass to pass is judged in [`stability`].
+//!
+//! In: the plan of a pass, its measured profile and a [`PassContext`]. Out: a
+//! [`Decision`](crate::plan::Decision). `readings` turns a profile into errors, `law/` proposes,
+//! `parts` adds what follows from earlier parts, `guards` release or hold, `compensator` joins them
+//! behind the trait [`Controller`]; `build` makes one from `settings/`. A new law is a file in
+//! `law/`, a table in `settings/`, a name in `controller_name` and an arm in `build`.
 
 mod build;
 mod compensator;
 pub mod conformity;
 mod context;
+mod controller;
+mod controller_name;
 mod error;
 pub mod fit;
 mod guards;
@@ -22,58 +30,10 @@ mod within_pass;
 
 pub use build::{assess, build, describe, transfer};
 pub use context::{NextPass, Origin, PartAndTool, PartEvent, PartStart, PassContext};
+pub use controller::Controller;
+pub use controller_name::ControllerName;
 pub use error::ControlError;
 pub use pid::Pid;
 pub use settings::*;
 pub use shapes::{PhysicalShapes, Shapes};
 pub use within_pass::WithinPass;
-
-use crate::plan::{Decision, DiameterOffset, PassPlan};
-use crate::profile::DiameterProfile;
-
-/// A pass-to-pass controller. Stateful: it keeps its own sums, last errors and last released offsets.
-pub trait Controller {
-    /// Name as on the command line: none, pid, lsq, …
-    fn name(&self) -> &str;
-
-    /// A new part is clamped: forgets the last one's passes and gives the offsets of the first pass, zero unless
-    /// earlier parts were learnt from (`[control.parts]`).
-    fn begin_part(&mut self, _start: &PartStart<'_>, stations: usize) -> DiameterOffset {
-        DiameterOffset::zero(stations)
-    }
-
-    /// Decides the offsets of the next pass from the pass just measured. `plan` is what was commanded in that pass
-    /// (its `nominal_mm` is the r of the error e = D - r; its `offset` the offsets in force). What `context` does not
-    /// tell cannot be guarded.
-    fn decide_in(
-        &mut self,
-        plan: &PassPlan,
-        measured: &DiameterProfile,
-        context: &PassContext<'_>,
-    ) -> Decision;
-
-    /// Whether a second scan of this pass is needed before [`Self::decide_in`]: a step so large that two must agree.
-    fn needs_repeat(
-        &self,
-        _plan: &PassPlan,
-        _measured: &DiameterProfile,
-        _context: &PassContext<'_>,
-    ) -> bool {
-        false
-    }
-
-    /// As [`Self::decide_in`], knowing nothing but the plan and the measurement.
-    fn decide(&mut self, plan: &PassPlan, measured: &DiameterProfile) -> Decision {
-        self.decide_in(plan, measured, &PassContext::default())
-    }
-
-    /// Remarks on the last decision that belong in the log, such as stations that were interpolated.
-    fn notes(&self) -> &[String] {
-        &[]
-    }
-
-    /// After a refusal: why the next pass is not to be cut with the offsets held, until someone has looked.
-    fn alarm(&self) -> Option<&str> {
-        None
-    }
-}

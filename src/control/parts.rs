@@ -4,8 +4,8 @@
 //! start sets the level back to what the first part after the last such event needed; the trend (wear per part,
 //! warming per part) stays. The loop from pass to pass then corrects what is left.
 
-use super::PartsSettings;
 use super::context::PartEvent;
+use super::settings::PartsSettings;
 
 /// One pass number across the parts.
 #[derive(Clone, Debug, Default)]

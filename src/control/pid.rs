@@ -11,7 +11,7 @@
 //! output back, an error that would push it further is not summed (conditional integration). Without limits both
 //! algorithms give the same numbers up to rounding.
 
-use super::{FirstPass, PidAlgorithm, PidSettings};
+use super::settings::{FirstPass, PidAlgorithm, PidSettings};
 
 /// Gains, limits and filter of one loop, all loops sharing them.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! From a measured profile to one error a station: e = D - r with its uncertainty.
 
-use super::GapSettings;
+use super::settings::GapSettings;
 use crate::plan::{HeldReason, PassPlan};
 use crate::profile::{Diameter, DiameterProfile};
 

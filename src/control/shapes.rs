@@ -3,7 +3,7 @@
 //! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the normal matrix
 //! well conditioned; the space they span is that of the plain powers.
 
-use super::{ControlError, settings::require};
+use super::error::{ControlError, require};
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

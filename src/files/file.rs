@@ -5,9 +5,9 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::LOCK_NAME;
 use super::error::OutputError;
 use super::lock::Lock;
+use super::names::LOCK_NAME;
 use super::place::{self, Place, is_same_file};
 
 /// Whether an output has taken stdout.

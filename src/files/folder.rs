@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::lock::Lock;
+use super::names::{LOCK_NAME, TEMPORARY};
 use super::place::{behind_links, folder_of, temporary};
-use super::{LOCK_NAME, TEMPORARY};
 
 /// A folder, absent or empty before, that is filled under a temporary name: beside its place where it is absent, inside it where it
 /// stands (it may be a mount point, or have a mode of its own). Dropped before [`OutputFolder::finish`], it leaves nothing.

@@ -7,20 +7,21 @@
 //!
 //! Temporary names are fixed, and whoever writes holds an OS lock on them (`flock`; gone with its holder, however it ended). So a second
 //! process gets the name of the holder, and what a killed one left is found unlocked and cleared by the next.
+//!
+//! [`OutputFile`] is one file, [`OutputFolder`] a folder that stands in its place once it is
+//! finished; `place` decides what may be written, `lock` and `names` keep others out. `error`
+//! separates what is refused from what fails.
 
 mod error;
 mod file;
 mod folder;
 mod lock;
+mod names;
 mod place;
 
 pub use error::OutputError;
 pub use file::OutputFile;
 pub use folder::{OutputFolder, clear, clear_temporary, make_folder};
 pub use lock::Lock;
+pub use names::{LOCK_NAME, TEMPORARY};
 pub use place::{is_same_file, replace};
-
-/// How all temporary names begin.
-pub const TEMPORARY: &str = ".tmp-";
-/// The lock in a folder that is written to.
-pub const LOCK_NAME: &str = ".tmp-lock";

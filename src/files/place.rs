@@ -4,8 +4,8 @@ use std::fs::{File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::TEMPORARY;
 use super::error::OutputError;
+use super::names::TEMPORARY;
 
 /// Links followed before they are taken for a circle.
 const MOST_LINKS: usize = 40;

@@ -1,10 +1,9 @@
 //! The edge-spread function of a job's own optics, for the gauge that looks through them: `[gauge.esf.optics]`.
 
-use super::{Job, JobError, from_render};
-use crate::gauge::{EsfModel, EsfSamples, GaugeSettings};
+use crate::gauge::{EsfModel, EsfSamples};
 use crate::render::RenderError;
-use crate::render::esf::{EsfTable, Extent, TablePlace};
-use crate::render::esf_families::EdgeSpread;
+use crate::render::optics::edge_spread::EdgeSpread;
+use crate::render::optics::esf_table::{EsfTable, Extent, TablePlace};
 use crate::render::settings::Optics;
 
 /// Samples in the standard deviation of the sharpest detail: a cubic between them errs by (1/16)⁴/384·max|F⁗| = 2e-8.
@@ -101,21 +100,4 @@ pub fn sampled_edge(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> Esf
     let rings = sample(RINGS);
     let is_ringed = rings.light.iter().any(|light| *light > RINGED);
     EsfModel::Table(if is_ringed { rings } else { sample(PLAIN) })
-}
-
-impl Job {
-    /// The gauge's settings with the edge-spread function of the job's own optics in place of `[gauge.esf.optics]`: in focus, on
-    /// the finished part.
-    ///
-    /// # Errors
-    /// Optics whose table cannot be had.
-    pub fn gauge_settings(&self) -> Result<GaugeSettings, JobError> {
-        if self.gauge.esf != (EsfModel::Optics {}) {
-            return Ok(self.gauge.clone());
-        }
-        let last = self.part.nominal_diameter_mm.last().copied().unwrap_or(self.part.stock_diameter_mm);
-        let pixel_mm = self.nominal_mm_per_px();
-        let edge = NominalEdge::new(&self.optics, pixel_mm, 0.5 * last, 0.0).map_err(from_render)?;
-        Ok(GaugeSettings { esf: edge.model(1e3 * pixel_mm), ..self.gauge.clone() })
-    }
 }

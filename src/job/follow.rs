@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Job, JobError, ScanWhen, from_render};
+use super::Job;
+use super::error::{JobError, from_render};
+use super::scan::ScanWhen;
 use crate::gauge::bench::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;

@@ -1,6 +1,7 @@
 //! What a job that measures with a touch probe needs.
 
-use super::{JobError, Masters, positive};
+use super::error::{JobError, positive};
+use super::scan::Masters;
 use crate::probe::ProbeSettings;
 
 /// The probe's table, and masters that it can be calibrated on.

@@ -1,6 +1,6 @@
 //! Stations that a config lists, `part.station_z_mm`.
 
-use super::{JobError, Part};
+use super::error::JobError;
 
 /// Stations may touch; what rounding leaves of a decimal list is no overlap, mm.
 const SAME_MM: f64 = 1e-6;
@@ -11,10 +11,9 @@ const MOST: usize = 100_000;
 ///
 /// # Errors
 /// Names the place of the list, its value, and what would be right.
-pub(super) fn check(part: &Part) -> Result<(), JobError> {
-    let Some(listed) = &part.station_z_mm else { return Ok(()) };
+pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), JobError> {
     let key = |i: usize| format!("part.station_z_mm[{i}]");
-    let (length, half) = (part.length_mm, 0.5 * part.station_mm);
+    let half = 0.5 * station_mm;
     if listed.is_empty() || listed.len() > MOST {
         let text =
             format!("lists {} stations; give 1 to {MOST} middles in mm, or leave it out", listed.len());
@@ -25,7 +24,7 @@ pub(super) fn check(part: &Part) -> Result<(), JobError> {
         if !(z - half >= -SAME_MM && z + half <= length + SAME_MM) {
             let text = format!(
                 "{z} mm: a station of part.station_mm = {} mm must lie inside the part, its middle between {half} and {} mm",
-                part.station_mm,
+                station_mm,
                 length - half
             );
             return Err(JobError::at(key(i), text));
@@ -36,13 +35,13 @@ pub(super) fn check(part: &Part) -> Result<(), JobError> {
             let text = format!("{} mm follows {} mm: middles must ascend", pair[1], pair[0]);
             return Err(JobError::at(key(i + 1), text));
         }
-        if pair[1] - pair[0] < part.station_mm - SAME_MM {
+        if pair[1] - pair[0] < station_mm - SAME_MM {
             let text = format!(
                 "{} mm lies {:.4} mm from the station before: stations of part.station_mm = {} mm would overlap; at least \
                  that distance, or a shorter station_mm",
                 pair[1],
                 pair[1] - pair[0],
-                part.station_mm
+                station_mm
             );
             return Err(JobError::at(key(i + 1), text));
         }
@@ -50,10 +49,9 @@ pub(super) fn check(part: &Part) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Of field centres, those whose field (`half` to both sides, mm) shows something of a listed station; all of them where
-/// no station is listed.
-pub(super) fn fields_that_show(part: &Part, field_z_mm: Vec<f64>, half: f64) -> Vec<f64> {
-    let Some(listed) = &part.station_z_mm else { return field_z_mm };
-    let reach = half + 0.5 * part.station_mm;
+/// Of field centres, those whose field shows something of a listed station, its middle at most `reach` (mm) away; all of them
+/// where no station is listed.
+pub(super) fn fields_that_show(listed: Option<&[f64]>, field_z_mm: Vec<f64>, reach: f64) -> Vec<f64> {
+    let Some(listed) = listed else { return field_z_mm };
     field_z_mm.into_iter().filter(|field| listed.iter().any(|z| (z - field).abs() <= reach)).collect()
 }

@@ -6,12 +6,13 @@
 //! power law is its tangent, in logarithms, at the first pass' depth; else Table 1 of the slender-shaft paper (45 steel) is
 //! multiplied by the ratio of the two materials' k_c at the first pass' mean chip.
 
-use super::Job;
+use super::part::Part;
 use crate::control::Workpiece;
+use crate::plan::CuttingData;
 use crate::process::kienzle::KienzleLaw;
 use crate::process::material::{self, Material};
 use crate::process::tool_factors::ToolFactors;
-use crate::process::{FITTED_TO, ForceLaw, ToolSettings};
+use crate::process::{FITTED_TO, ForceLaw, ProcessSettings, ToolSettings};
 
 /// Standard uncertainty of ln C where the material has no specific cutting force: handbooks' kc1.1 of metals run from about 500
 /// (aluminium) to 3500 N/mm² (nickel alloys), a factor of 4 below and 1.6 above the steel that is assumed; .7 is a factor of 2.
@@ -22,22 +23,26 @@ const U_LN_UNKNOWN: f64 = 0.7;
 const LEAST_EXPONENT: f64 = 0.05;
 
 /// The part of a job as its controller assumes it, and a word where the force could not follow the material.
-pub(super) fn workpiece(job: &Job) -> (Workpiece, Option<String>) {
-    let paper = Workpiece { length_mm: job.part.length_mm, ..Workpiece::default() };
-    let stock_diameter_mm = job.part.stock_diameter_mm;
-    let Ok(material) = job.process.material.resolve() else {
+pub(super) fn workpiece(
+    part: &Part,
+    process: &ProcessSettings,
+    cutting: &CuttingData,
+) -> (Workpiece, Option<String>) {
+    let paper = Workpiece { length_mm: part.length_mm, ..Workpiece::default() };
+    let stock_diameter_mm = part.stock_diameter_mm;
+    let Ok(material) = process.material.resolve() else {
         // `check` refuses it by its key.
         return (Workpiece { stock_diameter_mm, ..paper }, None);
     };
     let w =
         Workpiece { stock_diameter_mm, youngs_modulus_n_per_mm2: material.youngs_modulus_n_per_mm2, ..paper };
-    let first = job.part.nominal_diameter_mm.first().copied().unwrap_or(stock_diameter_mm);
+    let first = part.nominal_diameter_mm.first().copied().unwrap_or(stock_diameter_mm);
     let cut = Cut {
         depth_mm: (0.5 * (stock_diameter_mm - first)).max(1e-3),
-        feed_mm: job.cutting.feed_mm_per_rev,
-        tool: &job.process.tool,
+        feed_mm: cutting.feed_mm_per_rev,
+        tool: &process.tool,
     };
-    let followed = match &job.process.force {
+    let followed = match &process.force {
         ForceLaw::Kienzle(law) => by_kienzle(w, law, &cut, &material),
         ForceLaw::Power(_) => by_ratio(w, &cut, &material),
     };
@@ -92,20 +97,32 @@ fn by_kienzle(w: Workpiece, law: &KienzleLaw, cut: &Cut<'_>, material: &Material
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{ControllerName, ModelSettings};
-    use crate::plan::CuttingData;
+    use crate::control::ModelSettings;
     use crate::process::MaterialSettings;
+
+    /// What of a job the workpiece is made from.
+    #[derive(Default)]
+    struct Job {
+        part: Part,
+        process: ProcessSettings,
+    }
+
+    /// The cut of a job's defaults.
+    const CUTTING: CuttingData = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
 
     fn job(material: &str) -> Job {
         let mut job = Job::default();
         job.process.material = MaterialSettings { name: material.to_owned(), ..MaterialSettings::default() };
-        job.control.controller = ControllerName::Model;
         job
+    }
+
+    fn of(job: &Job) -> (Workpiece, Option<String>) {
+        workpiece(&job.part, &job.process, &CUTTING)
     }
 
     #[test]
     fn the_preset_is_what_it_was() {
-        assert_eq!(workpiece(&job("C45")), (Workpiece::default(), None));
+        assert_eq!(of(&job("C45")), (Workpiece::default(), None));
     }
 
     #[test]
@@ -114,7 +131,7 @@ mod tests {
         small.part.length_mm = 120.0;
         small.part.stock_diameter_mm = 12.5;
         small.part.nominal_diameter_mm = vec![12.0];
-        let (w, word) = workpiece(&small);
+        let (w, word) = of(&small);
         assert_eq!((w.length_mm, w.stock_diameter_mm, w.youngs_modulus_n_per_mm2), (120.0, 12.5, 1.1e5));
         // Grey iron: 1160 against 2220 N/mm² at 1 mm, .26 against .14 of slope, at a chip of f·a/(r·acos(1 − a/r)).
         let chip = 0.1 * 0.25 / (0.4 * (1.0_f64 - 0.25 / 0.4).acos());
@@ -129,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_material_without_cutting_force_is_said() {
-        let (w, word) = workpiece(&job("EN AW-6082"));
+        let (w, word) = of(&job("EN AW-6082"));
         assert_eq!((w.coefficient_n, w.u_ln_coefficient, w.youngs_modulus_n_per_mm2), (4764.2, 0.7, 7.0e4));
         assert!(word.is_some_and(|w| w.contains("EN AW-6082") && w.contains("control.model.coefficient_n")));
     }
@@ -139,10 +156,9 @@ mod tests {
     fn kienzles_law_is_met_at_the_first_pass() {
         let mut job = job("42CrMo4");
         job.process.force = ForceLaw::Kienzle(KienzleLaw::default());
-        let (w, word) = workpiece(&job);
-        let cutting = CuttingData { speed_m_per_min: 80.0, feed_mm_per_rev: 0.1 };
+        let (w, word) = of(&job);
         let material = job.process.material.resolve().unwrap();
-        let law = job.process.force.at(&cutting, &job.process.tool, &material);
+        let law = job.process.force.at(&CUTTING, &job.process.tool, &material);
         let force = |a: f64| w.coefficient_n * a.powf(w.depth_exponent) * 0.1_f64.powf(w.feed_exponent);
         assert!((force(0.25) / law.force_n(0.25) - 1.0).abs() < 1e-9 && word.is_none());
         let slope = (force(0.2501) - force(0.2499)) / 2e-4;

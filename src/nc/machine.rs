@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Dialect, NcError, NcSettings};
+use super::error::{NcError, require};
 
 /// The way the tool travels while it cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -147,101 +147,27 @@ pub struct Holder {
     pub above_mm: f64,
 }
 
-impl NcSettings {
-    /// Whether everything is stated that the control leaves open.
-    ///
-    /// # Errors
-    /// [`NcError::Unstated`] names each key and where the answer stands.
-    pub fn check_stated(&self, dialect: Dialect) -> Result<(), NcError> {
-        let missing: Vec<&str> = [
-            self.wear_x.is_none().then(|| dialect.look_up_wear_x()),
-            self.geometry_offset.is_none().then(|| dialect.look_up_geometry_offset()),
-            self.spindle.is_none().then(|| dialect.look_up_spindle()),
-            (dialect == Dialect::Gsk && self.probe.is_some_and(|p| p.skip_variable.is_none()))
-                .then(|| dialect.look_up_skip_variable()),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        if dialect == Dialect::Linuxcnc || missing.is_empty() {
-            return Ok(());
-        }
-        Err(NcError::Unstated { dialect: dialect.as_str(), missing: missing.join("; ") })
-    }
-
-    /// Whether the mean of a correction goes into the wear register: where the register can be written and its number
-    /// does not choose the geometry, too.
-    pub fn uses_wear_register(&self, dialect: Dialect) -> bool {
-        dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
-    }
-
-    pub(super) fn validate_surroundings(&self) -> Result<(), NcError> {
-        let positive = |key, value: f64| {
-            super::require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
-        };
-        let finite = |key, value: f64| super::require(value.is_finite(), key, value, "a length in mm");
-        if let Some(r) = self.nose_radius_mm {
-            let right = "a radius of 0.05 to 10 mm";
-            super::require((0.05..=10.0).contains(&r), "nc.nose_radius_mm", r, right)?;
-        }
-        if let Some(change) = self.change_position {
-            positive("nc.change_position.x_mm", change.x_mm)?;
-            finite("nc.change_position.z_mm", change.z_mm)?;
-        }
-        if let Some(chuck) = self.chuck {
-            positive("nc.chuck.diameter_mm", chuck.diameter_mm)?;
-            positive("nc.chuck.jaws_diameter_mm", chuck.jaws_diameter_mm.unwrap_or(chuck.diameter_mm))?;
-            let jaws = chuck.jaws_to_z_mm;
-            super::require((0.0..1e4).contains(&jaws), "nc.chuck.jaws_to_z_mm", jaws, "0 mm or more")?;
-        }
-        if let Some(Tailstock::Centre(centre)) = self.tailstock {
-            centre.validate()?;
-        }
-        for rest in self.steady_rests.iter().flatten() {
-            rest.validate([
-                "nc.steady_rests.from_z_mm",
-                "nc.steady_rests.to_z_mm",
-                "nc.steady_rests.diameter_mm",
-            ])?;
-        }
-        if let Some(head) = self.gauge_head {
-            head.validate(["nc.gauge_head.from_z_mm", "nc.gauge_head.to_z_mm", "nc.gauge_head.diameter_mm"])?;
-        }
-        if let Some(travel) = self.travel {
-            for (key, (least, most)) in [("nc.travel.x_mm", travel.x_mm), ("nc.travel.z_mm", travel.z_mm)] {
-                super::require(most > least, key, least, "[least, largest], rising")?;
-            }
-        }
-        if let Some(holder) = self.holder {
-            finite("nc.holder.towards_chuck_mm", holder.towards_chuck_mm)?;
-            finite("nc.holder.towards_tailstock_mm", holder.towards_tailstock_mm)?;
-            super::require(holder.above_mm >= 0.0, "nc.holder.above_mm", holder.above_mm, "0 mm or more")?;
-        }
-        Ok(())
-    }
-}
-
 impl Obstacle {
-    fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), NcError> {
+    pub(super) fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), NcError> {
         let (begin, end, across) = (self.from_z_mm, self.to_z_mm, self.diameter_mm);
-        super::require(begin.is_finite(), from, begin, "a length in mm")?;
-        super::require(end > begin && end.is_finite(), to, end, "a length above from_z_mm")?;
-        super::require(across > 0.0 && across.is_finite(), diameter, across, "a positive length in mm")
+        require(begin.is_finite(), from, begin, "a length in mm")?;
+        require(end > begin && end.is_finite(), to, end, "a length above from_z_mm")?;
+        require(across > 0.0 && across.is_finite(), diameter, across, "a positive length in mm")
     }
 }
 
 impl Centre {
-    fn validate(&self) -> Result<(), NcError> {
+    pub(super) fn validate(&self) -> Result<(), NcError> {
         let right = "an angle of 20 to 120 degrees";
         let angle = self.point_deg;
-        super::require((20.0..=120.0).contains(&angle), "nc.tailstock.centre.point_deg", angle, right)?;
+        require((20.0..=120.0).contains(&angle), "nc.tailstock.centre.point_deg", angle, right)?;
         let positive = |key, value: f64| {
-            super::require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
+            require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
         };
         positive("nc.tailstock.centre.hole_mm", self.hole_mm)?;
         positive("nc.tailstock.centre.quill_mm", self.quill_mm)?;
         positive("nc.tailstock.centre.quill_from_mm", self.quill_from_mm)?;
         let body = self.body_mm;
-        super::require(body >= self.hole_mm, "nc.tailstock.centre.body_mm", body, "at least hole_mm")
+        require(body >= self.hole_mm, "nc.tailstock.centre.body_mm", body, "at least hole_mm")
     }
 }

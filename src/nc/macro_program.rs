@@ -12,11 +12,14 @@
 //! the cut the corrections are checked against a limit; after it the part is measured again.
 
 use super::dialect::{Dialect, number};
+use super::error::NcError;
+use super::line::LineFit;
 use super::machine::Direction;
+use super::replay;
 use super::route::{Workpiece, round3};
+use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
 use super::turning::Written;
-use super::{LineFit, NcError, NcSettings, replay};
 use crate::plan::CuttingData;
 
 /// Start of what was probed, as a share of the length: the paper's first point.

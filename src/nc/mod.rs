@@ -13,22 +13,32 @@
 //! tests. `fanuc` is written for G-code system A with custom macro B, `gsk` for the GSK 980TD family, both from common
 //! usage, not checked against the makers' manuals; neither was run on a control, and the user alarm G65 H99 of `gsk`
 //! is unverified. Run such programs dry, above the part, first.
+//!
+//! `settings`, `machine`, `probe_settings` and `stated` are the machine's data; `route`, `path` and
+//! `skeleton` plan, `dialect` words the blocks, `turning`, `macro_program` and `probing_program`
+//! are the programs, `surroundings` the solids. A new dialect is a variant of [`Dialect`] with its
+//! words and its rows in `replay`; a new program a file beside `turning`.
 
 mod dialect;
+mod error;
 mod header;
 mod line;
 mod machine;
 mod macro_program;
 mod path;
 mod probe;
+mod probe_settings;
 mod probing_program;
 pub mod replay;
 mod route;
+mod settings;
 mod skeleton;
+mod stated;
 mod surroundings;
 mod turning;
 
 pub use dialect::Dialect;
+pub use error::NcError;
 pub use line::{LineFit, fit_line};
 pub use machine::{
     Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, Tailstock, Travel,
@@ -36,200 +46,8 @@ pub use machine::{
 };
 pub use macro_program::{MacroProgram, MacroValues};
 pub use path::{Path, dry_run};
-pub use probe::NcProbe;
+pub use probe_settings::NcProbe;
 pub use probing_program::ProbingProgram;
 pub use route::Workpiece;
+pub use settings::{NcSettings, Remeasure};
 pub use turning::{TurningProgram, Written};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-/// A program that cannot be written.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum NcError {
-    /// A value of the `[nc]` table is out of its range.
-    #[error("{key} = {value}: must be {right}")]
-    Setting {
-        /// The key.
-        key: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What would be right.
-        right: &'static str,
-    },
-    /// Stations, offsets or knots that do not fit together.
-    #[error("{0}")]
-    Plan(String),
-    /// A point of the path lies outside the range allowed.
-    #[error("range check: X {x_mm} mm at Z {z_mm} mm lies outside {low_mm} to {high_mm} mm")]
-    Range {
-        /// Diameter commanded.
-        x_mm: f64,
-        /// Place.
-        z_mm: f64,
-        /// Least diameter allowed.
-        low_mm: f64,
-        /// Largest diameter allowed.
-        high_mm: f64,
-    },
-    /// The control leaves open what the machine's data do not state.
-    #[error(
-        "{dialect} leaves open what the machine's data must state (nc --machine FILE, [nc.machine]): {missing}"
-    )]
-    Unstated {
-        /// The dialect.
-        dialect: &'static str,
-        /// Keys, and where the answer stands.
-        missing: String,
-    },
-    /// A block of the finished program does what it must not.
-    #[error("the program is refused: block {block} ({text}): {what}")]
-    Block {
-        /// Number of the line, from 1.
-        block: usize,
-        /// The line.
-        text: String,
-        /// What it does.
-        what: String,
-    },
-}
-
-/// Measuring after the cut, by an M code that leaves its results in macro variables.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Remeasure {
-    /// The M code that scans the part.
-    pub m_code: u32,
-    /// Variable with the smallest diameter found, mm.
-    pub smallest_variable: u32,
-    /// Variable with the largest diameter found, mm.
-    pub largest_variable: u32,
-}
-
-/// What a program needs to know of the machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct NcSettings {
-    /// Program number, 1-9999.
-    pub program: u32,
-    /// Tool number, 1-99.
-    pub tool: u32,
-    /// Wear offset that belongs to these programs alone, 1-99.
-    pub wear_offset: u32,
-    /// Number of the part: with the pass it makes a program run once only.
-    pub part_number: u32,
-    /// Clear of the stock's diameter on approach and retract, mm of diameter.
-    pub clearance_mm: f64,
-    /// Path beyond the end face of the part, in the air, mm; at most 0.5 mm of it where a centre stands there.
-    pub lead_in_mm: f64,
-    /// Not used any more: the path ends at `least_z_mm`. Read so that older files stay valid.
-    pub lead_out_mm: f64,
-    /// Least Z that the nose of the tool may reach, mm from the chuck face: what lies below stays uncut.
-    pub least_z_mm: f64,
-    /// Spindle speed limit under constant cutting speed, 1/min.
-    pub speed_limit_per_min: u32,
-    /// Least number of knots.
-    pub least_knots: usize,
-    /// Knots are added until the path is within this of the offsets at every station, mm of diameter.
-    pub knot_tolerance_mm: f64,
-    /// Largest correction at a knot, mm of diameter.
-    pub correction_limit_mm: f64,
-    /// Re-measure after the cut and raise an alarm outside the limits.
-    pub remeasure: Option<Remeasure>,
-    /// A touch probe in the tool carrier: the part is probed after its last pass, and `--form probing` measures before it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probe: Option<NcProbe>,
-    /// How the control takes X of a wear offset; no default for fanuc and gsk.
-    pub wear_x: Option<WearX>,
-    /// Which digits of a T word choose the geometry offset; no default for fanuc and gsk.
-    pub geometry_offset: Option<GeometryOffset>,
-    /// Sense of the spindle; no default for fanuc and gsk, M03 for linuxcnc.
-    pub spindle: Option<Spindle>,
-    /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a place to go to for
-    /// linuxcnc.
-    pub change_position: Option<ChangePosition>,
-    /// Nose radius of the tool, mm; 0.8 where it is not stated.
-    pub nose_radius_mm: Option<f64>,
-    /// The tool behind its nose; only the nose is replayed where it is not stated.
-    pub holder: Option<Holder>,
-    /// Chuck and jaws; nothing may move behind Z = 0 where they are not stated.
-    pub chuck: Option<Chuck>,
-    /// `"none"` or a centre; a large centre is assumed where it is not stated.
-    pub tailstock: Option<Tailstock>,
-    /// Steady rests; those of the run's `process.support` where they are not stated.
-    pub steady_rests: Option<Vec<Obstacle>>,
-    /// The gauge head where it is parked.
-    pub gauge_head: Option<Obstacle>,
-    /// Travel limits of the tip.
-    pub travel: Option<Travel>,
-}
-
-impl Default for NcSettings {
-    fn default() -> Self {
-        Self {
-            program: 8001,
-            tool: 1,
-            wear_offset: 16,
-            part_number: 1,
-            clearance_mm: 2.0,
-            lead_in_mm: 2.0,
-            lead_out_mm: 1.0,
-            least_z_mm: 0.5,
-            speed_limit_per_min: 2000,
-            least_knots: 21,
-            knot_tolerance_mm: 0.0002,
-            correction_limit_mm: 0.3,
-            remeasure: None,
-            probe: None,
-            wear_x: None,
-            geometry_offset: None,
-            spindle: None,
-            change_position: None,
-            nose_radius_mm: None,
-            holder: None,
-            chuck: None,
-            tailstock: None,
-            steady_rests: None,
-            gauge_head: None,
-            travel: None,
-        }
-    }
-}
-
-fn require(holds: bool, key: &'static str, value: f64, right: &'static str) -> Result<(), NcError> {
-    if holds { Ok(()) } else { Err(NcError::Setting { key, value, right }) }
-}
-
-impl NcSettings {
-    /// Checks the table.
-    ///
-    /// # Errors
-    /// [`NcError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), NcError> {
-        let number = |key, value: u32, most: u32, right| {
-            require((1..=most).contains(&value), key, f64::from(value), right)
-        };
-        number("nc.program", self.program, 9999, "a number of 1 to 9999")?;
-        number("nc.tool", self.tool, 99, "a number of 1 to 99")?;
-        number("nc.wear_offset", self.wear_offset, 99, "a number of 1 to 99")?;
-        number("nc.part_number", self.part_number, 999_999, "a number of 1 to 999999")?;
-        number("nc.speed_limit_per_min", self.speed_limit_per_min, 20_000, "a speed of 1 to 20000 1/min")?;
-        let lengths = [
-            ("nc.clearance_mm", self.clearance_mm),
-            ("nc.lead_in_mm", self.lead_in_mm),
-            ("nc.knot_tolerance_mm", self.knot_tolerance_mm),
-            ("nc.correction_limit_mm", self.correction_limit_mm),
-        ];
-        for (key, value) in lengths {
-            require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")?;
-        }
-        for (key, value) in [("nc.lead_out_mm", self.lead_out_mm), ("nc.least_z_mm", self.least_z_mm)] {
-            require(value >= 0.0 && value.is_finite(), key, value, "a length of 0 mm or more")?;
-        }
-        self.validate_surroundings()?;
-        self.probe.map_or(Ok(()), |probe| probe.validate(self))?;
-        let knots = self.least_knots;
-        require((2..=1000).contains(&knots), "nc.least_knots", knots as f64, "a number of 2 to 1000")
-    }
-}

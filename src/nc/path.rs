@@ -1,6 +1,9 @@
 //! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry run.
 
-use super::{Dialect, NcError, NcSettings, WearX};
+use super::dialect::Dialect;
+use super::error::NcError;
+use super::machine::WearX;
+use super::settings::NcSettings;
 use crate::plan::{DiameterOffset, PassPlan};
 
 /// A path over the stations; programs run on level to the ends of the cut.

@@ -13,12 +13,16 @@
 //! have had the speed, feed and depth of this one.
 
 use super::dialect::{Dialect, number};
-use super::probe::{AFTER, BEFORE, Cycle, NcProbe};
+use super::error::NcError;
+use super::line::{LineFit, fit_line};
+use super::macro_program::MacroProgram;
+use super::probe::{AFTER, BEFORE, Cycle};
+use super::probe_settings::NcProbe;
 use super::replay::{self, Scene, Surface};
 use super::route::Workpiece;
+use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
 use super::turning::Written;
-use super::{LineFit, MacroProgram, NcError, NcSettings, fit_line};
 use crate::plan::CuttingData;
 
 /// Decimals of the places' shares and sums in a program.

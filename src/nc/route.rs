@@ -13,8 +13,9 @@
 //! chuck, and the other one where it travels to the tailstock. So no part of the nose passes `least_z_mm`, and its lowest
 //! point passes the end face, in both directions.
 
+use super::error::NcError;
 use super::machine::{ChangePosition, Direction, Tailstock};
-use super::{NcError, NcSettings};
+use super::settings::NcSettings;
 
 /// Nose radius where none is stated, mm: the largest that is usual for finishing (ISO 1832 corner codes 04 and 08).
 pub(super) const NOSE_RADIUS_MM: f64 = 0.8;

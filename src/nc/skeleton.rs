@@ -1,9 +1,10 @@
 //! What every program has around its cut: head, guard, change position, tool, spindle, approach, retract, end.
 
 use super::dialect::{Dialect, number};
+use super::error::NcError;
 use super::machine::{Spindle, WearX};
 use super::route::{Route, Workpiece};
-use super::{NcError, NcSettings};
+use super::settings::NcSettings;
 use crate::plan::CuttingData;
 
 /// Variable that remembers part and pass of the program that ran last: common, kept at power-off on a Fanuc.

@@ -28,7 +28,11 @@ pub(super) fn assumed_centre(piece: &Workpiece, diameter: f64) -> Centre {
 }
 
 /// Outlines of the tool about the programmed point.
-pub(super) fn tool(settings: &super::NcSettings, route: &Route, direction: Direction) -> Vec<Convex> {
+pub(super) fn tool(
+    settings: &crate::nc::settings::NcSettings,
+    route: &Route,
+    direction: Direction,
+) -> Vec<Convex> {
     let r = route.nose_mm;
     let middle = match direction {
         Direction::TowardsChuck => r,

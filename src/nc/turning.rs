@@ -1,11 +1,14 @@
 //! A turning pass with its correction as a program.
 
 use super::dialect::{Dialect, number};
+use super::error::NcError;
 use super::machine::Direction;
+use super::path::Path;
 use super::path::interpolate;
+use super::replay;
 use super::route::Workpiece;
+use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
-use super::{NcError, NcSettings, Path, replay};
 use crate::plan::PassPlan;
 
 /// Points of a path that lie closer than this are one, mm: the increment of Z.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::profile::{Pair, mean_and_scatter};
+use super::pairs::{Pair, mean_and_scatter};
 use super::settings::ProbeSettings;
 
 /// A probe that cannot be calibrated.

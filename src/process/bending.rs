@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::beam::Supports;
 use super::check::{Range, SettingsError};
-use super::force::Components;
+use super::force_components::Components;
 use super::line::{Action, PointForce, Span, deflection_line_mm};
 use super::material::Material;
 use super::section::Section;

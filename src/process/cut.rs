@@ -1,7 +1,8 @@
 //! The cut itself: from commanded diameters to diameters that remain, node by node along the feed.
 
 use super::beam::{Part, SteadyRest, Supports, compliance_at_joint, left_parts};
-use super::force::{Components, DepthLaw};
+use super::force::DepthLaw;
+use super::force_components::Components;
 use super::geometry::tangential_error_mm;
 use super::material::Material;
 use super::section::Section;

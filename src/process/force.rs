@@ -4,9 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Range, SettingsError};
+use super::force_components::Components;
 use super::kienzle::{EdgeLaw, KienzleLaw, THINNEST_CHIP_MM};
 use super::material::Material;
-use super::settings::ToolSettings;
+use super::tool::ToolSettings;
 use super::tool_factors::ToolFactors;
 use crate::plan::CuttingData;
 
@@ -27,17 +28,6 @@ impl Default for ForceLaw {
     fn default() -> Self {
         Self::Power(PowerLaw::default())
     }
-}
-
-/// The three components of the cutting force (ISO 3002-4), N.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Components {
-    /// F_c, tangential, along the cutting speed.
-    pub cutting_n: f64,
-    /// F_f, axial, against the feed.
-    pub feed_n: f64,
-    /// F_p, radial: what bends the shaft out of size.
-    pub passive_n: f64,
 }
 
 /// Range of the data behind a fitted law; outside it the law is extrapolated.

@@ -18,9 +18,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Range, SettingsError};
-use super::force::Components;
+use super::force_components::Components;
 use super::material::Material;
-use super::settings::ToolSettings;
+use super::tool::ToolSettings;
 use super::tool_factors::ToolFactors;
 
 /// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises faster, mm.

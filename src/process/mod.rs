@@ -3,6 +3,12 @@
 //! [`TurningProcess`] keeps the workpiece. [`TurningProcess::cut`] takes what is commanded and gives what remains:
 //! the tool stands at b(z), the shaft yields by u(z), D(z) = b(z) + 2u(z), and the force that bends it follows
 //! the depth really cut. Nothing here knows what was measured.
+//!
+//! From the tool to the part: `tool` and [`tool_factors`], [`material`], the force laws (`force`,
+//! [`kienzle`], with `force_components`), the beam ([`beam`], `line`, [`fem`], [`stepped`] by
+//! different methods), [`bending`] (the held shaft under all loads), `disturbance`, `texture`, and
+//! `turning`, which joins them in a pass. `settings` is the `[process]` table. A new force law is a
+//! variant of [`ForceLaw`]; a new cause of error a table of `settings` and a term in `turning`.
 
 pub mod beam;
 pub mod bending;
@@ -12,6 +18,7 @@ mod disturbance;
 pub mod fem;
 pub mod fit;
 mod force;
+mod force_components;
 pub mod geometry;
 pub mod kienzle;
 pub mod line;
@@ -21,6 +28,7 @@ mod section;
 mod settings;
 pub mod stepped;
 mod texture;
+mod tool;
 pub mod tool_factors;
 mod turning;
 
@@ -28,10 +36,13 @@ pub use bending::BendingSettings;
 pub use check::SettingsError;
 pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
-pub use force::{Components, DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub use force::{DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};
+pub use force_components::Components;
 pub use section::Section;
 pub use settings::{
     BelowMinimumChip, FeedDirection, MaterialSettings, PassSettings, ProcessSettings, SteadyRestSettings,
-    SupportSettings, TextureSettings, ToolSettings,
+    SupportSettings, TextureSettings,
 };
-pub use turning::{BaseForm, Contributions, FollowedPass, ProcessError, Stock, TurningProcess};
+pub use tool::ToolSettings;
+pub use turning::followed::{Contributions, FollowedPass};
+pub use turning::{BaseForm, ProcessError, Stock, TurningProcess};

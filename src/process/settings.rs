@@ -9,6 +9,7 @@ use super::check::{Range, SettingsError};
 use super::disturbance::DisturbanceSettings;
 use super::force::ForceLaw;
 use super::material::{self, Material};
+use super::tool::ToolSettings;
 
 /// The `[process]` table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -82,37 +83,6 @@ impl MaterialSettings {
         Range::between(0.0, 100.0).check("material.expansion_um_per_m_k", resolved.expansion_um_per_m_k)?;
         Range::between(100.0, 25e3).check("material.density_kg_per_m3", resolved.density_kg_per_m3)?;
         Ok(resolved)
-    }
-}
-
-/// The cutting edge; the default is the slender-shaft paper's insert.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ToolSettings {
-    /// Nose radius, mm.
-    pub nose_radius_mm: f64,
-    /// Lead (cutting edge) angle κ_r of the straight edge, degrees.
-    pub lead_angle_deg: f64,
-    /// Rake angle γ, degrees; handbook factors on the force.
-    pub rake_deg: f64,
-    /// Relief angle α, degrees; handbooks give no factor on the force.
-    pub relief_deg: f64,
-    /// Minor cutting edge angle κ'_r, degrees: with the nose radius, the height of the feed marks.
-    pub minor_angle_deg: f64,
-    /// Inclination λ_s of the major cutting edge (ISO 3002-1), degrees; handbook factors on the force.
-    pub inclination_deg: f64,
-}
-
-impl Default for ToolSettings {
-    fn default() -> Self {
-        Self {
-            nose_radius_mm: 0.4,
-            lead_angle_deg: 90.0,
-            rake_deg: 15.0,
-            relief_deg: 6.0,
-            minor_angle_deg: 15.0,
-            inclination_deg: 0.0,
-        }
     }
 }
 
@@ -254,20 +224,6 @@ impl ProcessSettings {
         Range::between(0.01, 50.0).check("pass.node_mm", self.pass.node_mm)?;
         Range::NOT_NEGATIVE.check("pass.minimum_chip_mm", self.pass.minimum_chip_mm)?;
         self.disturbance.validate()
-    }
-}
-
-impl ToolSettings {
-    /// Checks every number; `prefix` is the table's dotted key below `process`.
-    pub(super) fn validate(&self, prefix: &str) -> Result<(), SettingsError> {
-        let key = |name: &str| format!("{prefix}.{name}");
-        Range::POSITIVE.check(&key("nose_radius_mm"), self.nose_radius_mm)?;
-        Range::between(15.0, 90.0).check(&key("lead_angle_deg"), self.lead_angle_deg)?;
-        // Inserts are made from -15° to 30°; a wedge of less than 45° between rake and relief breaks.
-        Range::between(-15.0, 30.0).check(&key("rake_deg"), self.rake_deg)?;
-        Range::between(0.5, 20.0).check(&key("relief_deg"), self.relief_deg)?;
-        Range::between(0.5, 90.0).check(&key("minor_angle_deg"), self.minor_angle_deg)?;
-        Range::between(-15.0, 15.0).check(&key("inclination_deg"), self.inclination_deg)
     }
 }
 

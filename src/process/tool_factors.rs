@@ -13,7 +13,7 @@
 
 use serde::Serialize;
 
-use super::settings::ToolSettings;
+use super::tool::ToolSettings;
 
 /// Factors on the force components; 1 for the handbook's reference tool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

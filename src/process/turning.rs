@@ -6,7 +6,7 @@
 //! in the diameter after (error copying), reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b.
 //! Diameters are those of the unloaded shaft at 20 °C.
 
-mod followed;
+pub(super) mod followed;
 
 use thiserror::Error;
 
@@ -20,7 +20,6 @@ use super::settings::{BelowMinimumChip, FeedDirection, ProcessSettings};
 use super::texture;
 use crate::plan::PassPlan;
 use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Shaft, SpindleMotion};
-pub use followed::{Contributions, FollowedPass};
 
 /// Why a pass was not cut.
 #[derive(Clone, Debug, Error, PartialEq)]

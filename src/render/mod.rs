@@ -1,36 +1,33 @@
 //! Scene, optics and sensor to frames: silhouettes in f64, pixels on the GPU or its CPU twin.
 //!
-//! [`OpticalBench::resolve`] draws the true bench, [`Scene::new`] puts a shaft before it, [`Renderer::render`] takes
-//! a frame. The twin ([`shadowgraph`]) and the shader of the same name are judged by [`reference`].
+//! In: a [`Shaft`](crate::shaft::Shaft), the settings of an optical setup ([`settings`]) and the
+//! seed of its departures. Out: frames in counts, with the true rows of both edges.
+//! [`OpticalBench::resolve`] draws the true setup, [`Scene::new`] puts a shaft before it,
+//! [`Renderer::render`] takes a frame.
+//!
+//! From the body to the pixel: [`form`] (a body from the `[shaft]` table), [`silhouette`] (its
+//! outline in f64), [`optics`] (edge spread, lens), [`motion`], [`contamination`], `sensor`;
+//! [`scene`] joins them into the job of one frame, and [`kernel`] (the shader and its CPU twin) or
+//! [`gpu`] computes it. The twin ([`shadowgraph`]) is compared with [`reference`], which shares no
+//! code with it. A new effect on the light goes into the folder of its cause, gets a table in
+//! [`settings`], and enters a frame in [`scene`]; a folder imports only folders that
+//! `tests/architecture.rs` lists before it.
 
-mod bench;
-pub mod columns;
 pub mod contamination;
-mod edge_cells;
 mod error;
-pub mod esf;
-pub mod esf_families;
-mod exposure;
 pub mod form;
 pub mod gpu;
-mod laser_shoulder;
-pub mod lens;
-pub mod light_map;
+pub mod kernel;
 pub mod motion;
-pub mod noise;
-mod optics;
-pub mod params;
-mod profiles;
-pub mod reference;
+pub mod optics;
 mod renderer;
-mod scene;
-mod sensor_presets;
+pub mod scene;
+mod sensor;
 pub mod settings;
-pub mod shadowgraph;
 pub mod silhouette;
-mod veil;
 
-pub use bench::OpticalBench;
 pub use error::RenderError;
+pub use kernel::{column_edges as columns, light_map, noise, params, reference, shadowgraph};
+pub use optics::{edge_spread as esf_families, esf_table as esf, lens};
 pub use renderer::{BackendChoice, Renderer};
-pub use scene::{FrameRequest, Scene};
+pub use scene::{FrameRequest, OpticalBench, Scene};

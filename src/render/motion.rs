@@ -17,8 +17,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::error::{RenderError, within};
-use super::esf_families::quadrature::{gauss_legendre, panels};
-use super::esf_families::{EdgeSpread, Shifts};
+use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
+use crate::render::optics::edge_spread::{EdgeSpread, Shifts};
 
 /// Nodes a panel of at most half a radian of the fastest motion: followed to 1e-12 of its amplitude.
 const NODES: usize = 4;

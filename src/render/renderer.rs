@@ -4,10 +4,11 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::error::RenderError;
 use super::gpu::{Api, Gpu, Work};
-use super::params::Job;
-use super::scene::{FrameRequest, Scene};
-use super::shadowgraph;
 use crate::frame::{Buffer, Frame, PixelFormat};
+use crate::render::kernel::cpu;
+use crate::render::kernel::job::Job;
+use crate::render::scene::request::FrameRequest;
+use crate::render::scene::scene::Scene;
 
 /// What renders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -214,9 +215,9 @@ impl Renderer {
         let mut buffer = fitting(job, reuse);
         if !self.on_device(job, Work::Frame, &mut buffer)? {
             match &mut buffer {
-                Buffer::U8(p) => shadowgraph::render(job, p),
-                Buffer::U16(p) => shadowgraph::render(job, p),
-                Buffer::F32(p) => shadowgraph::render(job, p),
+                Buffer::U8(p) => cpu::render(job, p),
+                Buffer::U16(p) => cpu::render(job, p),
+                Buffer::F32(p) => cpu::render(job, p),
             }
         }
         Ok(buffer)
@@ -230,9 +231,9 @@ impl Renderer {
         let mut buffer = fitting(job, reuse);
         if !self.on_device(job, Work::Constant, &mut buffer)? {
             match &mut buffer {
-                Buffer::U8(p) => shadowgraph::constant(job, p),
-                Buffer::U16(p) => shadowgraph::constant(job, p),
-                Buffer::F32(p) => shadowgraph::constant(job, p),
+                Buffer::U8(p) => cpu::constant(job, p),
+                Buffer::U16(p) => cpu::constant(job, p),
+                Buffer::F32(p) => cpu::constant(job, p),
             }
         }
         Ok(buffer)

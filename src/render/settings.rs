@@ -8,12 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use super::contamination::Contamination;
 use super::error::{RenderError, within};
-use super::lens::FieldLight;
 use super::motion::Motion;
-pub use super::optics::{Entocentric, Esf, GaussianEsf, Optics};
-use super::sensor_presets::SensorFile;
-pub use super::sensor_presets::SensorPreset;
-use crate::frame::{PixelFormat, Roi};
+pub use super::sensor::{Sensor, SensorPreset};
+use crate::frame::Roi;
+use crate::render::optics::lens::FieldLight;
+pub use crate::render::optics::settings::{Entocentric, Esf, GaussianEsf, Optics};
 
 /// The pixel matrix and its timing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -178,72 +177,6 @@ impl Light {
             within("light.bright_counts", self.bright_counts, self.shadow_counts, 16.0 * full)?;
         }
         self.field.check()
-    }
-}
-
-/// From photons to counts (EMVA 1288 4.0: K is the system gain, its inverse is set here).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(from = "SensorFile")]
-pub struct Sensor {
-    /// The published figures the rest was taken from, where it was.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub preset: Option<SensorPreset>,
-    /// Pixel format; full scale follows from it.
-    pub format: PixelFormat,
-    /// Electrons a count stands for, 1/K.
-    pub electrons_per_count: f64,
-    /// Quantum efficiency: share of the photons that become electrons.
-    pub quantum_efficiency: f64,
-    /// Temporal dark noise σ_d, electrons.
-    pub read_noise_e: f64,
-    /// Grey value without a single electron, counts.
-    pub black_level_counts: f64,
-    /// Saturation capacity, electrons.
-    pub full_well_e: f64,
-    /// Photo-response non-uniformity PRNU: relative standard deviation of the pixels' gain, the same in every frame.
-    pub prnu_rel: f64,
-    /// Dark-signal non-uniformity DSNU: standard deviation of the pixels' offset, electrons, the same in every frame.
-    pub dsnu_e: f64,
-    /// Hot pixels a million.
-    pub hot_pixels_ppm: f64,
-    /// Extra signal of a hot pixel, electrons.
-    pub hot_pixel_e: f64,
-}
-
-impl Default for Sensor {
-    /// A 12-bit global-shutter CMOS sensor with 10 500 electrons full well.
-    fn default() -> Self {
-        Self {
-            preset: None,
-            format: PixelFormat::Mono12,
-            electrons_per_count: 2.6,
-            quantum_efficiency: 0.6,
-            read_noise_e: 2.4,
-            black_level_counts: 64.0,
-            full_well_e: 10_500.0,
-            prnu_rel: 0.0,
-            dsnu_e: 0.0,
-            hot_pixels_ppm: 0.0,
-            hot_pixel_e: 2000.0,
-        }
-    }
-}
-
-impl Sensor {
-    /// Checks every value against its range.
-    ///
-    /// # Errors
-    /// Names the key that is wrong and what would be right.
-    pub fn check(&self) -> Result<(), RenderError> {
-        within("sensor.electrons_per_count", self.electrons_per_count, 1e-4, 1e5)?;
-        within("sensor.quantum_efficiency", self.quantum_efficiency, 1e-3, 1.0)?;
-        within("sensor.read_noise_e", self.read_noise_e, 0.0, 1e4)?;
-        within("sensor.black_level_counts", self.black_level_counts, 0.0, 65535.0)?;
-        within("sensor.full_well_e", self.full_well_e, 1.0, 1e8)?;
-        within("sensor.prnu_rel", self.prnu_rel, 0.0, 0.5)?;
-        within("sensor.dsnu_e", self.dsnu_e, 0.0, 1e5)?;
-        within("sensor.hot_pixels_ppm", self.hot_pixels_ppm, 0.0, 1e6)?;
-        within("sensor.hot_pixel_e", self.hot_pixel_e, 0.0, 1e7)
     }
 }
 

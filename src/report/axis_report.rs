@@ -1,8 +1,8 @@
 //! The axis of the part in the report of a run: how it bends in the image plane, and what turns with it.
 
+use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::run_report::ReportError;
 use crate::run_folder::AxisRow;
 
 /// Adds the section; nothing where no pass has an axis.

@@ -1,6 +1,7 @@
 //! The report of a calibration: parameters, residuals, sources of uncertainty, sensor, check pin.
 
-use super::ReportError;
+use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
+use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::EdgeMisfit;
@@ -42,8 +43,8 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
     misfit(&mut page, calibration.misfit())?;
     if let Some(budget) = &calibrated.example {
         page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm))
-            .text(&super::budget_words(budget, budget.factor_or(None)));
-        page.table(&super::BUDGET_HEADER, &super::budget_rows(budget));
+            .text(&budget_words(budget, budget.factor_or(None)));
+        page.table(&BUDGET_HEADER, &budget_rows(budget));
     }
     sensor(&mut page, bench)?;
     Ok(page.finish())

@@ -1,7 +1,15 @@
 //! Plots and HTML from what a run folder, a calibration or a study holds.
+//!
+//! In: a [`RunView`] (job, folder, sample), a calibration, rings measured. Out: one self-contained
+//! page and the files beside it. [`html`] makes pages, [`plot`] charts; a report is a file of
+//! sections, each a function that takes a page and what it shows (`shaft_report`, `form_report`,
+//! `axis_report`, `probe_report`, `sample`, `budget_words`). A new section is a file and one call
+//! in the report it belongs to.
 
 mod axis_report;
+mod budget_words;
 mod calibration_report;
+mod error;
 mod form_report;
 pub mod html;
 pub mod plot;
@@ -11,45 +19,8 @@ mod sample;
 mod shaft_report;
 mod washers_report;
 
+pub use budget_words::{BUDGET_HEADER, budget_rows};
 pub use calibration_report::calibration_report;
-pub use run_report::{ReportError, RunPage, RunView, run_report};
+pub use error::ReportError;
+pub use run_report::{RunPage, RunView, run_report};
 pub use washers_report::washers_page;
-
-use crate::gauge::budget::Budget;
-use crate::gauge::stated::stated;
-
-/// Columns of [`budget_rows`].
-pub const BUDGET_HEADER: [&str; 6] = ["source", "input", "distribution", "share", "u / µm", "% of u²"];
-
-/// The rows of a budget, largest first.
-pub fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
-    let total = budget.u_mm().powi(2);
-    let mut rows: Vec<_> = budget.contributions.iter().collect();
-    rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));
-    rows.into_iter()
-        .map(|c| {
-            vec![
-                c.source.clone(),
-                c.input.clone(),
-                c.shape.as_str().to_owned(),
-                format!("{:?}", c.share).to_lowercase(),
-                format!("{:.4}", 1e3 * c.u_mm),
-                format!("{:.2}", 1e2 * c.u_mm * c.u_mm / total),
-            ]
-        })
-        .collect()
-}
-
-/// The result of a budget in words, U and value to the place of U's second significant digit (GUM 7.2.6); U is k·u.
-fn budget_words(budget: &Budget, k: f64) -> String {
-    let expanded_mm = k * budget.u_mm();
-    let um = |u_mm: f64| stated(0.0, 1e3 * u_mm)[1].clone();
-    format!(
-        "D = {} mm, u = {} µm (random {}, common {}), U = {} µm at k = {k:.2}.",
-        stated(budget.diameter_mm, expanded_mm)[0],
-        um(budget.u_mm()),
-        um(budget.u_random_mm()),
-        um(budget.u_common_mm()),
-        um(expanded_mm)
-    )
-}

@@ -1,23 +1,24 @@
 //! The budget of a station that was touched by a probe.
 
-use super::ReportError;
+use super::error::ReportError;
 use super::html::Page;
-use super::run_report::RunView;
 use crate::closed_loop::Calibrated;
+use crate::job::Job;
 use crate::probe;
+use crate::run_folder::RunFolder;
 
 /// Common parts by source, with the median random part over the stations of the last pass; nothing for a camera's run.
-pub(super) fn budget(page: &mut Page, view: &RunView<'_>) -> Result<(), ReportError> {
-    let Some(settings) = &view.job.probe else { return Ok(()) };
-    let text = view.folder.read_text("calibration.json")?;
+pub(super) fn budget(page: &mut Page, job: &Job, folder: &RunFolder) -> Result<(), ReportError> {
+    let Some(settings) = &job.probe else { return Ok(()) };
+    let text = folder.read_text("calibration.json")?;
     let known: Calibrated = serde_json::from_str(&text).map_err(|e| ReportError::Draw(e.to_string()))?;
     let Calibrated::Probe(calibration) = known else { return Ok(()) };
-    let rows = view.folder.stations()?;
+    let rows = folder.stations()?;
     let last = rows.iter().map(|r| r.pass).max().unwrap_or(0);
     let mut random: Vec<f64> = rows.iter().filter(|r| r.pass == last).filter_map(|r| r.u_random_mm).collect();
     random.sort_by(f64::total_cmp);
     let Some(&median) = random.get(random.len() / 2) else { return Ok(()) };
-    let d_mm = view.job.part.target_mm(last);
+    let d_mm = job.part.target_mm(last);
     let mut parts = probe::common_parts(settings, &calibration, d_mm).to_vec();
     parts.push(("touches, texture and form over the angles (type A, median station)", median));
     let together = parts.iter().fold(0.0, |u: f64, part| u.hypot(part.1));

@@ -1,18 +1,20 @@
 //! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
 
 use super::axis_report::axis_section;
+use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
+use super::error::ReportError;
 use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::sample;
 use super::shaft_report::shaft_section;
+use super::{probe_report, sample};
 use crate::closed_loop::{Sample, part_verdict};
 use crate::control::ControllerName;
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
 use crate::gauge::turn_form::PartForm;
 use crate::job::Job;
-use crate::run_folder::{PassRow, RunFolder, RunFolderError, StationRow, profile_of};
+use crate::run_folder::{PassRow, RunFolder, StationRow, profile_of};
 
 /// What a report is made from.
 #[derive(Clone, Copy)]
@@ -39,18 +41,6 @@ pub struct RunPage {
     pub html: String,
     /// Files by their name below the run folder.
     pub files: Vec<(String, Vec<u8>)>,
-}
-
-/// A report that cannot be made.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReportError {
-    /// The run folder cannot be read.
-    #[error(transparent)]
-    Folder(#[from] RunFolderError),
-    /// A chart or picture cannot be drawn.
-    #[error("report: {0}")]
-    Draw(String),
 }
 
 struct Rows {
@@ -102,7 +92,7 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     axis_section(&mut page, &view.folder.axis()?)?;
     uncertainty(&mut page, &rows)?;
     budget(&mut page, view, &rows)?;
-    super::probe_report::budget(&mut page, view)?;
+    probe_report::budget(&mut page, view.job, view.folder)?;
     calibration(&mut page, view)?;
     Ok(RunPage { html: page.finish(), files })
 }
@@ -373,10 +363,10 @@ fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), Report
         freedom: None,
         u_mm: random[random.len() / 2],
     });
-    let words = super::budget_words(&budget, budget.factor_or(None));
+    let words = budget_words(&budget, budget.factor_or(None));
     page.heading("Uncertainty budget of a station")
         .text(&format!("{words} The random part is the median over the stations."));
-    page.table(&super::BUDGET_HEADER, &super::budget_rows(&budget));
+    page.table(&BUDGET_HEADER, &budget_rows(&budget));
     Ok(())
 }
 

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
+use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::run_report::ReportError;
 use crate::run_folder::{PassRow, StationRow, TrueAxisRow};
 
 /// Spindle angles of the moving picture.

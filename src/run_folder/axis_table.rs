@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{RunFolder, RunFolderError};
+use super::folder::{RunFolder, RunFolderError};
 use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 
 /// A row of `axis.csv`: the axis at a station after a pass.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{RunFolder, RunFolderError};
+use super::folder::{RunFolder, RunFolderError};
 use crate::closed_loop::Evidence;
 use crate::profile::DiameterProfile;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{RunFolder, RunFolderError};
+use super::folder::{RunFolder, RunFolderError};
 use crate::gauge::turn_form::{PartForm, SectionForm};
 use crate::profile::Station;
 

@@ -11,7 +11,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::record::RowAccessor;
 use parquet::schema::parser::parse_message_type;
 
-use super::{RunFolder, RunFolderError};
+use super::folder::{RunFolder, RunFolderError};
 
 const DIAMETERS: &str = "message diameters { REQUIRED BYTE_ARRAY run_id (UTF8); REQUIRED INT32 pass; REQUIRED INT64 frame_id;
   REQUIRED INT64 t_ns; REQUIRED DOUBLE z_mm; REQUIRED DOUBLE angle_deg; REQUIRED DOUBLE d_mm; REQUIRED DOUBLE u_random_mm;

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{RunFolder, RunFolderError};
+use super::folder::{RunFolder, RunFolderError};
 use crate::plan::DiameterOffset;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 

@@ -1,6 +1,6 @@
 //! What a user writes about a shaft: the `[shaft]` table.
 
-use super::{AxialWave, Eccentricity, Flat, Keyway, Lobe, Pose, SpindleMotion};
+use super::body::{AxialWave, Eccentricity, Flat, Keyway, Lobe, Pose, SpindleMotion};
 
 /// Roughness and waviness to be drawn by seed: a Gaussian random field over z and θ.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]

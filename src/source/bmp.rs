@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::ImageDecoder;
 use image::codecs::bmp::BmpDecoder;
 
-use super::decode::{DecodeError, check_size, damaged};
+use super::error::{DecodeError, check_size, damaged};
 use super::png::palette_values;
 use super::raster::{Raster, Stated};
 use super::scale::FileScale;

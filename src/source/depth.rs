@@ -2,7 +2,7 @@
 //! from the largest value. Grey values are taken as they stand, except where a file's writer has spread them over its container
 //! (left-aligned, or scaled to its ends): there the camera's own values come back.
 
-use super::decode::DecodeError;
+use super::error::DecodeError;
 use crate::frame::{Buffer, PixelFormat};
 
 /// A frame's buffer with its format and its full scale.

@@ -7,17 +7,15 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::decode::{DecodeError, Wanted, decode_wanted, pages};
+use super::decode::{Wanted, decode_wanted, pages};
+use super::error::DecodeError;
+use super::extension::is_image_extension;
 use super::frame_table::{FrameInfo, FrameTable, TableError};
 use super::natural_order::natural;
 use super::raster::Channel;
 use super::scale::FileScale;
 use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 
-/// Extensions taken for images in a folder.
-const EXTENSIONS: [&str; 15] = [
-    "png", "tif", "tiff", "btf", "tf8", "jpg", "jpeg", "jpe", "bmp", "pgm", "ppm", "pbm", "pnm", "pam", "pfm",
-];
 /// Largest file read, bytes: an f32 frame of the largest size decoded.
 const LARGEST_FILE: u64 = 1 << 31;
 /// Rows of a table that a notice names one by one.
@@ -150,10 +148,6 @@ fn images_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     }
     images.sort();
     Ok(images)
-}
-
-pub(super) fn is_image_extension(extension: &str) -> bool {
-    EXTENSIONS.contains(&extension.to_ascii_lowercase().as_str())
 }
 
 fn name(path: &Path) -> String {

@@ -156,7 +156,7 @@ fn file_stem(name: &str) -> &str {
 fn key(name: &str) -> String {
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let stem = match name.rsplit_once('.') {
-        Some((stem, extension)) if super::folder::is_image_extension(extension) => stem,
+        Some((stem, extension)) if super::extension::is_image_extension(extension) => stem,
         _ => name,
     };
     stem.parse::<u64>().map_or_else(|_| stem.to_owned(), |n| n.to_string())

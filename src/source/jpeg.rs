@@ -9,7 +9,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 use zune_jpeg::{ImageInfo, JpegDecoder, SampleRatios};
 
-use super::decode::{DecodeError, check_size};
+use super::error::{DecodeError, check_size};
 use super::ifd::Exif;
 use super::raster::{Raster, Stated};
 use super::scale::FileScale;

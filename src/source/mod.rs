@@ -1,8 +1,17 @@
-//! Where frames come from when they are not rendered: files and folders (cameras later).
+//! Where frames come from when they are not rendered: files and folders.
+//!
+//! In: a file or folder (`folder`, in the order of `natural_order`, with `frame_table` where
+//! `frames.csv` stands). Out: frames with their scale and encoding. `decode` chooses the reader of
+//! a format (`png`, `tiff`, `jpeg`, `bmp`, `pnm`); each gives a `raster` of channels, which
+//! `depth`, `transfer`, `orientation`, `packed` and `relaid` bring to the pixels of a frame. A new
+//! format is a file with a function from bytes to a raster, an entry in `decode` and one in
+//! `extension`.
 
 mod bmp;
 mod decode;
 mod depth;
+mod error;
+mod extension;
 mod folder;
 mod frame_table;
 mod ifd;
@@ -18,7 +27,8 @@ mod scale;
 mod tiff;
 mod transfer;
 
-pub use decode::{DecodeError, Decoded, Wanted, decode, decode_wanted, pages};
+pub use decode::{Decoded, Wanted, decode, decode_wanted, pages};
+pub use error::DecodeError;
 pub use folder::{FileFrames, Listing, ReadError, StoredFrame, list_images, listing, out_of_order};
 pub use frame_table::{FrameInfo, FrameTable, TableError};
 pub use natural_order::natural;

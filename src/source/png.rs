@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, Limits};
 
-use super::decode::{DecodeError, check_size, damaged};
+use super::error::{DecodeError, check_size, damaged};
 use super::ifd::Exif;
 use super::packed::unpack;
 use super::raster::{Raster, Stated};

@@ -1,7 +1,7 @@
 //! PGM, PPM, PBM (plain and raw), PAM and PFM, as the Netpbm manual pages define them: grey values as they stand, `maxval` the
 //! full scale.
 
-use super::decode::{DecodeError, check_size, damaged};
+use super::error::{DecodeError, check_size, damaged};
 use super::packed::unpack;
 use super::raster::{Raster, Stated};
 use crate::frame::Buffer;

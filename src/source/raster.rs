@@ -1,6 +1,6 @@
 //! What a file format's reader hands on: samples as they stand in the file, and what the file states of them.
 
-use super::decode::DecodeError;
+use super::error::DecodeError;
 use super::scale::FileScale;
 use super::transfer::Transfer;
 use crate::frame::Buffer;

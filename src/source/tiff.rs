@@ -6,7 +6,7 @@
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::{TiffError, TiffUnsupportedError};
 
-use super::decode::{DecodeError, MOST_PIXELS, check_size, damaged};
+use super::error::{DecodeError, MOST_PIXELS, check_size, damaged};
 use super::ifd::{Directory, Exif, TiffBytes};
 use super::packed::unpack;
 use super::png::palette_values;

@@ -10,7 +10,7 @@ use std::fmt;
 
 use moxcms::{ColorProfile, DataColorSpace, ToneCurveEvaluator};
 
-use super::decode::DecodeError;
+use super::error::DecodeError;
 use crate::frame::{Buffer, Encoding};
 
 /// Largest ICC profile read, bytes: tone curves and their texts; those that carry tables of colours are larger.

@@ -1,4 +1,11 @@
-//! Studies over the stages: single factors, deflection, choice of cutting data, reproductions of papers.
+//! Studies over the stages: single factors, deflection, choice of cutting data, coverage,
+//! reproductions of papers.
+//!
+//! In: a config of the study, a seed, a renderer where frames are drawn. Out: rows as serde types;
+//! the command of the same name prints them and writes tables. [`calibration`] makes the
+//! calibration of recorded or rendered frames that others use; [`reproduction`] holds rows and
+//! verdicts of a paper's figures. A new study is a file or folder here that computes, and a command
+//! in `cli/study` that prints.
 
 pub mod calibration;
 pub mod contamination;

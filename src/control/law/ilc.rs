@@ -6,8 +6,8 @@
 //! constant disturbance d settles at (1 − Q) d instead of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne,
 //! IEEE Control Syst. Mag. 26(3) (2006) 96.
 
-use super::{Law, Proposal, Seen};
-use crate::control::IlcSettings;
+use super::proposal::{Law, Proposal, Seen};
+use crate::control::settings::IlcSettings;
 use nalgebra::{DMatrix, DVector};
 
 /// Iterative-learning law.

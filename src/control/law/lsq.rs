@@ -1,8 +1,9 @@
 //! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the offsets in force.
 
-use super::{Law, Proposal, Seen, independent_u, y};
+use super::proposal::{Law, Proposal, Seen, independent_u, y};
+use crate::control::error::ControlError;
 use crate::control::fit::{self, Fit};
-use crate::control::{ApplyTo, ControlError, Estimator, LsqSettings};
+use crate::control::settings::{ApplyTo, Estimator, LsqSettings};
 use nalgebra::{DMatrix, DVector};
 
 /// Least-squares law.

@@ -4,87 +4,12 @@ mod ilc;
 mod lsq;
 mod model;
 mod pid_law;
+mod proposal;
 mod run_to_run;
 
 pub(crate) use ilc::{IlcLaw, q_filter};
 pub(crate) use lsq::LsqLaw;
 pub(crate) use model::{ModelLaw, nominal_gain};
 pub(crate) use pid_law::PidLaw;
+pub(crate) use proposal::{Feedforward, Law, Seen};
 pub(crate) use run_to_run::{DoubleEwmaLaw, EwmaLaw};
-
-use super::context::NextPass;
-use super::fit::{self, Fit};
-use super::readings::Errors;
-use crate::plan::PassPlan;
-use nalgebra::{DMatrix, DVector};
-
-/// What a law sees of the pass measured.
-pub(crate) struct Seen<'a> {
-    /// What was commanded, with the offsets in force.
-    pub plan: &'a PassPlan,
-    /// Errors of the pass.
-    pub errors: &'a Errors,
-    /// The next pass, where it is known.
-    pub next: Option<NextPass>,
-}
-
-impl Seen<'_> {
-    /// Offsets in force, mm of diameter.
-    fn in_force(&self) -> &[f64] {
-        &self.plan.offset.o_mm
-    }
-}
-
-/// What a law wants.
-pub(crate) struct Proposal {
-    /// Offsets of the next pass, mm of diameter.
-    pub o_mm: Vec<f64>,
-    /// Remarks for the log.
-    pub notes: Vec<String>,
-}
-
-impl From<Vec<f64>> for Proposal {
-    fn from(o_mm: Vec<f64>) -> Self {
-        Self { o_mm, notes: Vec::new() }
-    }
-}
-
-/// How offsets learnt from earlier parts meet what a law proposes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Feedforward {
-    /// The proposal starts from the offsets in force: the difference of the next pass's to this pass's is added.
-    Difference,
-    /// The proposal starts from zero: the next pass's is added.
-    Whole,
-    /// The proposal already predicts the next pass: nothing is added.
-    Nothing,
-}
-
-/// A control law. It proposes; the compensator decides whether the proposal, and what the law learnt, is kept.
-pub(crate) trait Law: Clone {
-    /// A new part: forget the last one. `stock_mm` are its diameters before the first pass, where measured.
-    fn begin(&mut self, stock_mm: Option<Vec<f64>>);
-
-    /// Offsets of the next pass.
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal;
-
-    /// What is added from earlier parts.
-    fn feedforward(&self) -> Feedforward {
-        Feedforward::Difference
-    }
-}
-
-fn y(errors: &Errors) -> DVector<f64> {
-    DVector::from_column_slice(&errors.e_mm)
-}
-
-/// Standard uncertainty that is independent from station to station; the combined one where that is not stated.
-fn independent_u(errors: &Errors) -> DVector<f64> {
-    let stated = errors.u_random_mm.iter().all(|&u| u > 0.0);
-    DVector::from_column_slice(if stated { &errors.u_random_mm } else { &errors.u_mm })
-}
-
-/// Fits shapes to the errors, weighted by what is independent from station to station.
-fn project(design: &DMatrix<f64>, errors: &Errors) -> Option<Fit> {
-    fit::weighted(design, &y(errors), &independent_u(errors))
-}

@@ -18,8 +18,8 @@
 //! Valid while F is steep enough to be seen and the depth lies above minimum chip; one diameter is taken for the
 //! half-cut shaft, Euler-Bernoulli: both end up in s and c.
 
-use super::{Feedforward, Law, Proposal, Seen};
-use crate::control::{ModelSettings, Workpiece};
+use super::proposal::{Feedforward, Law, Proposal, Seen};
+use crate::control::settings::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
 

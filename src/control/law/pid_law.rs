@@ -1,8 +1,9 @@
 //! PID per station or per shape.
 
-use super::{Feedforward, Law, Proposal, Seen, project};
+use super::proposal::{Feedforward, Law, Proposal, Seen, project};
+use crate::control::error::ControlError;
 use crate::control::pid::Pid;
-use crate::control::{ControlError, OffsetForm, PidSettings, Spatial};
+use crate::control::settings::{OffsetForm, PidSettings, Spatial};
 use nalgebra::{DMatrix, DVector};
 
 /// PID per station or per shape.

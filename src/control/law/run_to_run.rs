@@ -11,8 +11,8 @@
 //! 193 (the predictor-corrector form, as in A. Chen, R.-S. Guo, ibid. 14 (2001) 11). Stable for 0 < λ b/b̂ < 2 with a
 //! constant disturbance, for the double form see `stability`.
 
-use super::{Law, Proposal, Seen};
-use crate::control::{DoubleEwmaSettings, EwmaSettings};
+use super::proposal::{Law, Proposal, Seen};
+use crate::control::settings::{DoubleEwmaSettings, EwmaSettings};
 
 /// EWMA per station.
 #[derive(Clone, Debug)]

@@ -1,7 +1,6 @@
 //! `[control.guards]`: what an offset must pass before it is released.
 
-use super::{require, require_limit};
-use crate::control::ControlError;
+use crate::control::error::{ControlError, require, require_limit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

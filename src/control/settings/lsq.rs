@@ -1,7 +1,7 @@
 //! `[control.lsq]`.
 
-use super::require;
-use crate::control::{ControlError, Shapes};
+use crate::control::error::{ControlError, require};
+use crate::control::shapes::Shapes;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

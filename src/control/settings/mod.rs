@@ -14,67 +14,10 @@ pub use pid::{FirstPass, OffsetForm, PidAlgorithm, PidSettings, Spatial};
 pub use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSettings};
 pub use within_pass::WithinPassSettings;
 
-use super::ControlError;
+use super::controller_name::ControllerName;
+use super::error::{ControlError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Which controller decides the offsets of the next pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum ControllerName {
-    /// No correction: the offsets stay zero.
-    None,
-    /// Proportional-integral-derivative, `[control.pid]`.
-    #[default]
-    Pid,
-    /// Least-squares shape, `[control.lsq]`.
-    Lsq,
-    /// Run-to-run EWMA per station, `[control.ewma]`.
-    Ewma,
-    /// Double EWMA with trend per station, `[control.dewma]`.
-    Dewma,
-    /// Iterative learning with a Q filter along z, `[control.ilc]`.
-    Ilc,
-    /// Model-based, `[control.model]`.
-    Model,
-}
-
-impl ControllerName {
-    /// Every controller, in the order in which comparisons list them.
-    pub const ALL: [Self; 7] =
-        [Self::None, Self::Pid, Self::Lsq, Self::Ewma, Self::Dewma, Self::Ilc, Self::Model];
-
-    /// The word used on the command line and in files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Pid => "pid",
-            Self::Lsq => "lsq",
-            Self::Ewma => "ewma",
-            Self::Dewma => "dewma",
-            Self::Ilc => "ilc",
-            Self::Model => "model",
-        }
-    }
-}
-
-impl std::fmt::Display for ControllerName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
-
-impl std::str::FromStr for ControllerName {
-    type Err = ControlError;
-
-    fn from_str(word: &str) -> Result<Self, ControlError> {
-        Self::ALL
-            .into_iter()
-            .find(|name| name.as_str() == word)
-            .ok_or_else(|| ControlError::UnknownController { word: word.to_owned() })
-    }
-}
 
 /// Pass-to-pass compensation: `[control]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -145,23 +88,6 @@ impl Default for GapSettings {
     fn default() -> Self {
         Self { interpolate_run: 0, interpolate_share: 0.1 }
     }
-}
-
-/// Refuses a value, naming its key and what would be right.
-pub(crate) fn require(
-    holds: bool,
-    key: &'static str,
-    value: f64,
-    right: &'static str,
-) -> Result<(), ControlError> {
-    if holds { Ok(()) } else { Err(ControlError::Setting { key, value, right }) }
-}
-
-/// Refuses a limit that is given and not positive.
-fn require_limit(key: &'static str, limit: Option<f64>) -> Result<(), ControlError> {
-    limit.map_or(Ok(()), |value| {
-        require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
-    })
 }
 
 impl ControlSettings {

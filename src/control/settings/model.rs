@@ -3,8 +3,7 @@
 //! Length, diameter, material and force law describe the job's own part and follow from it where the table leaves them out
 //! ([`Workpiece`]); a controller that is built without a job falls back on the slender-shaft paper's part.
 
-use super::require;
-use crate::control::ControlError;
+use crate::control::error::{ControlError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! `[control.pid]`.
 
-use super::{require, require_limit};
-use crate::control::{ControlError, Shapes};
+use crate::control::error::{ControlError, require, require_limit};
+use crate::control::shapes::Shapes;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,6 @@
 //! `[control.ewma]`, `[control.dewma]`, `[control.ilc]` and `[control.parts]`.
 
-use super::require;
-use crate::control::ControlError;
+use crate::control::error::{ControlError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

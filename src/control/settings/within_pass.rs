@@ -1,7 +1,6 @@
 //! `[control.within_pass]`: correction of the stations ahead while a pass is cut.
 
-use super::require;
-use crate::control::ControlError;
+use crate::control::error::{ControlError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,7 @@
 //! Plants and controllers as transfer functions from pass to pass.
 
-use super::Polynomial;
-use super::polynomial::UNBOUNDED;
-use crate::control::{DoubleEwmaSettings, OffsetForm, PidSettings};
+use super::polynomial::{Polynomial, UNBOUNDED};
+use crate::control::settings::{DoubleEwmaSettings, OffsetForm, PidSettings};
 
 /// How errors and offsets of one pass make the error of the next: e(k+1) = α e(k) − g o(k+1) + w.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]

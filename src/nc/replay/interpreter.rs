@@ -7,9 +7,10 @@
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
-use super::touch::Surface;
+use super::surface::Surface;
+use crate::nc::dialect::Dialect;
 use crate::nc::machine::{GeometryOffset, WearX};
-use crate::nc::{Dialect, NcSettings};
+use crate::nc::settings::NcSettings;
 
 /// A program that goes on after this many blocks is refused.
 const MOST_BLOCKS: usize = 1_000_000;
@@ -546,7 +547,7 @@ impl<'a> Interpreter<'a> {
             return Err("a feed needs F above 0, per revolution".into());
         }
         let sense = match self.control.settings.spindle {
-            Some(crate::nc::Spindle::M04) => 4,
+            Some(crate::nc::machine::Spindle::M04) => 4,
             _ => 3,
         };
         if m.spindle != Some(sense) {

@@ -1,8 +1,13 @@
 //! Judges what a program does: see the list in [`super`].
 
-use super::{Control, Convex, Deed, Event, Point, Surface, run};
+use super::convex::Convex;
+use super::interpreter::{Control, Deed, Event, Point};
+use super::run::run;
+use super::surface::Surface;
+use crate::nc::dialect::Dialect;
+use crate::nc::error::NcError;
 use crate::nc::machine::{ChangePosition, Travel};
-use crate::nc::{Dialect, NcError, NcSettings};
+use crate::nc::settings::NcSettings;
 
 /// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of diameter.
 const DEPTH_TOLERANCE_MM: f64 = 0.005;

@@ -17,18 +17,12 @@ mod expression;
 mod flow;
 mod interpreter;
 mod judge;
+mod run;
+mod surface;
 mod touch;
 
 pub use convex::Convex;
 pub use interpreter::{Control, Deed, Event, Fault, Point};
 pub use judge::{Scene, Solid, check, check_once, must_alarm};
-pub use touch::Surface;
-
-/// Runs a program from one start position and lists what it does.
-///
-/// # Errors
-/// Line (from 1) and reason where it is not understood.
-pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
-    let program = flow::Program::new(text).map_err(|(line, why)| (line + 1, why))?;
-    interpreter::Interpreter::new(&program, control).run()
-}
+pub use run::run;
+pub use surface::Surface;

@@ -1,37 +1,7 @@
 //! Probing moves of a replay: what the probe meets, and what the control keeps of it.
 
 use super::interpreter::{Deed, Interpreter, Next, Point, Words};
-use crate::nc::Dialect;
-
-/// What the probe meets: diameters over Z, linear between points, constant beyond.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
-    /// (Z, mm) before the first feed of the program, Z ascending.
-    pub before: Vec<(f64, f64)>,
-    /// (Z, mm) after it.
-    pub after: Vec<(f64, f64)>,
-}
-
-impl Surface {
-    /// Diameter before the cut, mm.
-    pub fn before_at(&self, z_mm: f64) -> f64 {
-        at(&self.before, z_mm)
-    }
-
-    /// Diameter after the cut, mm.
-    pub fn after_at(&self, z_mm: f64) -> f64 {
-        at(&self.after, z_mm)
-    }
-}
-
-fn at(points: &[(f64, f64)], z: f64) -> f64 {
-    let right = points.partition_point(|p| p.0 < z);
-    match (right.checked_sub(1).and_then(|i| points.get(i)), points.get(right)) {
-        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (z - a.0) / (b.0 - a.0),
-        (Some(only), None) | (None, Some(only)) => only.1,
-        (None, None) => f64::NEG_INFINITY,
-    }
-}
+use crate::nc::dialect::Dialect;
 
 impl Interpreter<'_> {
     /// `G31`, `G38.2`: X alone, down to the touch or, where there is none, to the end of the move.

@@ -3,7 +3,8 @@
 use super::super::beam::Supports;
 use super::super::bending::{BendingSettings, ForceAt, HeldShaft, axis_at, sum_of_lines};
 use super::super::cut::CutSummary;
-use super::super::force::{Components, DepthLaw};
+use super::super::force::DepthLaw;
+use super::super::force_components::Components;
 use super::super::settings::FeedDirection;
 use super::{ProcessError, TurningProcess};
 use crate::plan::PassPlan;

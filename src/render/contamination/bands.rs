@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::lay::Layers;
-use super::map::{Band, TILE};
-use super::soiling::Asked;
-use crate::render::light_map::{LightMap, Lines};
+use super::shading::Layers;
+use super::tiles::{Asked, Band, TILE};
+use crate::render::kernel::light_map::{LightMap, Lines};
 use multiversion::multiversion;
 
 /// Factors and mask of a tile.

@@ -6,10 +6,10 @@ use rand_distr::{Distribution, Poisson, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use super::lay::{CLOUD_REACH, Layers, Shade};
 use super::map::TransmissionMap;
 use super::mask;
 use super::settings::{Contamination, SizeDistribution};
+use super::shading::{CLOUD_REACH, Layers, Shade};
 use super::shapes::{clear_radius_of_ball, clear_radius_of_cap};
 use crate::render::error::RenderError;
 

@@ -4,23 +4,8 @@
 
 use rayon::prelude::*;
 
-use super::lay::Layers;
-
-/// Side of a tile, pixels.
-pub const TILE: usize = 32;
-
-/// A row of tiles: some whole rows of a map, with what is asked for of it.
-pub(super) struct Band<'a> {
-    /// Its first row in the map.
-    pub first: i64,
-    pub columns: usize,
-    /// Factors, row-major.
-    pub values: &'a mut [f32],
-    /// Bits of what touches a pixel, where they are asked for.
-    pub mask: Option<&'a mut [u8]>,
-    /// Whether each tile may hold a factor other than 1.
-    pub touched: &'a mut [bool],
-}
+use super::shading::Layers;
+use super::tiles::{Band, TILE};
 
 /// Factors that multiply the light of every pixel, row-major, and their mask.
 #[derive(Clone, Debug, PartialEq)]

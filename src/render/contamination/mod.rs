@@ -9,21 +9,29 @@
 //! disc of confusion of radius b = |y|·NA, so that its shade grows and pales. Numbers are Poisson, sizes lognormal, places
 //! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
 //! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
+//!
+//! In: the `[contamination]` table (`settings`) and the field's geometry. Out: [`Soiling`], which
+//! gives the packed factors of a frame and the films near a field. `field` draws, `shading` lays
+//! shades over a band of `tiles`, `bands` packs them, `map` holds them unpacked, with what touches
+//! each pixel. A new kind is a table in `settings`, its draw in `field` and its shade in `shading`.
 
+mod adhering_films;
 mod bands;
+#[allow(clippy::module_inception, reason = "the file of the folder's main type")]
+mod contamination;
 mod field;
-mod films;
-mod lay;
 mod map;
 pub mod mask;
 mod settings;
+mod shading;
 pub mod shapes;
-mod soiling;
+mod tiles;
 
+pub use adhering_films::{AdheringFilms, Film};
+pub use contamination::{Rise, Soiling, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
-pub use films::{AdheringFilms, Film};
 pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
-pub use soiling::{Asked, Rise, Soiling, mark_rise};
+pub use tiles::Asked;

@@ -1,4 +1,8 @@
 //! The shaft that a user describes: contour or plain cylinder, features, form errors, thermal growth.
+//!
+//! In: a [`ShaftForm`] and a seed. Out: a [`Shaft`].
+//! `contour` reads profiles, `helices` makes threads and feed marks, `texture` draws roughness. A
+//! new form error is a table of `[shaft]` and its draw here.
 
 mod contour;
 mod helices;

@@ -5,7 +5,8 @@ use std::sync::mpsc;
 use bytemuck::cast_slice;
 
 use super::super::error::RenderError;
-use super::super::params::{FILL_ROWS, Job, Params};
+use crate::render::kernel::job::Job;
+use crate::render::kernel::params::{FILL_ROWS, Params};
 
 /// Most nodes of the quadrature over a pixel, 8 × 8.
 const MOST_NODES: u64 = 64;
@@ -33,7 +34,7 @@ impl Size {
         let bytes = |count: usize, each: usize| (count * each) as u64;
         Self([
             size_of::<Params>() as u64,
-            bytes(job.columns.len(), size_of::<super::super::columns::Column>()),
+            bytes(job.columns.len(), size_of::<crate::render::kernel::column_edges::Column>()),
             bytes(job.bands.start.len(), 8),
             MOST_NODES * 16,
             bytes(ESF_UNIFORM_SEGMENTS, 16),

@@ -1,4 +1,7 @@
 //! The kernels on a wgpu device: one device for the process, buffers kept between frames.
+//!
+//! In: a [`Job`]. Out: its pixels. `adapters` lists devices and chooses one, `buffers` holds what a
+//! frame needs on it. The shader is `shaders/shadowgraph.wgsl`; its CPU twin is `render::kernel`.
 
 mod adapters;
 mod buffers;
@@ -10,7 +13,8 @@ pub use adapters::{AdapterReport, adapter_reports, automatic, was_opened};
 
 use self::buffers::Buffers;
 use super::error::RenderError;
-use super::params::{FILL_ROWS, Job, pixels_per_word};
+use crate::render::kernel::job::Job;
+use crate::render::kernel::params::{FILL_ROWS, pixels_per_word};
 
 /// The shader, one file for all kernels of a shadowgraph.
 pub const SHADER: &str = include_str!("../../../shaders/shadowgraph.wgsl");

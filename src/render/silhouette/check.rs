@@ -1,6 +1,6 @@
 //! What makes a shaft that cannot be drawn.
 
-use super::{bounds, features};
+use super::features;
 use crate::render::error::RenderError;
 use crate::shaft::{Shaft, SurfaceTexture};
 
@@ -122,4 +122,13 @@ fn check_features(shaft: &Shaft) -> Result<(), RenderError> {
         return refuse("spindle error motion must be finite, asynchronous_rms_um within 0 to 10000".into());
     }
     Ok(())
+}
+
+/// Lowest and highest node.
+pub(super) fn bounds(texture: &SurfaceTexture) -> (f64, f64) {
+    texture
+        .height_mm
+        .iter()
+        .map(|&h| f64::from(h))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
 }

@@ -15,8 +15,8 @@
 
 use glam::DVec2;
 
-use super::features::Slice;
-use super::{BESIDE_MM, EdgePair, Turned};
+use super::slice::Slice;
+use super::turned::{BESIDE_MM, EdgePair, Turned};
 
 /// Depths of the first grid, and of the second one about its best.
 const GRID: usize = 24;

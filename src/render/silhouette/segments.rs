@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Outline;
+use super::outline::Outline;
 use crate::shaft::{Shaft, SurfaceTexture};
 
 /// Steps of the safeguarded Newton method: quadratic from the middle of a piece.

@@ -1,147 +1,33 @@
 //! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
 //! its residuals and the verdict of a check pin.
 
+mod calibrated;
+mod error;
 mod one_encoding;
 mod plan;
+mod recordings;
 mod simulated;
 mod words;
 
-use thiserror::Error;
-
+pub use calibrated::Calibrated;
+pub use error::CalibrateError;
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
+pub use recordings::Recordings;
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 pub use words::{edge_model_line, parameter_table};
 
-use crate::frame::{Encoding, Frame, FrameView};
+use crate::frame::{Frame, FrameView};
 use crate::gauge::bench::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
     MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response, shared_source,
 };
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
-use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
+use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::{
     Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
-    GaugeSettingsError, LEAST_TRAVEL, MasterFigure, MisfitLesson,
+    LEAST_TRAVEL, MasterFigure, MisfitLesson,
 };
-use crate::render::RenderError;
-
-/// Where the frames of a calibration come from.
-pub trait Recordings {
-    /// Frames of pin `index` (masters first, then the check pin) at a position.
-    ///
-    /// # Errors
-    /// Where they cannot be had.
-    fn pin(&mut self, index: usize, pin: &PinPlan, position: &Position)
-    -> Result<Vec<Frame>, CalibrateError>;
-
-    /// Dark frames; none where none were taken.
-    ///
-    /// # Errors
-    /// Where they cannot be had.
-    fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError>;
-
-    /// Frames of flat field `index` of the plan.
-    ///
-    /// # Errors
-    /// Where they cannot be had.
-    fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError>;
-}
-
-/// Why there is no calibration.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum CalibrateError {
-    /// The plan cannot be right.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The gauge refuses its settings.
-    #[error(transparent)]
-    Gauge(#[from] GaugeSettingsError),
-    /// Frames that cannot be read.
-    #[error("{0}")]
-    Frames(String),
-    /// The simulated bench cannot draw.
-    #[error("simulate: {0}")]
-    Render(#[from] RenderError),
-    /// Dark and flat fields that are none.
-    #[error("fields: {0}")]
-    Fields(#[from] FlatFieldError),
-    /// No photon transfer.
-    #[error("fields: {0}")]
-    Sensor(#[from] PhotonTransferError),
-    /// Flat fields that are none of their exposures'.
-    #[error("fields.flats: {0}")]
-    Response(#[from] NoResponse),
-    /// Frames whose files encode light in different ways.
-    #[error(
-        "{what}: the file encodes its grey values otherwise ({found}) than the frames before it ({before}); record all in one way"
-    )]
-    Encodings {
-        /// Whose frames.
-        what: String,
-        /// Theirs.
-        found: Encoding,
-        /// That of those before.
-        before: Encoding,
-    },
-    /// A pin that cannot be measured.
-    #[error("{pin}: no frame shows it: {why}")]
-    Pin {
-        /// Its name.
-        pin: String,
-        /// The gauge's reason.
-        why: String,
-    },
-    /// A pin from whose frames no edge-spread function can be learnt.
-    #[error(
-        "{pin}: none of its {frames} frame(s) teaches the edge-spread function: each edge must travel {needed} rows or more along the frame, so \
-         that all sub-pixel phases show, and these travel {travel:.2}: lay the pin obliquely by {tilt_mrad:.1} mrad or more (limit_tilt_mrad \
-         where it is simulated), or calibrate with --esf gaussian or a file"
-    )]
-    Unlearnt {
-        /// Its name.
-        pin: String,
-        /// Its frames.
-        frames: usize,
-        /// Rows that an edge must travel.
-        needed: f64,
-        /// Most rows that one travels.
-        travel: f64,
-        /// Tilt that would do, mrad.
-        tilt_mrad: f64,
-    },
-    /// Frames of different sizes.
-    #[error(
-        "{pin}: a frame of {found:?} rows x columns after frames of {expected:?}; one calibration is of one window"
-    )]
-    Size {
-        /// The pin.
-        pin: String,
-        /// Rows and columns found.
-        found: (usize, usize),
-        /// Rows and columns expected.
-        expected: (usize, usize),
-    },
-    /// The masters give no calibration.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
-}
-
-/// A finished calibration.
-#[derive(Clone, Debug)]
-pub struct Calibrated {
-    /// The calibration; its check says whether it may be used.
-    pub calibration: Calibration,
-    /// The adjustment behind it, for propagation of distributions.
-    pub adjustment: Adjustment,
-    /// One of the masters' mean shadows.
-    pub reading: Option<WidthReading>,
-    /// Its budget, for people to read.
-    pub example: Option<Budget>,
-    /// Frames left out because no edge-spread function could be learnt from them, where it was to be learnt.
-    pub unlearnt_frames: usize,
-}
 
 /// Edges of a pin's frames with where they were taken.
 struct PinEdges {

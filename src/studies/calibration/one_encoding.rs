@@ -1,6 +1,8 @@
 //! All frames of a calibration encode light in one way: the offset of the edges holds for that one alone.
 
-use super::{CalibrateError, CalibrationPlan, PinPlan, Position, Recordings};
+use super::error::CalibrateError;
+use super::plan::{CalibrationPlan, PinPlan, Position};
+use super::recordings::Recordings;
 use crate::frame::{Encoding, Frame};
 
 /// Recordings whose frames are all encoded in one way.

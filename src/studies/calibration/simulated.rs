@@ -5,12 +5,13 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::error::CalibrateError;
 use super::plan::{CalibrationPlan, PinPlan, Position, SimulatedPlan};
-use super::{CalibrateError, Recordings};
+use super::recordings::Recordings;
 use crate::frame::{Buffer, Frame, Roi};
 use crate::gauge::MasterCertificate;
 use crate::gauge::bench::{LensLimits, Thermometer};
-use crate::render::lens::Distortion;
+use crate::render::optics::lens::Distortion;
 use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};

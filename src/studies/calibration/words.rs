@@ -1,6 +1,6 @@
 //! A calibration in words and rows, for people.
 
-use super::Calibrated;
+use super::calibrated::Calibrated;
 use crate::gauge::Calibration;
 use crate::gauge::stated::stated;
 

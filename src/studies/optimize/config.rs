@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::problem::Point;
+use super::point::Point;
 use crate::process::{ProcessSettings, SettingsError};
 
 /// Why a problem is refused.

@@ -9,7 +9,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::config::Limits;
-use super::problem::{Point, Problem, Solution};
+use super::point::Point;
+use super::problem::{Problem, Solution};
 
 /// Relative gap to which optima are proven.
 pub const DEFAULT_GAP: f64 = 1e-4;

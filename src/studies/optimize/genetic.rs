@@ -10,7 +10,8 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::config::{GeneticSettings, Limits};
-use super::problem::{Point, Problem, Solution};
+use super::point::Point;
+use super::problem::{Problem, Solution};
 
 /// The best individual.
 #[derive(Clone, Debug)]

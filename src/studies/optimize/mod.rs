@@ -15,13 +15,15 @@ mod config;
 pub mod exact;
 pub mod front;
 pub mod genetic;
+mod point;
 mod problem;
 
 pub use config::{
     GeneticSettings, Limits, OptimizeConfig, OptimizeError, OptimizePart, Quality, Reference, TimeModel,
     ToolLife,
 };
-pub use problem::{Conflict, Constraint, Point, Problem, Solution};
+pub use point::Point;
+pub use problem::{Conflict, Constraint, Problem, Solution};
 
 use serde::Serialize;
 

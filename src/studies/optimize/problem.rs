@@ -3,21 +3,10 @@
 use serde::Serialize;
 
 use super::config::{Limits, OptimizeConfig, OptimizeError, TimeModel, ToolLife};
-use crate::plan::CuttingData;
+use super::point::Point;
 use crate::process::material::Material;
 use crate::process::stepped::{Piece, SteppedShaft};
 use crate::process::{ForceLaw, Section, ToolSettings, tool_factors};
-
-/// Cutting data.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Point {
-    /// Cutting speed, m/min.
-    pub speed_m_per_min: f64,
-    /// Feed, mm/r.
-    pub feed_mm_per_rev: f64,
-    /// Depth of cut, mm.
-    pub depth_mm: f64,
-}
 
 /// A limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -309,12 +298,5 @@ impl Problem {
     /// Where the force law is used outside its data at a point.
     pub fn notes(&self, p: &Point) -> Vec<String> {
         self.force.extrapolation(&p.cutting(), [p.depth_mm; 2], &self.tool)
-    }
-}
-
-impl Point {
-    /// Feed and speed.
-    pub fn cutting(&self) -> CuttingData {
-        CuttingData { speed_m_per_min: self.speed_m_per_min, feed_mm_per_rev: self.feed_mm_per_rev }
     }
 }

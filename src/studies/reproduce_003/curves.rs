@@ -1,7 +1,7 @@
 //! Figs 7 to 9 and 11 as curves over z, and the choice of cutting data over generations and passes.
 
 use super::deflection::Model;
-use super::inputs::Figure;
+use super::inputs::{Figure, Force};
 use crate::process::fit::ForcePoint;
 use crate::studies::optimize::PassTime;
 use crate::studies::optimize::genetic::Generation;
@@ -63,7 +63,7 @@ impl Curves {
             points: shape.iter().map(|(z, w)| (*z, w * force_n)).collect(),
             printed: Some((beam.position_mm, figure.error_um)),
         };
-        let of_table = |figures: &[Figure], table: &[super::Force], name: fn(&ForcePoint) -> String| {
+        let of_table = |figures: &[Figure], table: &[Force], name: fn(&ForcePoint) -> String| {
             figures
                 .iter()
                 .map(|f| (f, table[f.row - 1].meant()))

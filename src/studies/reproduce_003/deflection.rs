@@ -1,6 +1,6 @@
 //! Equations 1 to 3, Tables 1 and 2, Figs 7 to 9: forces and the deflection they cause.
 
-use super::ReproductionError;
+use super::error::ReproductionError;
 use super::inputs::{Figure, Force, Inputs};
 use crate::plan::CuttingData;
 use crate::process::fit::{ForcePoint, PowerFit, fit_power_law};

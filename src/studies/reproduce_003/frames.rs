@@ -1,7 +1,7 @@
 //! Fig. 11 on the physical plant through frames: every error is measured on rendered shadowgraphs.
 
-use super::ReproductionError;
 use super::curves::{Curves, of_passes};
+use super::error::ReproductionError;
 use super::inputs::{Inputs, PidInput};
 use super::physical::{job, shape, worst};
 use crate::cell::SimulatedCell;

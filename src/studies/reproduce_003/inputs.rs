@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::ReproductionError;
+use super::error::ReproductionError;
 use crate::process::fit::ForcePoint;
 
 /// Everything the paper prints that a row needs.

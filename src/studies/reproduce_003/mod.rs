@@ -7,6 +7,7 @@
 mod control;
 mod curves;
 mod deflection;
+mod error;
 mod frames;
 mod inputs;
 mod known;
@@ -14,52 +15,15 @@ mod optimum;
 mod own_figures;
 mod physical;
 
-use thiserror::Error;
-
 pub use curves::{Curve, Curves};
+pub use error::ReproductionError;
 pub use frames::FrameRun;
 pub use inputs::{Beam, Figure, Figures, Force, Handbook, Inputs, OptimumInput, PidInput, PlantInput};
 pub use known::KNOWN_MISSES;
 
-use super::factor::FactorError;
-use super::optimize::{OptimizeConfig, OptimizeError};
+use super::optimize::OptimizeConfig;
 use super::reproduction::{self, Row};
-use crate::closed_loop::LoopError;
-use crate::process::ProcessError;
-use crate::process::fit::FitError;
 use crate::render::Renderer;
-
-/// A reproduction that cannot be made from the inputs given.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum ReproductionError {
-    /// An input out of range.
-    #[error("{key}: {problem}")]
-    Input {
-        /// Dotted key.
-        key: String,
-        /// What is wrong and what would be right.
-        problem: String,
-    },
-    /// The forces.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// The single-factor studies.
-    #[error(transparent)]
-    Factor(#[from] FactorError),
-    /// The choice of cutting data.
-    #[error(transparent)]
-    Optimize(#[from] OptimizeError),
-    /// The turning process.
-    #[error(transparent)]
-    Process(#[from] ProcessError),
-    /// The loop through frames.
-    #[error(transparent)]
-    Loop(#[from] LoopError),
-    /// The job that the physical plant stands on.
-    #[error("the built-in job: {0}")]
-    Job(String),
-}
 
 /// Rows and curves of a reproduction.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Equations 4 to 10 and the genetic algorithm's result.
 
-use super::ReproductionError;
 use super::curves::Curves;
+use super::error::ReproductionError;
 use super::inputs::Inputs;
 use crate::process::{ForceLaw, PowerLaw};
 use crate::studies::optimize::{

@@ -4,9 +4,9 @@
 //! Fig. 11 and the main job's supports, with the paper's cutting data and final diameter and a radial force scaled so that its first
 //! error is the paper's: that keeps the shape, small at both ends and large in the middle, which a softer tailstock would not.
 
-use super::ReproductionError;
 use super::control::READING;
 use super::curves::{Curves, of_passes};
+use super::error::ReproductionError;
 use super::inputs::{Inputs, PidInput};
 use crate::control::{FirstPass, OffsetForm, Pid, PidSettings};
 use crate::job::Job;

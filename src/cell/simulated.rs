@@ -1,0 +1,229 @@
+//! The simulated cell: process and renderer in place of a lathe and a camera.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+
+use super::true_probe::TrueProbe;
+use super::turning_cell::CellError;
+use crate::frame::{Frame, FrameSource, SourceError};
+use crate::job::{Job, MasterPin};
+use crate::process::bending::sum_of_lines;
+use crate::process::{BaseForm, Stock, TurningProcess};
+use crate::render::form::form_shaft;
+use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::shaft::{AxisKnot, Pose, ProfileKnot, Shaft};
+
+/// Process and renderer in place of a lathe and a camera.
+pub struct SimulatedCell<'a> {
+    pub(super) renderer: &'a Renderer,
+    pub(super) bench: OpticalBench,
+    pub(super) process: TurningProcess,
+    /// The part at 20 °C.
+    pub(super) part: Shaft,
+    /// `[shaft.deflection]`: what bends the axis besides the process.
+    pub(super) deflection: Vec<AxisKnot>,
+    pub(super) masters_mm: Vec<f64>,
+    pub(super) seed: u64,
+    pub(super) frame_id: u64,
+    pub(super) master_frame_id: u64,
+    pub(super) clock_ns: u64,
+    /// Pass cut last; 0 before the first.
+    pub(super) pass: u32,
+    pub(super) stock: Stock,
+    pub(super) batch: Batch,
+    pub(super) probe: Option<TrueProbe>,
+}
+
+/// What is filmed: the two count their frames apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Film {
+    Part,
+    Master,
+}
+
+/// Which part of a batch, cut by which insert.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Batch {
+    pub(super) name: String,
+    pub(super) first_seed: u64,
+    pub(super) part: u64,
+    pub(super) insert: u32,
+}
+
+/// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
+pub(super) const MASTER_STREAM: u64 = 0x6d61_7374_6572;
+pub(super) const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
+/// Passes that a part may have: ids and clock of the next part start beyond them.
+const PASSES_OF_A_PART: u64 = 1024;
+/// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
+const FRAMES_OF_A_PASS: u64 = 1 << 32;
+/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a pass takes, and
+/// independent of whether an earlier pass was scanned by this process.
+const PASS_PERIOD_NS: u64 = 600_000_000_000;
+
+/// The stock with the form that `[shaft]` gives it.
+fn formed(job: &Job) -> Result<Shaft, RenderError> {
+    let blank = vec![ProfileKnot { z_mm: 0.0, radius_mm: job.part.stock_diameter_mm / 2.0 }];
+    form_shaft(blank, &job.shaft, job.part.length_mm, job.seed)
+}
+
+fn base_form_of(formed: &Shaft) -> BaseForm {
+    BaseForm {
+        lobes: formed.lobes.clone(),
+        eccentricity: formed.eccentricity,
+        bow: formed.bow.clone(),
+        pose: formed.pose,
+    }
+}
+
+/// What of a job's `[shaft]` stays with the part through all passes.
+///
+/// # Errors
+/// Where the shaft is refused.
+pub fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
+    Ok(base_form_of(&formed(job)?))
+}
+
+impl<'a> SimulatedCell<'a> {
+    /// A cell with the stock clamped and the true bench drawn from the job's seed.
+    ///
+    /// # Errors
+    /// Where a stage refuses its settings.
+    pub fn new(job: &Job, renderer: &'a Renderer) -> Result<Self, CellError> {
+        let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
+        let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
+        let formed = formed(job)?;
+        let form = base_form_of(&formed);
+        let process = TurningProcess::new(&job.process, stock, &form, job.seed ^ PROCESS_STREAM)?;
+        let blank = process.blank();
+        let deflection = sum_of_lines(&formed.deflection, &blank.deflection);
+        let part = Shaft { deflection, spindle: formed.spindle, ..blank };
+        Ok(Self {
+            renderer,
+            bench,
+            process,
+            part,
+            deflection: formed.deflection,
+            masters_mm: true_masters_mm(&job.masters.pins, job.seed),
+            seed: job.seed,
+            frame_id: 0,
+            master_frame_id: 0,
+            clock_ns: 0,
+            pass: 0,
+            stock,
+            probe: job.probe.as_ref().map(|probe| {
+                TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
+            }),
+            batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
+        })
+    }
+}
+
+impl SimulatedCell<'_> {
+    /// A workpiece in this machine: sag and spindle belong to it, not to the part.
+    pub(super) fn clamped(&self, part: Shaft) -> Shaft {
+        let deflection = sum_of_lines(&self.deflection, &part.deflection);
+        Shaft { deflection, spindle: self.part.spindle.clone(), ..part }
+    }
+
+    pub(super) fn first_frame_id(&self) -> u64 {
+        (self.batch.part * PASSES_OF_A_PART + u64::from(self.pass)) * FRAMES_OF_A_PASS
+    }
+
+    pub(super) fn begin_pass(&mut self, pass: u32) {
+        self.pass = pass;
+        self.frame_id = self.first_frame_id();
+        self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
+    }
+
+    /// One scene for all stops, or one a stop.
+    pub(super) fn film(
+        &mut self,
+        scenes: Vec<Scene>,
+        stops: Vec<(f64, f64)>,
+        film: Film,
+    ) -> Box<dyn FrameSource + '_> {
+        Box::new(SimulatedFrames {
+            renderer: self.renderer,
+            scenes,
+            stops,
+            next: 0,
+            frame_id: match film {
+                Film::Part => &mut self.frame_id,
+                Film::Master => &mut self.master_frame_id,
+            },
+            clock_ns: &mut self.clock_ns,
+            seed: self.seed,
+            spare: None,
+        })
+    }
+}
+
+/// True diameters of the masters: drawn from what their certificates say.
+fn true_masters_mm(pins: &[MasterPin], seed: u64) -> Vec<f64> {
+    let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
+    pins.iter()
+        .map(|pin| {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            pin.diameter_mm + draw * pin.expanded_u_mm / pin.coverage_factor
+        })
+        .collect()
+}
+
+/// A pin laid in by hand: a little off the axis and a little oblique each time.
+pub(super) fn hand_poses(frames: usize, seed: u64) -> Vec<Pose> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut draw = |size: f64| {
+        let z: f64 = StandardNormal.sample(&mut random);
+        size * z.clamp(-2.0, 2.0)
+    };
+    (0..frames).map(|_| Pose { x_mm: draw(0.1), tilt_mrad: draw(0.3), ..Pose::default() }).collect()
+}
+
+struct SimulatedFrames<'a> {
+    renderer: &'a Renderer,
+    scenes: Vec<Scene>,
+    stops: Vec<(f64, f64)>,
+    next: usize,
+    frame_id: &'a mut u64,
+    clock_ns: &'a mut u64,
+    seed: u64,
+    spare: Option<Frame>,
+}
+
+impl FrameSource for SimulatedFrames<'_> {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let Some(&(z_mm, angle_deg)) = self.stops.get(self.next) else { return Ok(None) };
+        let scene = &self.scenes[self.next.min(self.scenes.len() - 1)];
+        let camera = &scene.bench().nominal.camera;
+        let windows = camera.windows.map(|w| w.rois(camera.columns));
+        let request = FrameRequest {
+            frame_id: *self.frame_id,
+            t_ns: *self.clock_ns,
+            z_mm,
+            angle_deg,
+            noise: true,
+            roi: windows.map(|w| w[0]),
+            second_roi: windows.map(|w| w[1]),
+            format: None,
+            seed: self.seed,
+        };
+        let frame = self.renderer.render(scene, &request, self.spare.take()).map_err(|e| SourceError {
+            what: format!("frame {} (z = {z_mm} mm, {angle_deg}°) was not rendered", request.frame_id),
+            cause: Some(Box::new(e)),
+        })?;
+        self.next += 1;
+        *self.frame_id += 1;
+        *self.clock_ns += (scene.bench().nominal.camera.period_ms() * 1e6) as u64;
+        Ok(Some(frame))
+    }
+
+    fn remaining(&self) -> Option<usize> {
+        Some(self.stops.len() - self.next)
+    }
+
+    fn recycle(&mut self, frame: Frame) {
+        self.spare = Some(frame);
+    }
+}

@@ -1,0 +1,136 @@
+//! What a turning cell is to the closed loop: it cuts a pass, shows the part to the camera, touches it with a probe.
+
+use thiserror::Error;
+
+use crate::control::{PartAndTool, PartEvent};
+use crate::frame::FrameSource;
+use crate::plan::{DiameterOffset, FollowPlan, PassPlan, ScanPlan};
+use crate::probe::{Touch, TouchOrder};
+use crate::process::{CutSummary, ProcessError};
+use crate::render::RenderError;
+use crate::shaft::AxisKnot;
+
+/// A cell that cannot do what it was told.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CellError {
+    /// The pass cannot be cut.
+    #[error(transparent)]
+    Process(#[from] ProcessError),
+    /// The part cannot be shown.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The cell does not change parts.
+    #[error("this cell turns one part only")]
+    OnePart,
+    /// The cell has no probe.
+    #[error("this cell has no touch probe")]
+    NoProbe,
+    /// The cell has no gauge that follows the tool.
+    #[error("this cell cannot be looked at while it cuts: scan.when must be after_pass")]
+    NotFollowed,
+}
+
+/// A pass under way, seen by the gauge behind the tool: frames, and the command of what is still to be cut.
+pub trait FollowedCut: FrameSource {
+    /// Machine z of the tool when the last frame was taken, mm.
+    fn tool_z_mm(&self) -> f64;
+
+    /// The clock that frames are stamped with, ns; `None` where the cell has none.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
+    /// Changes the offsets of stations that the tool has not reached; what is cut stays cut.
+    ///
+    /// # Errors
+    /// Where the machine refuses.
+    fn command(&mut self, offset: &DiameterOffset) -> Result<(), CellError>;
+
+    /// Lets the tool finish the pass.
+    ///
+    /// # Errors
+    /// Where the machine refuses; the workpiece is then as before.
+    fn finish(self: Box<Self>) -> Result<(), CellError>;
+}
+
+/// The axis of a part for comparison only: what stands still and what turns with it, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueAxis {
+    /// In the machine's frame.
+    pub still: Vec<AxisKnot>,
+    /// In the body's frame: bow and eccentricity.
+    pub turning: Vec<AxisKnot>,
+}
+
+/// A lathe with a gauge on its carriage, real or simulated.
+pub trait TurningCell {
+    /// Cuts a pass.
+    ///
+    /// # Errors
+    /// Where the machine refuses; the workpiece is then as before.
+    fn cut(&mut self, plan: &PassPlan) -> Result<(), CellError>;
+
+    /// Frames of the part as it now is, field after field, angle after angle, tool clear.
+    ///
+    /// # Errors
+    /// Where no frame can be taken at all.
+    fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError>;
+
+    /// Frames of master pin `index` of the job.
+    ///
+    /// # Errors
+    /// Where no frame can be taken at all.
+    fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
+
+    /// Touches of the part as it now is, or of master pin `master` of the job, in the order asked for, spindle still.
+    ///
+    /// # Errors
+    /// Where the cell has no probe.
+    fn touch(&mut self, _master: Option<usize>, _orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
+        Err(CellError::NoProbe)
+    }
+
+    /// Cuts a pass while the gauge follows the tool; [`FollowedCut::finish`] ends it.
+    ///
+    /// # Errors
+    /// Where the machine refuses, or has no such gauge.
+    fn cut_followed(
+        &mut self,
+        _plan: &PassPlan,
+        _follow: &FollowPlan,
+    ) -> Result<Box<dyn FollowedCut + '_>, CellError> {
+        Err(CellError::NotFollowed)
+    }
+
+    /// Forces and deflections of the pass cut last, where the cell has them. For reports only.
+    fn last_cut(&self) -> Option<CutSummary> {
+        None
+    }
+
+    /// The part's axis with the tool clear; `None` where nobody knows. For comparison only.
+    fn true_axis(&self) -> Option<TrueAxis> {
+        None
+    }
+
+    /// Clamps the next blank of a batch; `part` counts from 0, the one the cell began with.
+    ///
+    /// # Errors
+    /// Where the cell has no other blank.
+    fn next_part(&mut self, _part: u64, _event: PartEvent) -> Result<(), CellError> {
+        Err(CellError::OnePart)
+    }
+
+    /// Part and tool that are in the machine; `None` where the cell cannot tell.
+    fn in_machine(&self) -> Option<PartAndTool> {
+        None
+    }
+
+    /// The clock that frames are stamped with, ns; `None` where the cell has none.
+    fn now_ns(&self) -> Option<u64> {
+        None
+    }
+
+    /// True mean caliper diameter of stations (z from, z to), mm; `None` where nobody knows. For comparison only.
+    fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;
+}

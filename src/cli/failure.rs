@@ -1,0 +1,62 @@
+//! How a command ends: its outcome, or the failure with the exit code that belongs to it.
+
+use crate::files::OutputError;
+use crate::run_folder::RunFolderError;
+
+/// How a command that did its work ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done; in tolerance where one is given. Exit 0.
+    Done,
+    /// Done, but a given tolerance is exceeded. Exit 1.
+    OutOfTolerance,
+}
+
+/// Why a command stopped, with the exit code that belongs to it.
+#[derive(Debug)]
+pub struct Failure {
+    /// 2 refused, 3 failed.
+    pub exit: u8,
+    /// What a person reads.
+    pub report: miette::Report,
+}
+
+impl Failure {
+    /// The command line or the config is refused: exit 2.
+    pub fn refused(report: impl Into<miette::Report>) -> Self {
+        Self { exit: 2, report: report.into() }
+    }
+
+    /// A file, an image, an output or a device fails: exit 3.
+    pub fn failed(report: impl Into<miette::Report>) -> Self {
+        Self { exit: 3, report: report.into() }
+    }
+
+    /// As [`Self::refused`], from an error of the library or a text.
+    pub fn refuse(error: impl std::fmt::Display) -> Self {
+        Self::refused(miette::miette!("{error}"))
+    }
+
+    /// As [`Self::failed`], from an error of the library or a text.
+    pub fn fail(error: impl std::fmt::Display) -> Self {
+        Self::failed(miette::miette!("{error}"))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        if error.is_refusal() { Self::refuse(error) } else { Self::fail(error) }
+    }
+}
+
+/// What every subcommand returns.
+pub type CommandResult = Result<Outcome, Failure>;
+
+/// A folder that is taken is refused; one that cannot be written or read fails.
+pub fn folder_failure(error: RunFolderError) -> Failure {
+    match error {
+        RunFolderError::Taken { .. } => Failure::refuse(error),
+        RunFolderError::Output(error) => error.into(),
+        other => Failure::fail(other),
+    }
+}

@@ -1,0 +1,95 @@
+//! Files of the studies: configs in, a folder with tables, plots and a page out.
+
+use std::path::Path;
+
+use super::failure::Failure;
+use crate::config::{self, ConfigError};
+use crate::files::OutputFolder;
+
+/// A config's text and the name errors give it.
+pub struct ConfigText {
+    /// The text.
+    pub text: String,
+    /// The file's name.
+    pub name: String,
+}
+
+impl ConfigText {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Exit 2 where it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|cause| Failure::refused(ConfigError::Read { path: path.to_owned(), cause }))?;
+        Ok(Self { text, name: path.display().to_string() })
+    }
+
+    /// Reads a file, or takes the text that the binary carries.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_or(path: Option<&Path>, name: &str, text: &str) -> Result<Self, Failure> {
+        path.map_or_else(|| Ok(Self { text: text.to_owned(), name: name.to_owned() }), Self::read)
+    }
+
+    /// Parses it.
+    ///
+    /// # Errors
+    /// Exit 2 for an unknown key, a wrong type or text that is no TOML.
+    pub fn parse<T: serde::de::DeserializeOwned>(&self) -> Result<T, Failure> {
+        config::parse_as(&self.text, &self.name).map_err(Failure::refused)
+    }
+
+    /// A refusal of what the text says.
+    pub fn refuse(&self, error: impl std::fmt::Display) -> Failure {
+        Failure::refuse(format!("{}: {error}", self.name))
+    }
+}
+
+/// A folder for a study's output, which stands in its place once it is finished.
+pub struct StudyFolder(OutputFolder);
+
+impl StudyFolder {
+    /// Takes a folder that is absent or empty.
+    ///
+    /// # Errors
+    /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be written.
+    pub fn claim(path: &Path) -> Result<Self, Failure> {
+        Ok(Self(OutputFolder::claim(path)?))
+    }
+
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// Exit 3 where the disk or the permissions refuse.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        Ok(self.0.write(name, bytes)?)
+    }
+
+    /// Puts the folder in its place.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn finish(self) -> Result<(), Failure> {
+        Ok(self.0.finish()?)
+    }
+}
+
+/// Rows as CSV text.
+///
+/// # Errors
+/// Exit 3 for rows that are no table.
+pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(Failure::fail)?;
+    writer.into_inner().map_err(Failure::fail)
+}
+
+/// A value as pretty JSON.
+///
+/// # Errors
+/// Exit 3 for what JSON cannot carry.
+pub fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map_err(Failure::fail)
+}

@@ -1,0 +1,80 @@
+//! Threads and knurls in `measure`: what is refused for leaving its neighbours or for its steep flanks is measured again as an outline of
+//! crests and roots, and kept where it is one.
+
+use serde_json::{Map, Value, json};
+
+use super::choice::add_warning;
+use crate::frame::FrameView;
+use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, GaugeSettings, crest_pitch_px};
+use crate::profile::Reason;
+
+/// Share of the columns with both edges below which a frame is measured again.
+const FEW: f64 = 0.5;
+
+/// Measures outlines of crests and roots.
+pub struct CrestStream {
+    settings: GaugeSettings,
+    stream: Option<EdgeStream>,
+}
+
+impl CrestStream {
+    /// As `settings`, without rejection.
+    pub fn new(settings: &GaugeSettings) -> Self {
+        Self { settings: settings.clone().for_crests(), stream: None }
+    }
+
+    /// The frame's edges and the pitch of its crests, px, where the first measurement is poor and the outline goes up and down.
+    pub fn measure(
+        &mut self,
+        first: &Result<FrameEdges, FrameRefused>,
+        view: &FrameView<'_>,
+    ) -> Option<(FrameEdges, f64)> {
+        let poor = match first {
+            Ok(edges) => (edges.valid() as f64) < FEW * edges.columns() as f64 && is_crested(edges),
+            Err(refused) => matches!(
+                refused.reason,
+                Reason::NoEdge | Reason::Outlier | Reason::Steep | Reason::Residual | Reason::Contaminated
+            ),
+        };
+        if !poor {
+            return None;
+        }
+        if self.stream.is_none() {
+            self.stream = Gauge::new(self.settings.clone()).ok().map(|gauge| gauge.stream());
+        }
+        let mut edges = FrameEdges::default();
+        self.stream.as_mut()?.measure(view, &mut edges).ok()?;
+        let pitch_px = crest_pitch_px(&edges)?;
+        Some((edges, pitch_px))
+    }
+}
+
+/// Whether most of what was refused is steep or leaves its neighbours: flanks and roots, not dirt by its residual.
+fn is_crested(edges: &FrameEdges) -> bool {
+    let reasons = || {
+        edges
+            .top
+            .iter()
+            .chain(&edges.bottom)
+            .filter(|e| !e.is_usable())
+            .filter_map(crate::gauge::Edge::reason)
+    };
+    let by_form = reasons().filter(|r| matches!(r, Reason::Steep | Reason::Outlier)).count();
+    2 * by_form > reasons().count()
+}
+
+/// Warns of a frame measured as crests and roots, and adds their pitch to its JSON object.
+pub fn report(stem: &str, pitch_px: f64, out: &mut Map<String, Value>) {
+    let word = word(pitch_px);
+    tracing::warn!("frame {stem}: {word}");
+    add_warning(out, &word);
+    out.insert("crest_pitch_px".to_owned(), json!(pitch_px));
+}
+
+/// The word on a frame measured as crests and roots.
+fn word(pitch_px: f64) -> String {
+    format!(
+        "crests and roots every {pitch_px:.1} px (a thread, a knurl): the largest diameter is that of the crests, the distance of their \
+         tangents; no column was refused as dirt"
+    )
+}

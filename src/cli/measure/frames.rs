@@ -1,0 +1,175 @@
+//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding; what someone should know
+//! of that is logged once.
+
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+use crate::cli::failure::Failure;
+use crate::frame::Frame;
+use crate::gauge::Calibration;
+use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
+
+/// How far a camera's nominal scale may lie from a calibrated one: makers state the magnification of lenses to about 1 %.
+const NOMINAL_SCALE: f64 = 0.01;
+
+/// Arguments that say how files are read.
+#[derive(Debug, Default, clap::Args)]
+pub struct FrameArgs {
+    /// Channel of colour images that is measured; without it red, green and blue must be equal.
+    #[arg(long, value_enum, value_name = "r|g|b", hide_possible_values = true)]
+    channel: Option<Channel>,
+    /// Takes the scale given, or the calibration's, though that of a file (frames.csv, its tags) is another one.
+    #[arg(long)]
+    ignore_file_scale: bool,
+}
+
+/// `--um-per-px`: a scale, or the files' own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ScaleArgument {
+    /// µm per pixel.
+    Given(f64),
+    /// What `frames.csv` or the file's own tags say.
+    File,
+}
+
+/// Parses `--um-per-px`.
+///
+/// # Errors
+/// Says what would be right.
+pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
+    if text == "file" {
+        return Ok(ScaleArgument::File);
+    }
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(ScaleArgument::Given(value)),
+        _ => Err("a scale above 0 in µm per pixel is needed, for instance 17.4, or `file`".to_owned()),
+    }
+}
+
+/// The images of all inputs; folders in the order of the numbers in their names, which is said where it is another one.
+///
+/// # Errors
+/// An input that cannot be read, a folder without images.
+pub fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths = Vec::new();
+    for input in inputs {
+        let listed = listing(input).map_err(Failure::fail)?;
+        if let Some((first, second)) = &listed.reordered {
+            tracing::warn!(
+                "{}: frames are taken in the order of their numbers: {second} before {first}",
+                input.display()
+            );
+        }
+        paths.extend(listed.images);
+    }
+    if inputs.len() > 1
+        && inputs.is_sorted()
+        && let Some((first, second)) = out_of_order(inputs)
+    {
+        tracing::warn!(
+            "frames are taken in the order given, {first} before {second}; give their folder for the order of their numbers"
+        );
+    }
+    Ok(paths)
+}
+
+/// The scale in µm/px and the frame that states it: the first one's.
+///
+/// # Errors
+/// Where no file says one that is the object's.
+pub fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64, Failure> {
+    let mut source = FileFrames::new(paths.to_vec()).of_channel(args.channel);
+    let mut first_error = None;
+    while let Some(stem) = source.next_stem() {
+        let Some(read) = source.next_stored() else { break };
+        match read.map_err(|e| e.to_string()).and_then(|stored| own_scale(&stored)) {
+            Ok(scale) => return Ok(scale),
+            Err(error) => first_error.get_or_insert(format!("frame {stem}: {error}")),
+        };
+    }
+    Err(Failure::fail(first_error.unwrap_or_else(|| "no frame".to_owned())))
+}
+
+fn own_scale(stored: &StoredFrame) -> Result<f64, String> {
+    let none = "no scale in frames.csv (um_per_px) or in the file's tags (pHYs, TIFF resolution): give it (--um-per-px S)";
+    stored.scale.as_ref().ok_or(none)?.of_object()
+}
+
+/// The frames of a command, one after another.
+pub struct Frames<'a> {
+    source: FileFrames,
+    args: &'a FrameArgs,
+    calibration: Option<&'a Calibration>,
+    scale: Option<ScaleArgument>,
+    said: HashSet<String>,
+}
+
+impl<'a> Frames<'a> {
+    /// Frames of these files, to be measured by this calibration; `scale` is the command line's own.
+    pub fn new(
+        paths: Vec<PathBuf>,
+        args: &'a FrameArgs,
+        calibration: Option<&'a Calibration>,
+        scale: Option<ScaleArgument>,
+    ) -> Self {
+        let source = FileFrames::new(paths).of_channel(args.channel);
+        Self { source, args, calibration, scale, said: HashSet::new() }
+    }
+
+    /// The next frame by its name, or why it is none.
+    pub fn next_frame(&mut self) -> Option<(String, Result<Frame, String>)> {
+        let stem = self.source.next_stem()?;
+        let read = self.source.next_stored()?;
+        for notice in self.source.take_notices() {
+            tracing::warn!("{notice}");
+        }
+        let frame = read.map_err(|e| e.to_string()).and_then(|stored| {
+            self.checked(&stored).map_err(|e| format!("frame {stem}: {e}"))?;
+            Ok(stored.frame)
+        });
+        Some((stem, frame))
+    }
+
+    /// Logs what was done to the first such frame's values; refuses another scale or encoding than the calibration's.
+    fn checked(&mut self, stored: &StoredFrame) -> Result<(), String> {
+        for change in &stored.changed {
+            if self.said.insert(change.clone()) {
+                tracing::warn!("frame {}: {change}; this is said once", stored.stem);
+            }
+        }
+        let Some(calibration) = self.calibration else { return Ok(()) };
+        calibration.check_encoding(stored.frame.meta.encoding).map_err(|e| e.to_string())?;
+        let used_um_per_px = 1e3 * calibration.scale_mm_per_px;
+        match self.scale {
+            Some(ScaleArgument::File) => same_as_first(stored, used_um_per_px),
+            _ if self.args.ignore_file_scale => Ok(()),
+            given => self.same_as_used(stored, used_um_per_px, given.is_some()),
+        }
+    }
+
+    /// A scale typed in is refused where the file says another one. Masters know the scale better than what a file states of its
+    /// camera: there a nominal scale that is off by little is said once.
+    fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
+        let used = if typed { "--um-per-px" } else { "the calibration" };
+        let Some(own) = &stored.scale else { return Ok(()) };
+        let Err(error) = own.check(used_um_per_px, used) else { return Ok(()) };
+        if typed || own.departure(used_um_per_px) > NOMINAL_SCALE {
+            return Err(format!("{error}: give the right one, correct the file, or say --ignore-file-scale"));
+        }
+        if self.said.insert("nominal scale".to_owned()) {
+            tracing::warn!("frame {}: {error}; the calibration's is taken; this is said once", stored.stem);
+        }
+        Ok(())
+    }
+}
+
+fn same_as_first(stored: &StoredFrame, first_um_per_px: f64) -> Result<(), String> {
+    let own = own_scale(stored)?;
+    if (own / first_um_per_px - 1.0).abs() <= SAME_SCALE {
+        return Ok(());
+    }
+    let origin = stored.scale.as_ref().map_or("", |s: &FileScale| &s.origin);
+    Err(format!(
+        "{origin}: a scale of {own:.6} µm/px, but the first frame's is {first_um_per_px:.6}; frames of one scale are needed"
+    ))
+}

@@ -1,0 +1,586 @@
+//! What `measure` says beyond edges: stations, judgement, averages, statistics.
+
+use serde_json::{Map, Value, json};
+
+use super::choice::add_warning;
+use super::size::{axis_line, common_mm, envelope, judge_turn, part_form};
+use super::statistics::FrameMeans;
+use super::turn::{axis_json, scatter_word, turn_json};
+use crate::cli::failure::Failure;
+use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
+use crate::frame::FrameMeta;
+use crate::gauge::bench::Conditions;
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::form::Cutoff;
+use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
+use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
+use crate::gauge::{
+    Calibration, ColumnDiameters, FrameEdges, LEAST_STRETCH, LargestCaliper, largest_caliper_over,
+};
+use crate::profile::{Diameter, Reading, Reason};
+
+/// Columns of a local size that is judged where no stations are given: as many as the largest diameter is the median of.
+const LOCAL_COLUMNS: f64 = 65.0;
+/// Stretches along z that are compared from turn to turn where no stations are given, mm.
+const TURN_STRETCH_MM: f64 = 1.0;
+
+/// Probability that the scatter of parts that are all alike passes for one of the process.
+const SCATTER_RISK: f64 = 0.05;
+
+/// What to say of diameters.
+#[derive(Debug, clap::Args)]
+pub struct JudgeArgs {
+    /// Tolerance of the part as on its drawing: "25 h6", "Ø25 ±0.01", "25 0/-0.013", "24.987..25", with (E) or (GN) where --turn is given; exit
+    /// code 1 unless every value is proven good: each frame's largest diameter, its local sizes (means over about 65 columns, or over
+    /// the stations of --station-mm) and its mean.
+    #[arg(long, value_name = "T")]
+    tolerance: Option<Tolerance>,
+    /// Probability of conformity to both limits behind GO (ISO 14253-1).
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    conformance_probability: f64,
+    /// Length of the stations that are given and judged, mm; without it 65 columns, as the largest diameter is found.
+    #[arg(long, value_name = "MM", value_parser = length)]
+    station_mm: Option<f64>,
+    /// Least width of a stretch that counts for the largest diameter, columns; without it 5, as far as noise lets a narrow one be distinguished.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    stretch_columns: Option<u16>,
+    /// Least width of a stretch that counts for the largest diameter, mm along the axis.
+    #[arg(long, value_name = "MM", value_parser = length, conflicts_with = "stretch_columns")]
+    stretch_mm: Option<f64>,
+    /// Averages successive frames: moving:N, median:N or recursive:W.
+    #[arg(long, value_name = "HOW", value_parser = averaging)]
+    average: Option<Averaging>,
+    /// Coverage factor k of the expanded uncertainties; without it that of 95.45 % at the effective degrees of freedom: 2 where
+    /// there are many.
+    #[arg(long, value_name = "K", value_parser = length)]
+    coverage_factor: Option<f64>,
+    /// Uncertainty budget of every frame's largest diameter.
+    #[arg(long)]
+    budget: bool,
+    /// Takes the frames as one turn (angles from frames.csv) and adds sizes, roundness, run-out and harmonics.
+    #[arg(long)]
+    turn: bool,
+    /// Spindle angles of the frames of a turn in their order, degrees from one to the next.
+    #[arg(long, value_name = "DEG", value_parser = length, requires = "turn")]
+    angle_step: Option<f64>,
+    /// Largest change of a diameter from one turn to the next that is believed, µm; more (and more than noise explains) is a gap
+    /// with the flag `implausible`.
+    #[arg(long, value_name = "UM", default_value_t = 5.0, value_parser = length, requires = "turn")]
+    turn_limit_um: f64,
+    /// Takes every frame as another part: the statistics are those of a batch, and have Cp and Cpk.
+    #[arg(long, conflicts_with_all = ["turn", "average"])]
+    parts: bool,
+    /// Gives diameters of frames, too, that are blurred otherwise than the masters were (out of focus, moving), with a warning.
+    #[arg(long)]
+    accept_blur: bool,
+    /// Gaussian filter of roundness, undulations per revolution (15, 50, 150).
+    #[arg(long, value_name = "UPR", default_value_t = 50.0, value_parser = length)]
+    cutoff_upr: f64,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a number above 0 is needed".to_owned()),
+    }
+}
+
+fn averaging(text: &str) -> Result<Averaging, String> {
+    let right = || "right would be moving:8, median:5 or recursive:0.2".to_owned();
+    let (how, number) = text.split_once(':').ok_or_else(right)?;
+    let averaging = match how {
+        "moving" => Averaging::Moving { readings: number.parse().map_err(|_| right())? },
+        "median" => Averaging::Median { readings: number.parse().map_err(|_| right())? },
+        "recursive" => Averaging::Recursive { weight: number.parse().map_err(|_| right())? },
+        _ => return Err(right()),
+    };
+    Average::new(averaging).map(|_| averaging).map_err(|e| e.to_string())
+}
+
+impl JudgeArgs {
+    /// Whether anything here needs millimetres.
+    pub fn needs_scale(&self) -> Option<&'static str> {
+        [
+            (self.tolerance.is_some(), "--tolerance"),
+            (self.station_mm.is_some(), "--station-mm"),
+            (self.stretch_mm.is_some(), "--stretch-mm"),
+            (self.average.is_some(), "--average"),
+            (self.budget, "--budget"),
+            (self.turn, "--turn"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Whether budgets were asked for.
+    pub fn budget(&self) -> bool {
+        self.budget
+    }
+
+    /// Whether blurred frames give diameters.
+    pub fn accepts_blur(&self) -> bool {
+        self.accept_blur
+    }
+
+    /// Least width of a stretch that counts for the largest diameter, columns.
+    pub fn least_stretch(&self, calibration: Option<&Calibration>) -> usize {
+        let columns = self.stretch_mm.zip(calibration).map(|(mm, c)| (mm / c.scale_mm_per_px).ceil());
+        match (self.stretch_columns, columns) {
+            (Some(columns), _) => usize::from(columns),
+            (None, Some(columns)) => columns.clamp(1.0, 1e6) as usize,
+            (None, None) => LEAST_STRETCH,
+        }
+    }
+
+    /// k, where it is given.
+    pub fn coverage_factor(&self) -> Option<f64> {
+        self.coverage_factor
+    }
+}
+
+/// About [`LOCAL_COLUMNS`], so that no rest of a few columns stays at the end of a frame.
+fn local_columns(columns: usize) -> f64 {
+    let places = (columns as f64 / LOCAL_COLUMNS).round().max(1.0);
+    (columns as f64 / places).ceil()
+}
+
+/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
+pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
+    let mut budget = reading.budget(calibration, conditions);
+    if is_uncalibrated(calibration) {
+        // Without masters there is nothing that the part's edges or temperature could differ from: U is the image's alone.
+        let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
+        budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
+            Contribution {
+                source: source.to_owned(),
+                input: "not stated".to_owned(),
+                shape: Shape::Normal,
+                share: Share::Common,
+                freedom: None,
+                u_mm: 0.0,
+            }
+        }));
+    }
+    budget
+}
+
+/// Whether all there is is a scale: no masters, no uncertainty.
+fn is_uncalibrated(calibration: &Calibration) -> bool {
+    calibration.bench.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
+}
+
+/// A frame's largest diameter.
+#[derive(Clone, Copy)]
+struct Largest {
+    /// Whether the part has this one size: chords of a disc and roots beneath crests are none.
+    alone: bool,
+    z_mm: f64,
+    diameter: Diameter,
+    freedom: f64,
+}
+
+/// A value that must lie within the limits.
+#[derive(Clone, Copy)]
+struct Judged {
+    what: &'static str,
+    z_mm: f64,
+    reading: Reading,
+    /// Effective degrees of freedom of its u.
+    freedom: f64,
+}
+
+/// Follows the frames of one command.
+pub struct Follower<'a> {
+    args: &'a JudgeArgs,
+    calibration: &'a Calibration,
+    conditions: Conditions,
+    judge: Option<(Judge, (f64, f64))>,
+    average: Average,
+    means: FrameMeans,
+    /// Random variances of the values in the statistics, mm².
+    noise: RunningStatistics,
+    worst: Judgement,
+    turn: Vec<(FrameMeta, ColumnDiameters)>,
+    history: TurnHistory,
+    jumps: Vec<Jump>,
+    frames: usize,
+    no_zone_told: bool,
+}
+
+impl<'a> Follower<'a> {
+    /// Checks the arguments.
+    ///
+    /// # Errors
+    /// Exit 2 for limits and probabilities that judge nothing.
+    pub fn new(
+        args: &'a JudgeArgs,
+        calibration: &'a Calibration,
+        conditions: Conditions,
+    ) -> Result<Self, Failure> {
+        let judge = args
+            .tolerance
+            .map(|t| Judge::new(t.limits(), args.conformance_probability).map(|judge| (judge, t.limits_mm())))
+            .transpose()
+            .map_err(Failure::refuse)?;
+        if let Some(t) = args.tolerance.filter(|t| t.criterion.needs_turn() && !args.turn) {
+            return Err(Failure::refuse(format!(
+                "{} is judged over the length and all around: give the frames of a turn and --turn",
+                t.criterion.as_str()
+            )));
+        }
+        if judge.is_some() && is_uncalibrated(calibration) {
+            tracing::warn!(
+                "scale and edge offset are not calibrated: U does not hold their uncertainty, and what is judged with it is \
+                 only as good as they are; --calibration states both"
+            );
+        }
+        if args.average.is_some() && args.station_mm.is_some() {
+            return Err(Failure::refuse(
+                "--average averages the mean of whole frames and --station-mm gives parts of each: one of them at a time",
+            ));
+        }
+        Cutoff::upr(args.cutoff_upr).map_err(Failure::refuse)?;
+        let plausibility = PlausibilitySettings {
+            turn_limit_mm: 1e-3 * args.turn_limit_um,
+            ..PlausibilitySettings::default()
+        };
+        plausibility.validate().map_err(Failure::refuse)?;
+        Ok(Self {
+            args,
+            calibration,
+            conditions,
+            judge,
+            average: Average::new(args.average.unwrap_or_default()).map_err(Failure::refuse)?,
+            means: FrameMeans::default(),
+            noise: RunningStatistics::default(),
+            worst: Judgement::GO,
+            turn: Vec::new(),
+            history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
+            jumps: Vec::new(),
+            frames: 0,
+            no_zone_told: false,
+        })
+    }
+
+    /// What a frame adds to its JSON object.
+    pub fn add(&mut self, meta: &FrameMeta, edges: Option<&FrameEdges>, out: &mut Map<String, Value>) {
+        let index = self.frames;
+        self.frames += 1;
+        let Some(edges) = edges else {
+            self.not_proven(out);
+            return;
+        };
+        let mut diameters = self.calibration.diameters_under(edges, &self.conditions);
+        let mut meta = meta.clone();
+        if let Some(step) = self.args.angle_step {
+            meta.angle_deg = step * index as f64;
+        }
+        let least = self.args.least_stretch(Some(self.calibration));
+        let reading = WidthReading::of_largest(edges, self.calibration, least);
+        let budget = reading.as_ref().map(|r| stated_budget(r, self.calibration, &self.conditions));
+        if budget.as_ref().is_some_and(|b| !(b.diameter_mm.is_finite() && b.u_mm().is_finite())) {
+            let why = "its diameter or uncertainty is no number: it has no diameter";
+            tracing::warn!("frame {}: {why}", meta.frame_id);
+            add_warning(out, why);
+            self.give_no_diameter(Reason::Implausible, edges, out);
+            return;
+        }
+        self.warn_of_blur(&meta, edges, out);
+        if self.args.turn {
+            self.compare_with_turns(&meta, &mut diameters, out);
+        }
+        let mean = diameters.mean(0..diameters.readings.len());
+        if let Some(d) = mean.value() {
+            put(out, "mean_diameter_mm", d.d_mm);
+            put(out, "u_mean_diameter_mm", d.u_mm());
+            // For one version also under the name that it shared with the u of the frames' mean.
+            put(out, "u_mean_mm", d.u_mm());
+            self.means.push(d);
+            self.noise.push(d.u_random_mm.powi(2));
+        }
+        if let Some(budget) = &budget {
+            self.add_budget(budget, out);
+        }
+        let averaged = self.average.push(mean);
+        if let (Some(d), true) = (averaged.value(), self.args.average.is_some()) {
+            put(out, "average_mm", d.d_mm);
+            put(out, "u_average_mm", d.u_mm());
+        }
+        let largest = reading.zip(budget).map(|(reading, budget)| Largest {
+            alone: largest_caliper_over(edges, least).is_some_and(|l: LargestCaliper| l.end_on || l.tangents),
+            z_mm: diameters.z_mm(&meta, 0) + reading.column_px * diameters.pitch_mm,
+            diameter: Diameter {
+                d_mm: budget.diameter_mm,
+                u_random_mm: budget.u_random_mm(),
+                u_common_mm: budget.u_common_mm(),
+            },
+            freedom: budget.effective_freedom(),
+        });
+        self.add_stations(&meta, &diameters, out);
+        let values = self.to_be_judged(&meta, &diameters, averaged, largest);
+        self.judge_frame(&values, out);
+        if self.args.turn {
+            self.turn.push((meta, diameters));
+        }
+    }
+
+    /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
+    fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
+        let bench = self.calibration.bench.as_ref();
+        if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+            tracing::warn!("frame {}: {error}", meta.frame_id);
+            add_warning(out, &error.to_string());
+        }
+    }
+
+    /// Makes a gap of every column of a frame.
+    fn give_no_diameter(&mut self, reason: Reason, edges: &FrameEdges, out: &mut Map<String, Value>) {
+        for key in ["max_diameter_px", "u_max_px", "max_diameter_mm", "u_max_mm"] {
+            out.insert(key.to_owned(), Value::Null);
+        }
+        out.insert("valid".to_owned(), json!(0));
+        out.insert("flags".to_owned(), json!({ reason.as_str(): edges.columns() }));
+        self.not_proven(out);
+    }
+
+    /// Whether frames have sizes that the tolerance is for; else it is for those of the turn.
+    fn judges_frames(&self) -> bool {
+        let two_point =
+            |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
+        self.args.tolerance.is_some_and(two_point)
+    }
+
+    /// What was not measured, or may be another part, is not proven good.
+    pub fn not_proven(&mut self, out: &mut Map<String, Value>) {
+        if self.judge.is_some() {
+            out.insert("judgement".to_owned(), Value::Null);
+            self.worst = worse(self.worst, Judgement::HI);
+        }
+    }
+
+    /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
+    fn compare_with_turns(
+        &mut self,
+        meta: &FrameMeta,
+        diameters: &mut ColumnDiameters,
+        out: &mut Map<String, Value>,
+    ) {
+        let valid = |d: &ColumnDiameters| d.readings.iter().filter(|r| r.value().is_some()).count();
+        let before = valid(diameters);
+        let jumps = self.history.check(meta, diameters);
+        if jumps.is_empty() {
+            return;
+        }
+        jumps.iter().for_each(|j| tracing::warn!("frame {}: {j}", meta.frame_id));
+        let refused = before - valid(diameters);
+        if let Some(flags) = out.get_mut("flags").and_then(Value::as_object_mut) {
+            flags.insert(Reason::Implausible.as_str().to_owned(), json!(refused));
+        }
+        if let Some(count) = out.get("valid").and_then(Value::as_u64) {
+            out.insert("valid".to_owned(), json!(count.saturating_sub(refused as u64)));
+        }
+        self.jumps.extend(jumps);
+    }
+
+    fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
+        let k = budget.factor_or(self.args.coverage_factor);
+        // `u_random_mm` and `u_common_mm` are those of `d_mm` in stations and tables; here they were those of the largest diameter.
+        for (name, old, u) in [
+            ("u_max_random_mm", "u_random_mm", budget.u_random_mm()),
+            ("u_max_common_mm", "u_common_mm", budget.u_common_mm()),
+        ] {
+            put(out, name, u);
+            put(out, old, u);
+        }
+        put(out, "expanded_u_max_mm", k * budget.u_mm());
+        put(out, "coverage_factor", k);
+        if self.args.budget {
+            out.insert("budget".to_owned(), json!(budget.contributions));
+            out.insert("effective_freedom".to_owned(), json!(finite(budget.effective_freedom())));
+        }
+    }
+
+    /// The stations of a frame, each with its own judgement.
+    fn add_stations(&self, meta: &FrameMeta, diameters: &ColumnDiameters, out: &mut Map<String, Value>) {
+        let Some(length) = self.args.station_mm else { return };
+        let row = |(z_mm, reading): &(f64, Reading)| {
+            let mut row = station_row(*z_mm, reading);
+            if let (Some((judge, _)), true) = (&self.judge, self.judges_frames()) {
+                row["judgement"] = json!(judge.judge_reading(reading, MANY).ok());
+                row["guard_mm"] = json!(reading.value().and_then(|d| judge.guard_mm(&d, MANY)));
+            }
+            row
+        };
+        let rows: Vec<Value> = diameters.record(meta, length).iter().map(row).collect();
+        out.insert("stations".to_owned(), rows.into());
+    }
+
+    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none; crests that face roots have
+    /// the distance of their tangents.
+    fn to_be_judged(
+        &self,
+        meta: &FrameMeta,
+        diameters: &ColumnDiameters,
+        mean: Reading,
+        largest: Option<Largest>,
+    ) -> Vec<Judged> {
+        let largest_value = largest.map(|l| Judged {
+            what: "largest",
+            z_mm: l.z_mm,
+            reading: Reading::Value(l.diameter),
+            freedom: l.freedom,
+        });
+        if largest.is_some_and(|l| l.alone) {
+            return Vec::from_iter(largest_value);
+        }
+        let (what, length) = match self.args.station_mm {
+            Some(length) => ("station", length),
+            None => ("local", local_columns(diameters.readings.len()) * diameters.pitch_mm),
+        };
+        // Their u is by the noise of very many pixels, and by the calibration.
+        let of = |what, z_mm, reading| Judged { what, z_mm, reading, freedom: MANY };
+        let places =
+            diameters.record(meta, length).into_iter().map(|(z_mm, reading)| of(what, z_mm, reading));
+        let mean_word = if self.args.average.is_some() { "average" } else { "mean" };
+        largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
+    }
+
+    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
+    fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
+        if !self.judges_frames() {
+            return;
+        }
+        let Some((judge, (lower, upper))) = self.judge else { return };
+        let margin = |d: &Diameter| (d.d_mm - lower).min(upper - d.d_mm);
+        let mut decisive: Option<(Judgement, Judged, Diameter)> = None;
+        for value in values {
+            let Some(d) = value.reading.value() else { continue };
+            let judgement = judge.judge(&d, value.freedom);
+            let worst = decisive
+                .is_none_or(|(known, _, by)| (rank(judgement), margin(&by)) > (rank(known), margin(&d)));
+            if worst {
+                decisive = Some((judgement, *value, d));
+            }
+        }
+        let gap = values.iter().find_map(|value| match value.reading {
+            Reading::Gap(reason) => Some((value, reason)),
+            Reading::Value(_) => None,
+        });
+        let good = decisive.is_none_or(|(judgement, ..)| judgement == Judgement::GO);
+        if let (true, Some((Judged { what, z_mm, .. }, reason))) = (good, gap) {
+            out.insert("judged".to_owned(), json!({ "what": what, "z_mm": z_mm, "flag": reason.as_str() }));
+            return self.not_proven(out);
+        }
+        let Some((judgement, value, d)) = decisive else { return self.not_proven(out) };
+        self.worst = worse(self.worst, judgement);
+        if let Err(error) = judge.check_uncertainty(d.u_mm(), value.freedom) {
+            if !self.no_zone_told {
+                tracing::warn!("{error}");
+            }
+            self.no_zone_told = true;
+            out.insert("acceptance_zone".to_owned(), json!(error.to_string()));
+        }
+        out.insert("judgement".to_owned(), json!(judgement));
+        let judged = json!({
+            "what": value.what, "z_mm": value.z_mm, "d_mm": d.d_mm, "u_mm": d.u_mm(),
+            "effective_freedom": finite(value.freedom), "guard_mm": judge.guard_mm(&d, value.freedom),
+        });
+        out.insert("judged".to_owned(), judged);
+    }
+
+    /// Whether every value is proven good; true where nothing is judged.
+    pub fn all_good(&self) -> bool {
+        self.worst == Judgement::GO
+    }
+
+    /// What all frames together add to the document.
+    ///
+    /// # Errors
+    /// Exit 3 for frames that make no turn.
+    pub fn finish(&mut self, out: &mut Map<String, Value>) -> Result<(), Failure> {
+        if let Some(statistics) = self.statistics_json() {
+            out.insert("statistics".to_owned(), statistics);
+        }
+        let mut words = Vec::new();
+        // Over a turn the means differ by the form that is measured.
+        words.extend(if self.args.turn { None } else { self.means.word() });
+        if self.args.turn {
+            let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;
+            words.extend(scatter_word(&form));
+            let length = self.args.station_mm.unwrap_or(f64::INFINITY);
+            let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
+            turn["implausible"] = json!(self.jumps);
+            turn["axis"] = axis_json(&axis_line(&self.turn, self.args.station_mm, self.calibration));
+            if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
+                let envelope = envelope(&self.turn, self.args.cutoff_upr);
+                let common = |z_mm: f64| common_mm(&self.turn, z_mm, length);
+                if let Some(judged) = judge_turn(tolerance, judge.rule(), &form, &envelope, &common) {
+                    self.worst = worse(self.worst, judged.judgement);
+                    turn["judged"] = judged.json;
+                }
+            }
+            out.insert("turn".to_owned(), turn);
+        }
+        if !words.is_empty() {
+            words.iter().for_each(|word| tracing::warn!("{word}"));
+            out.insert("warnings".to_owned(), json!(words));
+        }
+        Ok(())
+    }
+
+    fn statistics_json(&self) -> Option<Value> {
+        let mut all = self.means.to_json()?;
+        if let Some((_, (lower, upper))) = self.judge {
+            let (cp, cpk, none) = match self.capability(lower, upper) {
+                Ok((cp, cpk)) => (json!(cp), json!(cpk), Value::Null),
+                Err(why) => (Value::Null, Value::Null, json!(why)),
+            };
+            (all["cp"], all["cpk"], all["capability_none"]) = (cp, cpk, none);
+        }
+        Some(all)
+    }
+
+    /// Cp and Cpk of the batch with intervals of 95 %.
+    ///
+    /// # Errors
+    /// Why there are none: they are a process's, which one part does not show, nor scatter that is the gauge's own.
+    fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
+        if !self.args.parts {
+            return Err("one part has none; --parts takes every frame as another part".to_owned());
+        }
+        let s = self.means.running();
+        s.exceeds_noise(self.noise.mean(), SCATTER_RISK).map_err(|e| e.to_string())?;
+        let both = s.cp(lower, upper, 0.95).and_then(|cp| Ok((cp, s.cpk(lower, upper, 0.95)?)));
+        both.map_err(|e| e.to_string())
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn put(out: &mut Map<String, Value>, key: &str, value: f64) {
+    out.insert(key.to_owned(), json!(value));
+}
+
+fn station_row(z_mm: f64, reading: &Reading) -> Value {
+    match reading {
+        Reading::Value(Diameter { d_mm, u_random_mm, u_common_mm }) => {
+            json!({ "z_mm": z_mm, "d_mm": d_mm, "u_random_mm": u_random_mm, "u_common_mm": u_common_mm })
+        }
+        Reading::Gap(reason) => json!({ "z_mm": z_mm, "flag": reason.as_str() }),
+    }
+}
+
+/// The one that is farther from good.
+fn worse(a: Judgement, b: Judgement) -> Judgement {
+    if rank(b) > rank(a) { b } else { a }
+}
+
+fn rank(judgement: Judgement) -> u8 {
+    match judgement {
+        Judgement::GO => 0,
+        Judgement::LO | Judgement::HI => 1,
+        Judgement::LL | Judgement::HH => 2,
+    }
+}

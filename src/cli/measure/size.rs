@@ -1,0 +1,192 @@
+//! Sizes over a turn that a tolerance's modifiers ask for: the envelope (E), the least circumscribed cylinder (GN) and circles (GN) ACS.
+
+use serde_json::{Value, json};
+
+use crate::cli::failure::Failure;
+use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
+use crate::frame::FrameMeta;
+use crate::gauge::axis_line::{AxisAverager, AxisLine};
+use crate::gauge::form::Cutoff;
+use crate::gauge::turn_form::{Envelope, PartForm, TurnAverager};
+use crate::gauge::{Calibration, ColumnDiameters};
+
+/// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single columns' noise is not.
+const ENVELOPE_COLUMNS: f64 = 8.0;
+
+/// The judgement of a turn, worst first, and what it rests on.
+pub(super) struct TurnJudgement {
+    /// The worst.
+    pub(super) judgement: Judgement,
+    /// For the document.
+    pub(super) json: Value,
+}
+
+/// Judges the sizes over a turn that `tolerance` asks for; `None` where it asks for none. `common_mm` is the common standard uncertainty
+/// of sizes at z, `envelope` what was found or why nothing was.
+pub(super) fn judge_turn(
+    tolerance: &Tolerance,
+    rule: DecisionRule,
+    form: &PartForm,
+    envelope: &Result<Envelope, String>,
+    common_mm: &dyn Fn(f64) -> Option<f64>,
+) -> Option<TurnJudgement> {
+    let (lower, upper) = tolerance.limits_mm();
+    let common = |z_mm: f64| common_mm(z_mm).unwrap_or(0.0);
+    let largest_common = form.sections.iter().map(|s| common(s.z_mm)).fold(0.0, f64::max);
+    let over_length = |lower: f64| match envelope {
+        Ok(envelope) => {
+            let u_mm = envelope.u_random_mm.hypot(largest_common);
+            let estimate = Estimate { value_mm: envelope.diameter_mm, u_mm, freedom: MANY };
+            let json = json!({
+                "what": tolerance.criterion.as_str(), "d_mm": envelope.diameter_mm, "u_mm": u_mm, "sections": envelope.sections,
+            });
+            judged(rule, &estimate, (lower, upper), json)
+        }
+        Err(why) => TurnJudgement {
+            judgement: Judgement::HI,
+            json: json!({ "what": tolerance.criterion.as_str(), "judgement": null, "why": why }),
+        },
+    };
+    match tolerance.criterion {
+        SizeCriterion::TwoPoint => None,
+        // The lower limit is that of the two-point sizes, which the frames are judged by.
+        SizeCriterion::Envelope => Some(over_length(f64::NEG_INFINITY)),
+        SizeCriterion::CircumscribedCylinder => Some(over_length(lower)),
+        SizeCriterion::CircumscribedCircle => {
+            let sections = form.sections.iter().map(|s| {
+                let u_mm = (std::f64::consts::SQRT_2 * s.u_edge_mm).hypot(common(s.z_mm));
+                let estimate = Estimate { value_mm: s.gn_mm, u_mm, freedom: MANY };
+                let what = tolerance.criterion.as_str();
+                let json = json!({ "what": what, "z_mm": s.z_mm, "d_mm": s.gn_mm, "u_mm": u_mm });
+                judged(rule, &estimate, (lower, upper), json)
+            });
+            let worst = sections.max_by_key(|s| severity(s.judgement));
+            let refused = form.refused.first().map(|(z_mm, why)| TurnJudgement {
+                judgement: Judgement::HI,
+                json: json!({ "what": tolerance.criterion.as_str(), "z_mm": z_mm, "judgement": null, "why": why }),
+            });
+            // A section that makes no turn is not proven good.
+            match (worst, refused) {
+                (Some(worst), Some(refused)) if worst.judgement == Judgement::GO => Some(refused),
+                (Some(worst), _) => Some(worst),
+                (None, refused) => refused,
+            }
+        }
+    }
+}
+
+fn judged(
+    rule: DecisionRule,
+    estimate: &Estimate,
+    (lower, upper): (f64, f64),
+    mut json: Value,
+) -> TurnJudgement {
+    let above = !lower.is_finite() || estimate.value_mm >= 0.5 * (lower + upper);
+    let judgement = match rule.decide(estimate, lower, upper) {
+        Decision::Conforms => Judgement::GO,
+        Decision::TooLarge => Judgement::HH,
+        Decision::TooSmall => Judgement::LL,
+        Decision::NotProven if above => Judgement::HI,
+        Decision::NotProven => Judgement::LO,
+    };
+    json["judgement"] = json!(judgement);
+    json["guard_mm"] = json!(rule.guard_mm(estimate.u_mm, estimate.freedom, upper - lower));
+    TurnJudgement { judgement, json }
+}
+
+fn severity(judgement: Judgement) -> u8 {
+    match judgement {
+        Judgement::GO => 0,
+        Judgement::LO | Judgement::HI => 1,
+        Judgement::LL | Judgement::HH => 2,
+    }
+}
+
+/// Frames of a turn with the diameters of their columns.
+type Frames = [(FrameMeta, ColumnDiameters)];
+
+/// Lowest and highest z that the frames of a turn show, mm.
+fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
+    let ends = turn
+        .iter()
+        .filter(|(_, d)| !d.readings.is_empty())
+        .map(|(meta, d)| (d.z_mm(meta, 0), d.z_mm(meta, d.readings.len() - 1)));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
+    (high > low).then_some((low, high))
+}
+
+/// Places at which the axis is given where no stations are.
+const AXIS_PLACES: f64 = 16.0;
+
+/// The axis along the length that the frames show, by stations of a length.
+pub(super) fn axis_line(turn: &Frames, station_mm: Option<f64>, calibration: &Calibration) -> AxisLine {
+    let Some((low, high)) = z_range_mm(turn) else { return AxisLine::default() };
+    let length_mm = station_mm.unwrap_or((high - low) / AXIS_PLACES).min(high - low);
+    let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
+    let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
+    // From the first row of the frames, or from the axis of the lens.
+    let mut averager = AxisAverager::new(z_mm, length_mm, calibration.axis_zero(1.0));
+    turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
+    averager.finish()
+}
+
+/// The frames by sections of a length, as many as are whole.
+fn sections(turn: &Frames, (low, high): (f64, f64), length_mm: f64) -> TurnAverager {
+    let count = ((high - low) / length_mm + 1e-6).floor().clamp(1.0, 1e5) as usize;
+    let z_mm = (0..count).map(|i| low + (i as f64 + 0.5) * length_mm).collect();
+    let mut averager = TurnAverager::new(z_mm, length_mm);
+    turn.iter().for_each(|(meta, diameters)| averager.add(meta, diameters));
+    averager
+}
+
+/// The envelope over the length that the frames show.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, String> {
+    let (low, high) = z_range_mm(turn).ok_or("no frame of the turn could be measured")?;
+    let pitch_mm = turn.iter().map(|(_, d)| d.pitch_mm).fold(f64::NAN, f64::max);
+    let cutoff = Cutoff::upr(cutoff_upr).map_err(|e| e.to_string())?;
+    // From the outer side of the first column to that of the last, without a rest.
+    let range = (low - 0.5 * pitch_mm, high + 0.5 * pitch_mm);
+    let count = ((range.1 - range.0) / (ENVELOPE_COLUMNS * pitch_mm)).round().max(1.0);
+    sections(turn, range, (range.1 - range.0) / count).envelope(cutoff)
+}
+
+/// Form and sizes over the turn, by stations of a length or of the frames as a whole.
+///
+/// # Errors
+/// Exit 3 for frames that make no turn.
+pub(super) fn part_form(
+    turn: &Frames,
+    station_mm: Option<f64>,
+    cutoff_upr: f64,
+) -> Result<PartForm, Failure> {
+    let cutoff = Cutoff::upr(cutoff_upr).map_err(Failure::refuse)?;
+    let Some((low, high)) = z_range_mm(turn) else {
+        return Err(Failure::fail("no frame of the turn could be measured"));
+    };
+    let whole = high - low + 1e-9;
+    let form = sections(turn, (low, high), station_mm.unwrap_or(whole).min(whole)).finish(cutoff);
+    match form.refused.first() {
+        Some((z, why)) if form.sections.is_empty() => {
+            Err(Failure::fail(format!("the frames make no turn at z = {z:.3} mm: {why}")))
+        }
+        _ => Ok(form),
+    }
+}
+
+/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
+pub(super) fn common_mm(turn: &Frames, z_mm: f64, length_mm: f64) -> Option<f64> {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for (meta, diameters) in turn {
+        for (column, reading) in diameters.readings.iter().enumerate() {
+            if let (Some(d), true) =
+                (reading.value(), (diameters.z_mm(meta, column) - z_mm).abs() <= 0.5 * length_mm)
+            {
+                (sum, n) = (sum + d.u_common_mm, n + 1.0);
+            }
+        }
+    }
+    (n > 0.0).then(|| sum / n)
+}

@@ -1,0 +1,45 @@
+//! The table of `measure`, a line a frame.
+
+use serde_json::Value;
+
+use super::words::{judged_by, stretch_text};
+use crate::gauge::stated::stated;
+
+pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
+    say_line!(
+        "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} flags",
+        "frame",
+        "columns",
+        "valid",
+        "max px",
+        "max mm",
+        "u mm",
+        "over columns",
+        "judged by"
+    );
+    let of = |f: &Value, value: &str, u: &str| match (f[value].as_f64(), f[u].as_f64()) {
+        (Some(value), Some(u)) => stated(value, u),
+        _ => ["-", "-"].map(str::to_owned),
+    };
+    for f in figures {
+        let [max_px, _] = of(f, "max_diameter_px", "u_max_px");
+        let [max_mm, u_mm] = of(f, "max_diameter_mm", "u_max_mm");
+        let flags = f["flags"].as_object().map_or_else(String::new, |flags| {
+            flags.iter().map(|(k, v)| format!("{k}: {v}")).collect::<Vec<_>>().join(", ")
+        });
+        say_line!(
+            "{:<24} {:>8} {:>8} {:>14} {:>12} {:>10} {:>15} {:<28} {flags}",
+            f["frame"].as_str().unwrap_or(""),
+            f["columns"],
+            f["valid"],
+            max_px,
+            max_mm,
+            u_mm,
+            stretch_text(f),
+            judged_by(f),
+        );
+    }
+    if let Some(bench) = bench {
+        say_line!("bench: {bench}");
+    }
+}

@@ -1,0 +1,77 @@
+//! Arguments of `render`, and the scene and requests they stand for.
+
+use std::path::PathBuf;
+
+use super::frame_files::FileFormat;
+use crate::cli::failure::Failure;
+use crate::job::Job;
+use crate::render::form::form_shaft;
+use crate::render::{BackendChoice, FrameRequest, OpticalBench, Scene};
+use crate::shaft::ProfileKnot;
+
+/// Arguments of `render`.
+#[derive(Debug, clap::Args)]
+pub struct RenderArgs {
+    /// The job whose shaft is drawn, or a calibration with [simulate], whose fields and pins are.
+    #[arg(required_unless_present = "gallery")]
+    pub(super) config: Option<PathBuf>,
+    /// Draw a frame of every kind and a contact sheet of all into a new folder; needs no config.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["config", "out", "bench"])]
+    pub(super) gallery: Option<PathBuf>,
+    /// Folder for the frames: absent or empty.
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["bench", "gallery"], conflicts_with = "bench")]
+    pub(super) out: Option<PathBuf>,
+    /// Frames to draw; all of the config's scan by default, going round again beyond it.
+    #[arg(long, value_name = "N")]
+    pub(super) frames: Option<usize>,
+    /// File format of the frames.
+    #[arg(long, value_enum, default_value_t = FileFormat::Png16)]
+    pub(super) format: FileFormat,
+    /// Leave the sensor's temporal noise out.
+    #[arg(long)]
+    pub(super) no_noise: bool,
+    /// Where frames are rendered; auto takes a hardware adapter, else the CPU path (a software adapter only by name).
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    pub(super) backend: BackendChoice,
+    /// Draw N frames without writing them and print how long one takes.
+    #[arg(long, value_name = "N")]
+    pub(super) bench: Option<usize>,
+    /// With --bench: read two windows of so many rows around the shaft's edges, not the whole sensor.
+    #[arg(long, value_name = "ROWS", requires = "bench")]
+    pub(super) windows: Option<u32>,
+    /// Threads to use; all of the machine's by default.
+    #[arg(long, value_name = "N")]
+    pub(super) threads: Option<usize>,
+    /// Print the bench as JSON.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
+pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
+    let bench = OpticalBench::resolve(&job.bench_settings(), job.seed).map_err(Failure::refuse)?;
+    let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
+    let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
+    let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;
+    Scene::new(&bench, shaft).map_err(Failure::refuse)
+}
+
+/// Request number `index` of the scan, going round again beyond its end.
+pub(super) fn request(args: &RenderArgs, job: &Job, index: usize) -> FrameRequest {
+    let plan = job.scan_plan();
+    let angles = plan.angle_deg.len().max(1);
+    let place = index % plan.frames().max(1);
+    let windows = job.camera.windows.map(|w| w.rois(job.camera.columns));
+    let (roi, second_roi) = (windows.map(|w| w[0]), windows.map(|w| w[1]));
+    FrameRequest {
+        frame_id: index as u64,
+        t_ns: (index as f64 * job.camera.period_ms() * 1e6) as u64,
+        z_mm: plan.field_z_mm.get(place / angles).copied().unwrap_or(0.0),
+        angle_deg: plan.angle_deg.get(place % angles).copied().unwrap_or(0.0),
+        noise: !args.no_noise,
+        roi,
+        second_roi,
+        seed: job.seed,
+        format: Some(args.format.pixel_format(job.sensor.format)),
+    }
+}

@@ -1,0 +1,134 @@
+//! `shadowgauge render`: frames of a config's shaft with their truth, or how long a frame takes.
+//!
+//! In: a job, or a calibration with `[simulate]` (`calibration`), or `--gallery` (`gallery`,
+//! `gallery_cases`, `label_font`). Out: a folder of frames in one of the formats of `frame_files`,
+//! with `frames.csv` and the truth (`folder_files`); with `--bench` times alone (`timing`). `args`
+//! holds the arguments, the scene and the requests they stand for. A new kind of output is a file
+//! beside these with an entry in [`run`]; none imports this file.
+
+mod args;
+mod calibration;
+mod folder_files;
+mod frame_files;
+mod gallery;
+mod gallery_cases;
+mod label_font;
+pub(super) mod timing;
+
+pub use args::RenderArgs;
+pub(super) use args::scene;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::config;
+use crate::files::OutputFolder;
+use crate::job::Job;
+use crate::render::{Renderer, Scene};
+use crate::truth;
+
+use self::args::request;
+use self::folder_files::of_render;
+use self::folder_files::{FRAMES_HEADER, describe, put};
+use self::frame_files::{encode, encode_mask, preview};
+use self::gallery::gallery;
+use self::timing::bench;
+use super::calibration_plan::is_plan;
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::ConfigText;
+
+/// Renders the frames of a config.
+///
+/// # Errors
+/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a disk that fails.
+pub fn run(args: &RenderArgs) -> CommandResult {
+    if let Some(folder) = &args.gallery {
+        return gallery(args, folder);
+    }
+    let Some(file) = &args.config else {
+        return Err(Failure::refuse("a config or --gallery DIR is needed"));
+    };
+    if is_plan(&ConfigText::read(file)?.text) {
+        return calibration::run(args, file);
+    }
+    let job = config::load(file).map_err(Failure::refused)?;
+    if args.threads == Some(0) || args.bench == Some(0) || args.frames == Some(0) {
+        return Err(Failure::refuse("--threads, --bench and --frames take numbers of at least 1"));
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.unwrap_or(0))
+        .build()
+        .map_err(Failure::fail)?;
+    pool.install(|| match (args.bench, &args.out) {
+        (Some(frames), _) => bench(args, &job, frames),
+        (None, Some(out)) => write_folder(args, &job, out),
+        (None, None) => Err(Failure::refuse("--out DIR or --bench N is needed")),
+    })
+}
+
+// ---- frames to a folder
+
+fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
+    let scene = scene(job)?;
+    let count = args.frames.unwrap_or_else(|| job.scan_plan().frames());
+    for index in 0..count.min(job.scan_plan().frames()) {
+        scene.geometric_edges(&request(args, job, index)).map_err(Failure::refuse)?;
+    }
+    let folder = OutputFolder::claim(out)?;
+    let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+    write_frames(args, job, &scene, &renderer, &folder, count)?;
+    folder.finish()?;
+    say_line!(
+        "{count} frames by {} ({}) in {}",
+        renderer.backend_name(),
+        renderer.adapter_name(),
+        out.display()
+    );
+    Ok(Outcome::Done)
+}
+
+fn write_frames(
+    args: &RenderArgs,
+    job: &Job,
+    scene: &Scene,
+    renderer: &Renderer,
+    folder: &OutputFolder,
+    count: usize,
+) -> Result<(), Failure> {
+    let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
+    let mut frames_csv = String::from(FRAMES_HEADER);
+    let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
+    let mut spare = None;
+    for index in 0..count {
+        let request = request(args, job, index);
+        let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
+        let stem = format!("{index:06}");
+        let name = format!("frames/{stem}.{}", args.format.extension());
+        put(folder, &name, encode(&frame, args.format, um_per_px))?;
+        put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
+        if let Some(mask) = mask {
+            // What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
+            put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
+        }
+        describe(&mut frames_csv, &stem, &frame, um_per_px);
+        let edges = truth::true_edges(scene, &request).map_err(of_render)?;
+        for (column, e) in edges.iter().enumerate() {
+            let _ = writeln!(truth_csv, "{stem},{column},{:.6},{:.6}", e.top_px, e.bottom_px);
+        }
+        spare = Some(frame);
+    }
+    put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
+    put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
+    put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
+}
+
+/// The true bench: what only truth may know.
+fn true_bench(scene: &Scene) -> String {
+    let bench = scene.bench();
+    let json = serde_json::json!({
+        "um_per_px": bench.pixel_mm * 1e3,
+        "esf": bench.esf,
+        "electrons_per_count": bench.electrons_per_count,
+    });
+    format!("{json:#}\n")
+}

@@ -1,0 +1,38 @@
+//! `shadowgauge reproduce …`: a paper's figures beside ours.
+//!
+//! Each paper has a file with its arguments and its run (`paper_000`, `paper_003`; `paper_003_page`
+//! writes its pages); `tables` prints rows and puts them on a page. A new paper is a file here, a
+//! variant of [`Paper`], and its rows in `studies`.
+
+mod paper_000;
+mod paper_003;
+mod paper_003_page;
+mod tables;
+
+use clap::Subcommand;
+
+use self::paper_000::Reproduce000Args;
+use self::paper_003::Reproduce003Args;
+use crate::cli::failure::CommandResult;
+
+/// The papers.
+#[derive(Debug, Subcommand)]
+pub enum Paper {
+    /// Least-squares compensation of a single shaft through macro variables.
+    #[command(name = "000")]
+    P000(Reproduce000Args),
+    /// Slender shaft: forces, deflection, choice of cutting data, PID compensation (Xue, Miao, Xue 2023).
+    #[command(name = "003")]
+    P003(Reproduce003Args),
+}
+
+/// Reproduces a paper.
+///
+/// # Errors
+/// As the paper's command.
+pub fn run(paper: &Paper) -> CommandResult {
+    match paper {
+        Paper::P000(args) => paper_000::run(args),
+        Paper::P003(args) => paper_003::run(args),
+    }
+}

@@ -1,0 +1,167 @@
+//! `shadowgauge study controllers`: every controller on the same shafts, through rendered and measured frames.
+
+use std::path::PathBuf;
+
+use crate::cli::failure::{CommandResult, Failure, Outcome};
+use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::config;
+use crate::control::ControllerName;
+use crate::render::{BackendChoice, Renderer};
+use crate::report::html::Page;
+use crate::report::plot::{Chart, Mark, Series};
+use crate::studies::controllers::{self, ControllerStudy};
+
+const CONFIG: &str = include_str!("../../../configs/controllers.toml");
+
+/// Arguments of `study controllers`.
+#[derive(Debug, clap::Args)]
+pub struct StudyControllersArgs {
+    /// The job; by default the preset's shaft with disturbances (configs/controllers.toml).
+    config: Option<PathBuf>,
+    /// Shafts that every controller turns.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    shafts: u32,
+    /// Controllers, by default all.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    controllers: Vec<ControllerName>,
+    /// Seed of the first shaft, in place of the config's.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Where frames are rendered.
+    #[arg(long, value_enum, default_value_t = BackendChoice::Auto)]
+    backend: BackendChoice,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Write runs.csv, controllers.svg and report.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Runs the study.
+///
+/// # Errors
+/// Exit 2 for a config or a controller that is refused, 3 for a device or a disk that fails.
+pub fn run(args: &StudyControllersArgs) -> CommandResult {
+    let text = ConfigText::read_or(args.config.as_deref(), "configs/controllers.toml", CONFIG)?;
+    let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
+    job.seed = args.seed.unwrap_or(job.seed);
+    let names =
+        if args.controllers.is_empty() { ControllerName::ALL.to_vec() } else { args.controllers.clone() };
+    for controller in &names {
+        let mut settings = job.run_control();
+        settings.controller = *controller;
+        crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
+    }
+    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
+    let bar = indicatif::ProgressBar::new(u64::from(args.shafts) * (names.len() as u64 + 1));
+    let study = controllers::run(&job, &names, args.shafts as usize, &renderer, &mut |controller, seed| {
+        tracing::info!(%controller, seed, "turned");
+        bar.inc(1);
+    })
+    .map_err(Failure::fail)?;
+    bar.finish_and_clear();
+    if let Some(folder) = folder {
+        write(&folder, &study)?;
+        folder.finish()?;
+    }
+    if args.json {
+        say_line!("{}", json_text(&study)?);
+    } else {
+        print(&study);
+    }
+    Ok(Outcome::Done)
+}
+
+fn print(study: &ControllerStudy) {
+    say_line!(
+        "largest true error over the stations, µm: mean ± 95 % interval (median, worst; worst share of none)"
+    );
+    for c in &study.controllers {
+        for p in &c.passes {
+            say_line!(
+                "{:<6} pass {}  {:8.2} ± {:>5}  ({:7.2}, {:7.2}; {:.3})",
+                c.controller,
+                p.pass,
+                p.mean_mm * 1e3,
+                p.interval_mm.map_or_else(|| "-".to_owned(), |i| format!("{:.2}", i * 1e3)),
+                p.median_mm * 1e3,
+                p.worst_mm * 1e3,
+                p.worst_share_of_none
+            );
+        }
+        if c.held > 0 {
+            say_line!("{:<6} held {} times", c.controller, c.held);
+        }
+    }
+}
+
+fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
+    let mut series = Vec::new();
+    for (i, c) in study.controllers.iter().enumerate() {
+        let line = |f: fn(&controllers::PassSummary) -> f64| {
+            c.passes.iter().map(|p| (f64::from(p.pass), f(p) * 1e3)).collect::<Vec<_>>()
+        };
+        series.push(Series::new(c.controller.clone(), Mark::LineDots, i, line(|p| p.mean_mm)));
+        let half = |p: &controllers::PassSummary| p.interval_mm.unwrap_or(0.0);
+        for p in &c.passes {
+            let x = f64::from(p.pass);
+            let ends = vec![(x, (p.mean_mm - half(p)) * 1e3), (x, (p.mean_mm + half(p)) * 1e3)];
+            series.push(Series::new("", Mark::Line, i, ends));
+        }
+    }
+    let svg = Chart {
+        x_label: "pass".to_owned(),
+        y_label: "largest true error / µm".to_owned(),
+        series,
+        log_y: true,
+        x_labels: study.controllers.first().map(|c| c.passes.len()),
+        ..Chart::default()
+    }
+    .to_svg()
+    .map_err(Failure::fail)?;
+    let mut page = Page::new("Controllers on equal terms");
+    page.text(&format!(
+        "{} shafts, the same for every controller; each pass cut, rendered, measured and corrected from the pixels. The \
+         first pass knows no correction.",
+        study.shafts
+    ));
+    page.figure(
+        &svg,
+        "Mean over the shafts of the largest true error, with its 95 % interval (Student's t).",
+    );
+    let rows: Vec<Vec<String>> = study
+        .controllers
+        .iter()
+        .flat_map(|c| {
+            c.passes.iter().map(move |p| {
+                vec![
+                    c.controller.clone(),
+                    p.pass.to_string(),
+                    format!("{:.2}", p.mean_mm * 1e3),
+                    p.interval_mm.map_or_else(String::new, |i| format!("± {:.2}", i * 1e3)),
+                    format!("{:.2}", p.median_mm * 1e3),
+                    format!("{:.2}", p.worst_mm * 1e3),
+                    format!("{:.1} %", p.worst_share_of_none * 100.0),
+                ]
+            })
+        })
+        .collect();
+    page.table(
+        &["controller", "pass", "mean / µm", "95 %", "median / µm", "worst / µm", "worst share of none"],
+        &rows,
+    );
+    let held: Vec<Vec<String>> = study
+        .runs
+        .iter()
+        .filter(|r| !r.held.is_empty())
+        .map(|r| vec![r.controller.clone(), r.seed.to_string(), r.pass.to_string(), r.held.clone()])
+        .collect();
+    if !held.is_empty() {
+        page.heading("Offsets held").table(&["controller", "seed", "after pass", "reason"], &held);
+    }
+    folder.write("runs.csv", &csv_text(&study.runs)?)?;
+    folder.write("controllers.svg", svg.as_bytes())?;
+    folder.write("report.html", page.finish().as_bytes())
+}

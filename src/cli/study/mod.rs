@@ -1,0 +1,73 @@
+//! `shadowgauge study …`: measurements over the stages.
+//!
+//! A study has a file here with its arguments, its config and what it prints, and one in `studies`
+//! that computes. A new one is such a pair, its `mod` line and a variant of [`Study`].
+
+mod contamination;
+mod controllers;
+mod coverage;
+mod deflection;
+mod factor;
+mod in_process;
+mod parts;
+mod stability;
+mod uncertainty;
+mod washers;
+
+use clap::Subcommand;
+
+use self::contamination::StudyContaminationArgs;
+use self::controllers::StudyControllersArgs;
+use self::coverage::StudyCoverageArgs;
+use self::deflection::StudyDeflectionArgs;
+use self::factor::StudyFactorArgs;
+use self::in_process::StudyInProcessArgs;
+use self::parts::StudyPartsArgs;
+use self::stability::StudyStabilityArgs;
+use self::uncertainty::StudyUncertaintyArgs;
+use self::washers::StudyWashersArgs;
+use crate::cli::failure::CommandResult;
+
+/// The studies.
+#[derive(Debug, Subcommand)]
+pub enum Study {
+    /// Compliance of a held shaft over the position of a radial load.
+    Deflection(StudyDeflectionArgs),
+    /// Matter before the shaft and on it: how often it misleads the gauge.
+    Contamination(StudyContaminationArgs),
+    /// Every controller on the same shafts, through rendered and measured frames.
+    Controllers(StudyControllersArgs),
+    /// A batch of parts, with and without learning from part to part.
+    Parts(StudyPartsArgs),
+    /// Stability of every controller with every plant.
+    Stability(StudyStabilityArgs),
+    /// One job scanned after every pass and while it is cut, with and without correction within the pass.
+    InProcess(StudyInProcessArgs),
+    /// One cutting variable at a time against the size error.
+    Factor(StudyFactorArgs),
+    /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
+    Coverage(StudyCoverageArgs),
+    /// Monte Carlo (JCGM 101) beside the law of propagation, through calibration and measurement.
+    Uncertainty(StudyUncertaintyArgs),
+    /// Rings of known size, leave-one-out, beside a level crossing.
+    Washers(StudyWashersArgs),
+}
+
+/// Runs a study.
+///
+/// # Errors
+/// As the study.
+pub fn run(study: &Study) -> CommandResult {
+    match study {
+        Study::Deflection(args) => deflection::run(args),
+        Study::Contamination(args) => contamination::run(args),
+        Study::Controllers(args) => controllers::run(args),
+        Study::Parts(args) => parts::run(args),
+        Study::Stability(args) => stability::run(args),
+        Study::Coverage(args) => coverage::run(args),
+        Study::Uncertainty(args) => uncertainty::run(args),
+        Study::Washers(args) => washers::run(args),
+        Study::InProcess(args) => in_process::run(args),
+        Study::Factor(args) => factor::run(args),
+    }
+}

@@ -1,0 +1,57 @@
+//! Why a closed loop cannot go on.
+
+use thiserror::Error;
+
+use crate::cell::CellError;
+use crate::control::ControlError;
+use crate::frame::SourceError;
+use crate::gauge::{CalibrationError, GaugeSettingsError};
+use crate::job::JobError;
+
+/// A loop that cannot go on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LoopError {
+    /// The job does not fit together.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// The cell failed.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// A frame did not arrive.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The gauge refuses its settings.
+    #[error(transparent)]
+    Gauge(#[from] GaugeSettingsError),
+    /// The gauge cannot be calibrated.
+    #[error("calibration: {0}")]
+    Calibration(#[from] CalibrationError),
+    /// The probe cannot be calibrated.
+    #[error("calibration: {0}")]
+    Probe(#[from] crate::probe::CalibrationError),
+    /// A calibration that is none of the job's instrument.
+    #[error("calibration: the job measures with {0}, the calibration given is none of it")]
+    OtherInstrument(&'static str),
+    /// A master pin could not be measured.
+    #[error("calibration: no frame of master pin {pin} could be measured: {why}")]
+    Master {
+        /// Number of the pin, from 1.
+        pin: usize,
+        /// The gauge's reason.
+        why: String,
+    },
+    /// The controller refuses its settings.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A recorded pass does not fit the job.
+    #[error("the recorded pass {pass} has {found} stations, the job {expected}")]
+    Replay {
+        /// Pass, from 1.
+        pass: u32,
+        /// Stations in the record.
+        found: usize,
+        /// Stations of the job.
+        expected: usize,
+    },
+}

@@ -1,0 +1,6 @@
+//! Fixed names of what is written but not yet whole.
+
+/// How all temporary names begin.
+pub const TEMPORARY: &str = ".tmp-";
+/// The lock in a folder that is written to.
+pub const LOCK_NAME: &str = ".tmp-lock";

@@ -1,0 +1,23 @@
+//! The gauge's settings of a job, the edge of its own optics put in.
+
+use super::Job;
+use super::edge::NominalEdge;
+use super::error::{JobError, from_render};
+use crate::gauge::{EsfModel, GaugeSettings};
+
+impl Job {
+    /// The gauge's settings with the edge-spread function of the job's own optics in place of `[gauge.esf.optics]`: in focus, on
+    /// the finished part.
+    ///
+    /// # Errors
+    /// Optics whose table cannot be had.
+    pub fn gauge_settings(&self) -> Result<GaugeSettings, JobError> {
+        if self.gauge.esf != (EsfModel::Optics {}) {
+            return Ok(self.gauge.clone());
+        }
+        let last = self.part.nominal_diameter_mm.last().copied().unwrap_or(self.part.stock_diameter_mm);
+        let pixel_mm = self.nominal_mm_per_px();
+        let edge = NominalEdge::new(&self.optics, pixel_mm, 0.5 * last, 0.0).map_err(from_render)?;
+        Ok(GaugeSettings { esf: edge.model(1e3 * pixel_mm), ..self.gauge.clone() })
+    }
+}

@@ -1,0 +1,61 @@
+//! Why a program cannot be written.
+
+/// A program that cannot be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NcError {
+    /// A value of the `[nc]` table is out of its range.
+    #[error("{key} = {value}: must be {right}")]
+    Setting {
+        /// The key.
+        key: &'static str,
+        /// What stands there.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// Stations, offsets or knots that do not fit together.
+    #[error("{0}")]
+    Plan(String),
+    /// A point of the path lies outside the range allowed.
+    #[error("range check: X {x_mm} mm at Z {z_mm} mm lies outside {low_mm} to {high_mm} mm")]
+    Range {
+        /// Diameter commanded.
+        x_mm: f64,
+        /// Place.
+        z_mm: f64,
+        /// Least diameter allowed.
+        low_mm: f64,
+        /// Largest diameter allowed.
+        high_mm: f64,
+    },
+    /// The control leaves open what the machine's data do not state.
+    #[error(
+        "{dialect} leaves open what the machine's data must state (nc --machine FILE, [nc.machine]): {missing}"
+    )]
+    Unstated {
+        /// The dialect.
+        dialect: &'static str,
+        /// Keys, and where the answer stands.
+        missing: String,
+    },
+    /// A block of the finished program does what it must not.
+    #[error("the program is refused: block {block} ({text}): {what}")]
+    Block {
+        /// Number of the line, from 1.
+        block: usize,
+        /// The line.
+        text: String,
+        /// What it does.
+        what: String,
+    },
+}
+
+pub(super) fn require(
+    holds: bool,
+    key: &'static str,
+    value: f64,
+    right: &'static str,
+) -> Result<(), NcError> {
+    if holds { Ok(()) } else { Err(NcError::Setting { key, value, right }) }
+}

@@ -1,0 +1,115 @@
+//! Light that is not even, as the kernel reads it.
+//!
+//! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
+//! vignetting and the gradient of the backlight ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what
+//! contamination leaves. Stray light in the shadow is a veil over the whole field and stays as it is.
+//!
+//! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
+//! 32 pixels of a row that nothing touches are known, written once and read by no one.
+
+/// The 16-bit factor of clear light.
+pub const CLEAR: f32 = 32_768.0;
+
+/// Two factors of clear light.
+const CLEAR_WORD: u32 = 0x8000_8000;
+
+/// Pixels of a row that are told apart as touched or clear.
+pub const CELL: usize = 32;
+
+/// Words of a cell.
+const CELL_WORDS: usize = CELL / 2;
+
+/// 16-bit factors of a window and the mask of what dims them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightMap {
+    /// Two factors a word, rows padded to whole words.
+    pub words: Vec<u32>,
+    /// Bits of [`crate::render::contamination::mask`], row-major; empty where nobody asked for it.
+    pub mask: Vec<u8>,
+    /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
+    pub touched: Vec<bool>,
+    /// Pixels a row.
+    pub columns: usize,
+}
+
+/// Some whole rows of a map.
+pub(crate) struct Lines<'a> {
+    pub words: &'a mut [u32],
+    pub touched: &'a mut [bool],
+    pub columns: usize,
+}
+
+impl LightMap {
+    /// This map with the rows of another of the same width beneath it.
+    #[must_use]
+    pub fn followed_by(mut self, other: &Self) -> Self {
+        self.words.extend_from_slice(&other.words);
+        self.mask.extend_from_slice(&other.mask);
+        self.touched.extend_from_slice(&other.touched);
+        self
+    }
+
+    /// Makes room for a window, keeping the allocations: what a map of the same size holds stays known.
+    pub(crate) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
+        let (words, cells) = (rows * columns.div_ceil(2), rows * columns.div_ceil(CELL));
+        if (self.words.len(), self.touched.len(), self.columns) != (words, cells, columns) {
+            self.columns = columns;
+            self.words.resize(words, CLEAR_WORD);
+            self.touched.clear();
+            self.touched.resize(cells, true);
+        }
+        self.mask.clear();
+        self.mask.resize(if with_mask { rows * columns } else { 0 }, 0);
+    }
+
+    /// Whether a pixel of the cell that begins at `column` is dimmed.
+    #[inline(always)]
+    pub(crate) fn is_touched(&self, row: usize, column: usize) -> bool {
+        self.touched[row * self.columns.div_ceil(CELL) + column / CELL]
+    }
+}
+
+impl Lines<'_> {
+    /// Packs the factors of these rows; `dimmed` tells of every cell of a row whether it holds others than 1.
+    #[inline(always)]
+    pub(crate) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
+        let lines = self.words.chunks_exact_mut(self.columns.div_ceil(2));
+        let lines = lines.zip(self.touched.chunks_exact_mut(dimmed.len()));
+        for ((words, touched), values) in lines.zip(values.chunks_exact(self.columns)) {
+            let cells = words.chunks_mut(CELL_WORDS).zip(values.chunks(CELL));
+            for (((words, values), touched), dimmed) in cells.zip(touched).zip(dimmed) {
+                if *dimmed {
+                    pack_cell(words, values);
+                } else if *touched {
+                    words.fill(CLEAR_WORD);
+                }
+                *touched = *dimmed;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn pack_cell(words: &mut [u32], values: &[f32]) {
+    let (pairs, rest) = values.as_chunks::<2>();
+    for (word, [low, high]) in words.iter_mut().zip(pairs) {
+        *word = factor(*low) | factor(*high) << 16;
+    }
+    if let (Some(word), [last]) = (words.last_mut(), rest) {
+        *word = factor(*last);
+    }
+}
+
+/// A factor in 2⁻¹⁵, rounded, at most 2.
+#[inline(always)]
+fn factor(value: f32) -> u32 {
+    whole((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
+}
+
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
+#[inline(always)]
+pub(crate) fn whole(x: f32) -> u32 {
+    let rounded = x + 8_388_608.0;
+    let over = u32::from(rounded - 8_388_608.0 > x);
+    (rounded.to_bits() & 0x007f_ffff) - over
+}

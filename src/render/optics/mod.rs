@@ -1,0 +1,15 @@
+//! Optics: how light passes the edge of a part, and where the lens images it.
+//!
+//! In: the `[optics]` table ([`settings`]). Out: [`esf_table::EsfTable`], the edge-spread function
+//! integrated over a pixel's area as the kernel reads it, and the maps of [`lens`]. [`edge_spread`]
+//! holds the families of the edge-spread function in f64, over the distance into the light in µm on
+//! the object; `laser_shoulder` the light of two edges whose diffraction rings cross.
+//!
+//! A new family is a file in [`edge_spread`] that ends as an [`edge_spread::EdgeSpread`], and a
+//! variant of [`settings::Esf`]; a new property of the lens is a file in [`lens`].
+
+pub mod edge_spread;
+pub mod esf_table;
+pub(crate) mod laser_shoulder;
+pub mod lens;
+pub mod settings;

@@ -1,0 +1,89 @@
+//! What lies between the shaft and the sensor in one frame: films on its surface, and what dims the light.
+
+use rayon::prelude::*;
+
+use super::request::FrameRequest;
+use super::true_optics::OpticalBench;
+use crate::render::contamination::{Asked, Rise, mark_rise};
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::ColumnEdges;
+use crate::render::kernel::light_map::LightMap;
+use crate::render::kernel::params::{Window, Windows};
+use crate::shaft::Shaft;
+
+/// Raises the edges by the films on the shaft; the rises, column by column, or none where there are no films.
+///
+/// `edges` reach `halo` columns beyond the window at either end.
+pub(crate) fn raise_edges(
+    bench: &OpticalBench,
+    shaft: &Shaft,
+    request: &FrameRequest,
+    window: Window,
+    edges: &mut [ColumnEdges],
+) -> Result<Vec<Rise>, RenderError> {
+    let Some(soiling) = &bench.soiling else { return Ok(Vec::new()) };
+    let halo = (edges.len() - window.columns as usize) as f64 / 2.0;
+    let z_mm = |i: f64| bench.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
+    // One radius for the whole shaft, so that every field draws the same films.
+    let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
+    let films = soiling.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
+    if films.is_empty() {
+        return Ok(Vec::new());
+    }
+    let raise = |(i, e): (usize, &mut ColumnEdges)| {
+        let radius_mm = 0.5 * (e.bottom_px - e.top_px) * bench.pixel_mm;
+        let rise = soiling.rise(&films, radius_mm, z_mm(i as f64), request.angle_deg);
+        e.top_px -= rise.top_px;
+        e.bottom_px += rise.bottom_px;
+        rise
+    };
+    Ok(edges.par_iter_mut().enumerate().map(raise).collect())
+}
+
+/// The window as contamination meets it.
+pub(crate) struct Seen<'a> {
+    /// Its edges, raised by `rises`.
+    pub edges: &'a [ColumnEdges],
+    pub rises: &'a [Rise],
+    pub blur_px: f64,
+    /// Rows in the shadow over all columns.
+    pub dark: std::ops::Range<i32>,
+}
+
+/// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
+///
+/// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
+pub(crate) fn contamination(
+    bench: &OpticalBench,
+    request: &FrameRequest,
+    windows: Windows,
+    seen: &Seen<'_>,
+    with_mask: bool,
+) -> Result<Option<LightMap>, RenderError> {
+    let Some(soiling) = &bench.soiling else { return Ok(None) };
+    let frame = windows.frame();
+    let size = [frame.rows as usize, frame.columns as usize];
+    let mut map = LightMap::default();
+    // What is seen against the shadow is seen by the mask alone.
+    let unseen = if with_mask || windows.second.is_some() { 0..0 } else { seen.dark.clone() };
+    if soiling.dims() {
+        for part in windows.parts() {
+            let [row, column, rows, columns] =
+                [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
+            let asked = Asked { size: [rows, columns], with_mask, unseen: unseen.clone() };
+            let piece = soiling.transmission(request.frame_id, [row, column], &asked)?;
+            map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
+        }
+    } else if with_mask {
+        map.mask = vec![0; size[0] * size[1]];
+    }
+    if !with_mask {
+        return Ok(Some(map));
+    }
+    let blur_px = seen.blur_px;
+    for (column, (e, rise)) in seen.edges.iter().zip(seen.rises).enumerate() {
+        mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);
+        mark_rise(&mut map.mask, size[1], column, e.bottom_px - rise.bottom_px, rise.bottom_px, blur_px);
+    }
+    Ok(Some(map))
+}

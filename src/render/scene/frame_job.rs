@@ -1,0 +1,188 @@
+//! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles, contamination, parameters.
+
+use super::column_profiles::Profiles;
+use super::contamination_layer::{self, Seen};
+use super::exposure::{self, Instant};
+use super::request::FrameRequest;
+use super::scene::Scene;
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::{ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest};
+use crate::render::kernel::job::Job;
+use crate::render::kernel::light_map::LightMap;
+use crate::render::kernel::params::{FrameKeys, Params, Window, Windows, pixels_per_word};
+use crate::render::kernel::shadowgraph::shaped;
+use crate::render::optics::esf_table::{Node, pixel_quadrature};
+
+impl Scene {
+    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over the exposure where they
+    /// move, as the lens distorts them.
+    ///
+    /// # Errors
+    /// Refuses a window outside the sensor and a shaft that leaves the field.
+    pub fn geometric_edges(&self, request: &FrameRequest) -> Result<Vec<ColumnEdges>, RenderError> {
+        let windows = self.windows(request)?;
+        let mut edges = exposure::mean(&exposure::instants(self, request, windows.span(), 0)?);
+        stack(&mut edges, windows)?;
+        Ok(edges)
+    }
+
+    /// Everything the kernel needs for a frame.
+    ///
+    /// # Errors
+    /// As [`Self::geometric_edges`].
+    pub fn job(&self, request: &FrameRequest) -> Result<Job<'_>, RenderError> {
+        self.job_with(request, true)
+    }
+
+    /// [`Self::job`], the truth of the contamination only where it is asked for.
+    ///
+    /// # Errors
+    /// As [`Self::job`].
+    pub fn job_with(&self, request: &FrameRequest, with_mask: bool) -> Result<Job<'_>, RenderError> {
+        let windows = self.windows(request)?;
+        let window = windows.span();
+        let format = self.format(request);
+        let halo = self.blur.reach();
+        let mut instants = exposure::instants(self, request, window, halo)?;
+        if !self.wiped {
+            for instant in &mut instants {
+                let edges = &mut instant.edges;
+                instant.rises = contamination_layer::raise_edges(
+                    &self.bench,
+                    self.outline.shaft(),
+                    request,
+                    window,
+                    edges,
+                )?;
+            }
+        }
+        let edges = exposure::mean(&instants);
+        let mut stacked = edges.clone();
+        stack(&mut stacked, windows)?;
+        let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
+        let depth = self.depth(&instants[0], window);
+        let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
+        let mut quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
+        let folded = fold_pixel(&self.esf, &mut columns);
+        let esf = folded.unwrap_or(&self.esf);
+        let profiles = if instants.len() > 1 || self.outline.has_breaks() {
+            let frame = Profiles {
+                scene: self,
+                esf: &self.esf,
+                window,
+                halo,
+                instants: &instants,
+                depth: &depth,
+                quadrature: &quadrature,
+                kernel_segments: esf.segments.len(),
+            };
+            frame.add(&mut columns)
+        } else {
+            Vec::new()
+        };
+        if folded.is_some() {
+            quadrature = vec![Node { along: 0.0, down: 0.0, weight: 1.0, padding: 0.0 }];
+        }
+        // Whole rows: the lower edges keep their places to the last bit.
+        columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
+        let bands = bands(&columns, pixels_per_word(format) as usize, esf);
+        let rises = instants.last().map_or(&[][..], |i| &i.rises);
+        let seen = Seen {
+            edges: &stacked[seen(stacked.len())],
+            rises: &rises[seen(rises.len())],
+            blur_px: self.esf.blur_px,
+            dark: bands.dark.clone(),
+        };
+        let contamination =
+            contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
+        let keys = FrameKeys {
+            seed: request.seed,
+            frame_id: request.frame_id,
+            pattern_seed: self.bench.pattern_seed,
+        };
+        let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
+        params.flat_bright = shaped(&params, params.shadow + params.contrast);
+        params.flat_shadow = shaped(&params, params.shadow);
+        params.nodes = quadrature.len() as u32;
+        params.band_rows = bands.rows;
+        params.overlap = u32::from(bands.overlap);
+        params.esf_segments = esf.per_table;
+        params.esf_reach = esf.reach;
+        params.esf_per_unit = esf.per_unit;
+        self.light_params(&mut params, contamination.as_ref());
+        params.set_dark(&bands.dark);
+        Ok(Job {
+            params,
+            format,
+            columns,
+            bands,
+            contamination,
+            esf,
+            quadrature,
+            stacked: self.esf.is_stacked(),
+            profiles,
+        })
+    }
+
+    fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
+        params.light = match contamination {
+            Some(map) if !map.words.is_empty() => 2,
+            _ => u32::from(!self.bench.nominal.light.field.is_even()),
+        };
+        let light = &self.bench.nominal.light.field;
+        params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
+            .map(|k| k as f32);
+        params.sag = light.sag as f32;
+        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
+        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
+    }
+
+    /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
+    fn depth(&self, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
+        if self.esf.is_even() || (self.depth_mm == 0.0 && !self.esf.has_radii()) {
+            return Vec::new();
+        }
+        let view = self.view(instant.field_z_mm);
+        (window.column..window.column + window.columns)
+            .map(|c| self.bench.column_z_mm(instant.field_z_mm, f64::from(c)))
+            .map(|z| Depth {
+                y_mm: instant.turned.axis_depth_mm(z, &view),
+                radius_mm: self.outline.mean_radius_mm(z),
+            })
+            .collect()
+    }
+
+    /// Takes a job's memory back for the next frame.
+    pub fn give_back(&self, job: Job<'_>) {
+        if let Some(map) = job.contamination {
+            self.recycle(map);
+        }
+    }
+
+    /// Takes a frame's contamination back for its memory and gives out its mask.
+    pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
+        let mask = std::mem::take(&mut map.mask);
+        if let Some(soiling) = &self.bench.soiling {
+            soiling.recycle(map);
+        }
+        mask
+    }
+}
+
+/// Moves the lower edges into the rows that a second window has in the frame.
+fn stack(edges: &mut [ColumnEdges], windows: Windows) -> Result<(), RenderError> {
+    if windows.second.is_none() {
+        return Ok(());
+    }
+    let (split, rows) = (f64::from(windows.first.rows), f64::from(windows.frame().rows));
+    for e in &mut *edges {
+        e.bottom_px -= f64::from(windows.skip());
+    }
+    let apart =
+        |e: &ColumnEdges| e.top_px >= 0.0 && e.top_px < split && e.bottom_px >= split && e.bottom_px < rows;
+    if edges.iter().all(apart) {
+        return Ok(());
+    }
+    let right = "each window must hold one edge of the shaft in every column: move it, or give it more rows";
+    Err(RenderError::setting("second_roi", &format!("{windows:?}"), right))
+}

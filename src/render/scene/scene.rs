@@ -1,0 +1,276 @@
+//! A scene: one shaft before one bench, ready to be drawn at any field and angle.
+
+use std::sync::Arc;
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+
+use super::request::FrameRequest;
+use super::true_optics::OpticalBench;
+use crate::frame::{FrameMeta, PixelFormat, Roi};
+use crate::render::error::RenderError;
+use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
+use crate::render::kernel::params::{Levels, Window, Windows};
+use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
+use crate::render::optics::esf_table::{EsfTable, Extent};
+use crate::render::optics::settings::Esf;
+use crate::render::silhouette::{Outline, Turned, View};
+use crate::shaft::Shaft;
+
+/// Stream of the spindle's asynchronous error motion.
+const ASYNCHRONOUS_STREAM: u64 = 0x6173_796e_6368;
+
+/// Room that a pinhole keeps from the shaft, mm.
+const CLEARANCE_MM: f64 = 1.0;
+
+/// One shaft before one bench.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(super) bench: OpticalBench,
+    pub(super) outline: Outline,
+    pub(super) esf: Arc<EsfTable>,
+    pub(super) blur: RowBlur,
+    /// One over the distance of the pinhole, 1/mm; 0 for a telecentric lens.
+    pub(super) per_distance: f64,
+    /// Largest distance of any axis from the plane of focus, mm.
+    pub(super) depth_mm: f64,
+    /// Standard deviation of the widest Gaussian, px.
+    pub(super) largest_sigma_px: f64,
+    /// How far along z tilt, perspective and distortion may carry a corner, mm.
+    pub(super) margin_mm: f64,
+    pub(super) wiped: bool,
+}
+
+impl Scene {
+    /// Prepares a shaft for the bench: bounds, tables.
+    ///
+    /// # Errors
+    /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses the rest.
+    pub fn new(bench: &OpticalBench, shaft: Shaft) -> Result<Self, RenderError> {
+        let outline = Outline::new(shaft)?;
+        let field_mm = bench.rows() as f64 * bench.pixel_mm;
+        let smallest = 2.0 * outline.smallest_radius_mm();
+        if smallest > field_mm {
+            return Err(RenderError::Field {
+                what: format!(
+                    "the shaft's diameter of {smallest:.3} mm exceeds the field of {field_mm:.3} mm ({} rows of {:.3} µm): lower optics.magnification or take more rows",
+                    bench.rows(),
+                    bench.pixel_mm * 1e3
+                ),
+            });
+        }
+        let per_distance = per_distance(bench, &outline)?;
+        let pose = outline.shaft().pose;
+        let lean = (pose.tilt_to_camera_mrad * 1e-3).sin().abs();
+        let half_mm = 0.5 * bench.columns() as f64 * bench.pixel_mm;
+        let depth_mm = outline.largest_depth_mm() + half_mm * lean;
+        let radius_mm = outline.mean_radii_mm();
+        let esf = bench.tables.table(
+            &bench.esf,
+            &bench.nominal.optics,
+            &Extent { pixel_mm: bench.pixel_mm, depth_mm, radius_mm },
+        )?;
+        let margin_mm = radius_mm.1 * ((pose.tilt_mrad * 1e-3).sin().abs() + lean)
+            + (half_mm + radius_mm.1) * radius_mm.1 * per_distance.abs()
+            + sideways_px(bench) * bench.pixel_mm;
+        let widest = if esf.widens { esf.place(depth_mm, radius_mm.1, 0.0).scale_px } else { esf.blur_px };
+        let blur = RowBlur::new(esf.blur_px);
+        let (bench, largest_sigma_px) = (bench.clone(), widest);
+        Ok(Self {
+            bench,
+            outline,
+            esf,
+            blur,
+            per_distance,
+            depth_mm,
+            largest_sigma_px,
+            margin_mm,
+            wiped: false,
+        })
+    }
+
+    /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
+    #[must_use]
+    pub fn wiped(self) -> Self {
+        Self { wiped: true, ..self }
+    }
+
+    /// The true bench.
+    pub fn bench(&self) -> &OpticalBench {
+        &self.bench
+    }
+
+    /// The shaft's outline.
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
+    /// The edge spreads of the scene in f64, µm on the object; none where it is the plain Gaussian.
+    pub fn edge_spreads(&self) -> &[EdgeSpread] {
+        self.esf.sources()
+    }
+
+    /// The window of the sensor that the request reads.
+    ///
+    /// # Errors
+    /// Refuses a window that is empty or leaves the sensor.
+    pub fn window(&self, request: &FrameRequest) -> Result<Window, RenderError> {
+        self.window_of(request.roi, "roi")
+    }
+
+    /// Both windows that the request reads.
+    ///
+    /// # Errors
+    /// As [`Self::window`], and refuses a second window that is not below the first or has other columns.
+    pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
+        let first = self.window(request)?;
+        let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
+        let second = self.window_of(Some(roi), "second_roi")?;
+        if (second.column, second.columns) != (first.column, first.columns)
+            || second.row < first.row + first.rows
+        {
+            return Err(RenderError::setting(
+                "second_roi",
+                &format!("{roi:?}"),
+                "must have the columns of the first window and lie below it",
+            ));
+        }
+        Ok(Windows { first, second: Some(second) })
+    }
+
+    fn window_of(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
+        let (rows, columns) = (self.bench.nominal.camera.rows, self.bench.nominal.camera.columns);
+        let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
+        let inside = |start: u32, length: u32, all: u32| {
+            length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
+        };
+        if inside(roi.row, roi.rows, rows) && inside(roi.column, roi.columns, columns) {
+            return Ok(Window { row: roi.row, column: roi.column, rows: roi.rows, columns: roi.columns });
+        }
+        Err(RenderError::setting(
+            key,
+            &format!("{roi:?}"),
+            format!("must hold a pixel and lie within {rows} rows x {columns} columns"),
+        ))
+    }
+
+    /// The shaft at a spindle angle, with the error motion that this frame alone has.
+    pub(crate) fn turned(&self, request: &FrameRequest, angle_deg: f64) -> Turned<'_> {
+        let turned = self.outline.turned(angle_deg);
+        let rms_um = self.outline.shaft().spindle.asynchronous_rms_um;
+        if rms_um == 0.0 {
+            return turned;
+        }
+        let key = request.seed ^ ASYNCHRONOUS_STREAM ^ request.frame_id.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mut random = Pcg64::seed_from_u64(key);
+        let mut draw = || {
+            let z: f64 = StandardNormal.sample(&mut random);
+            1e-3 * rms_um * z.clamp(-4.0, 4.0)
+        };
+        turned.shifted(draw(), draw())
+    }
+
+    /// Whether every slice projects by itself.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.view(0.0).is_straight(self.outline.shaft().pose.tilt_to_camera_mrad)
+    }
+
+    pub(super) fn view(&self, field_z_mm: f64) -> View {
+        View { middle_z_mm: field_z_mm, per_distance: self.per_distance }
+    }
+
+    /// Exact edges at a fractional column, in rows of the full sensor.
+    pub fn edges_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> ColumnEdges {
+        let distortion = &self.bench.nominal.optics.distortion;
+        let view = self.view(field_z_mm);
+        if distortion.is_none() {
+            let pair = turned.edges_seen(self.bench.column_z_mm(field_z_mm, sensor_column), &view);
+            return ColumnEdges {
+                top_px: self.bench.row_of_x(pair.top_mm),
+                bottom_px: self.bench.row_of_x(pair.bottom_mm),
+            };
+        }
+        let ideal = |upper: bool| {
+            distortion.edge_row(sensor_column, self.bench.rows(), self.bench.columns(), |c| {
+                self.bench.row_of_x(turned.edge_seen(self.bench.column_z_mm(field_z_mm, c), &view, upper))
+            })
+        };
+        ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
+    }
+
+    /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
+    pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
+        let Esf::Fresnel(laser) = &self.bench.esf else { return None };
+        let optics = &self.bench.nominal.optics;
+        let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
+        (plain && self.outline.is_stepped()).then_some(laser)
+    }
+
+    /// Levels in counts of the format asked for.
+    pub fn levels(&self, format: PixelFormat) -> Levels {
+        let nominal = &self.bench.nominal;
+        Levels {
+            shadow: nominal.light.shadow_counts,
+            bright: nominal.light.bright_in(&nominal.sensor, self.bench.electrons_per_count),
+            black: nominal.sensor.black_level_counts,
+            electrons_per_count: self.bench.electrons_per_count,
+            read_noise_e: nominal.sensor.read_noise_e,
+            full_well_e: nominal.sensor.full_well_e,
+            prnu: nominal.sensor.prnu_rel,
+            dsnu_e: nominal.sensor.dsnu_e,
+            hot_ppm: nominal.sensor.hot_pixels_ppm,
+            hot_pixel_e: nominal.sensor.hot_pixel_e,
+        }
+        .in_format(nominal.sensor.format, format)
+    }
+
+    /// Format of the frame asked for.
+    pub fn format(&self, request: &FrameRequest) -> PixelFormat {
+        request.format.unwrap_or(self.bench.nominal.sensor.format)
+    }
+
+    /// What stands beside the pixels of the frame asked for.
+    pub fn meta(&self, request: &FrameRequest) -> FrameMeta {
+        FrameMeta {
+            frame_id: request.frame_id,
+            t_ns: request.t_ns,
+            exposure_us: self.bench.nominal.camera.exposure_us,
+            angle_deg: request.angle_deg,
+            z_mm: request.z_mm,
+            roi: request.roi,
+            ..FrameMeta::default()
+        }
+    }
+}
+
+/// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual
+/// angle at half the diagonal.
+fn per_distance(bench: &OpticalBench, outline: &Outline) -> Result<f64, RenderError> {
+    let optics = &bench.nominal.optics;
+    let half_mm = 0.5 * (bench.rows() as f64).hypot(bench.columns() as f64) * bench.pixel_mm;
+    let per_distance = match optics.entocentric {
+        Some(e) => 1.0 / e.distance_mm,
+        None => (optics.telecentricity_mrad * 1e-3).tan() / half_mm,
+    };
+    let needed = outline.mean_radii_mm().1 + outline.largest_depth_mm() + CLEARANCE_MM;
+    if per_distance.abs() * needed < 1.0 {
+        return Ok(per_distance);
+    }
+    let right = format!("must leave the shaft in front of the lens: at least {needed:.3} mm");
+    Err(RenderError::setting("optics.entocentric.distance_mm", &(1.0 / per_distance), right))
+}
+
+/// Farthest that the distortion carries a point of the sensor's border along the row, px.
+fn sideways_px(bench: &OpticalBench) -> f64 {
+    let distortion = &bench.nominal.optics.distortion;
+    if distortion.is_none() {
+        return 0.0;
+    }
+    let (rows, columns) = (bench.rows(), bench.columns());
+    let border = (0..=16).flat_map(|i| {
+        let (r, c) = ((rows - 1) as f64 * f64::from(i) / 16.0, (columns - 1) as f64 * f64::from(i) / 16.0);
+        [(r, 0.0), (r, (columns - 1) as f64), (0.0, c), ((rows - 1) as f64, c)]
+    });
+    border.map(|(r, c)| (distortion.distort_px(r, c, rows, columns).1 - c).abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,155 @@
+//! The true bench: what the optics really are, drawn by seed around the nominal settings. Only `truth` may know it.
+
+use std::sync::Arc;
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::SeedableRng;
+
+use crate::render::contamination::{FieldGeometry, Soiling};
+use crate::render::error::RenderError;
+use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
+use crate::render::settings::{BenchSettings, Esf, Optics};
+
+/// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
+const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
+
+/// Stream of the sensor's fixed pattern.
+const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
+
+/// Stream of the contamination.
+const SOIL_STREAM: u64 = 0x0000_0000_736f_696c;
+
+/// Draws are cut here, so that no seed gives an absurd lens.
+const LARGEST_DRAW: f64 = 2.5;
+
+/// Camera, lens, light and sensor as they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OpticalBench {
+    /// The nominal settings it was drawn from.
+    pub nominal: BenchSettings,
+    /// True size of a pixel on the object, mm.
+    pub pixel_mm: f64,
+    /// True edge spread, in image pixels.
+    pub esf: Esf,
+    /// True electrons per count.
+    pub electrons_per_count: f64,
+    /// Edge-spread tables made so far.
+    pub tables: TableCache,
+    /// Key of the sensor's fixed pattern: the same camera in every frame.
+    pub pattern_seed: u64,
+    /// What soils the view, where anything does.
+    pub soiling: Option<Arc<Soiling>>,
+}
+
+impl OpticalBench {
+    /// Draws the true bench; the same settings and seed give the same bench.
+    ///
+    /// # Errors
+    /// Refuses settings outside their ranges, naming the key.
+    pub fn resolve(settings: &BenchSettings, seed: u64) -> Result<Self, RenderError> {
+        settings.check()?;
+        let mut random = Pcg64::seed_from_u64(seed ^ DEPARTURE_STREAM);
+        let mut factor = |relative: f64| {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            1.0 + relative * draw.clamp(-LARGEST_DRAW, LARGEST_DRAW)
+        };
+        let departures = &settings.departures;
+        let magnification = settings.optics.magnification * factor(departures.magnification_rel);
+        let blur = factor(departures.blur_rel);
+        let gain = factor(departures.gain_rel);
+        let pixel_mm = settings.camera.pixel_um * 1e-3 / magnification;
+        let esf = scaled_blur(&settings.optics.esf, blur);
+        let soiling = soiling(settings, &esf, pixel_mm, seed)?;
+        Ok(Self {
+            nominal: settings.clone(),
+            tables: TableCache::default(),
+            pixel_mm,
+            esf,
+            soiling: soiling.map(Arc::new),
+            electrons_per_count: settings.sensor.electrons_per_count * gain,
+            pattern_seed: seed ^ PATTERN_STREAM,
+        })
+    }
+
+    /// Rows of the full sensor.
+    pub fn rows(&self) -> usize {
+        self.nominal.camera.rows as usize
+    }
+
+    /// Columns of the full sensor.
+    pub fn columns(&self) -> usize {
+        self.nominal.camera.columns as usize
+    }
+
+    /// Row of the optical axis: (rows - 1)/2.
+    pub fn centre_row(&self) -> f64 {
+        (self.rows() as f64 - 1.0) / 2.0
+    }
+
+    /// Column of the optical axis: (columns - 1)/2.
+    pub fn centre_column(&self) -> f64 {
+        (self.columns() as f64 - 1.0) / 2.0
+    }
+
+    /// Machine z seen by a column of the full sensor when the field's centre stands at `field_z_mm`.
+    pub fn column_z_mm(&self, field_z_mm: f64, column: f64) -> f64 {
+        field_z_mm + (column - self.centre_column()) * self.pixel_mm
+    }
+
+    /// Row of the full sensor that sees a height `x_mm` above the optical axis.
+    pub fn row_of_x(&self, x_mm: f64) -> f64 {
+        self.centre_row() - x_mm / self.pixel_mm
+    }
+}
+
+/// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
+fn soiling(
+    settings: &BenchSettings,
+    esf: &Esf,
+    pixel_mm: f64,
+    seed: u64,
+) -> Result<Option<Soiling>, RenderError> {
+    if settings.contamination.is_clean() {
+        return Ok(None);
+    }
+    let effective_na = match esf {
+        Esf::PartiallyCoherent(p) => p.na * p.coherence_ratio.min(1.0),
+        _ => settings.optics.defocus_na,
+    };
+    let dull = Optics { reflection: None, ..settings.optics.clone() };
+    let in_focus = Extent { pixel_mm, depth_mm: 0.0, radius_mm: (1.0, 1.0) };
+    let geometry = FieldGeometry {
+        rows: settings.camera.rows as usize,
+        columns: settings.camera.columns as usize,
+        pixel_um: pixel_mm * 1e3,
+        effective_na,
+        sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
+    };
+    Soiling::new(&settings.contamination, geometry, seed ^ SOIL_STREAM)
+}
+
+fn scaled_blur(esf: &Esf, factor: f64) -> Esf {
+    match esf {
+        Esf::Gaussian(g) => {
+            let mut scaled = g.clone();
+            scaled.sigma_px *= factor;
+            Esf::Gaussian(scaled)
+        }
+        Esf::PartiallyCoherent(p) => {
+            let mut scaled = p.clone();
+            scaled.na /= factor;
+            Esf::PartiallyCoherent(scaled)
+        }
+        Esf::Fresnel(f) => {
+            let mut scaled = f.clone();
+            scaled.distance_mm *= factor * factor;
+            Esf::Fresnel(scaled)
+        }
+        Esf::Measured(m) => {
+            let mut scaled = m.clone();
+            scaled.d_um.iter_mut().for_each(|d| *d *= factor);
+            Esf::Measured(scaled)
+        }
+    }
+}

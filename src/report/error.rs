@@ -1,0 +1,15 @@
+//! Why a report cannot be made.
+
+use crate::run_folder::RunFolderError;
+
+/// A report that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The run folder cannot be read.
+    #[error(transparent)]
+    Folder(#[from] RunFolderError),
+    /// A chart or picture cannot be drawn.
+    #[error("report: {0}")]
+    Draw(String),
+}

@@ -1,0 +1,20 @@
+//! A finished calibration, with what people read beside it.
+
+use crate::gauge::Calibration;
+use crate::gauge::bench::Adjustment;
+use crate::gauge::budget::{Budget, WidthReading};
+
+/// A finished calibration.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// The calibration; its check says whether it may be used.
+    pub calibration: Calibration,
+    /// The adjustment behind it, for propagation of distributions.
+    pub adjustment: Adjustment,
+    /// One of the masters' mean shadows.
+    pub reading: Option<WidthReading>,
+    /// Its budget, for people to read.
+    pub example: Option<Budget>,
+    /// Frames left out because no edge-spread function could be learnt from them, where it was to be learnt.
+    pub unlearnt_frames: usize,
+}
