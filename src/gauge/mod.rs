@@ -51,6 +51,7 @@ mod other_views;
 pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;
+mod range_check;
 mod repeated;
 pub mod ring;
 mod rings;

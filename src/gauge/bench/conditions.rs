@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::SettingError;
+use super::super::range_check::{SettingError, within};
 use super::finish::Finish;
 use super::unstated::{
     UNSTATED_EDGE_UM, UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated,
@@ -182,7 +182,7 @@ impl Conditions {
     /// Names the key.
     pub fn validate(&self) -> Result<(), SettingError> {
         let at = |key: &str, value, low, high, right| {
-            super::within(&format!("conditions.{key}"), value, low, high, right)
+            within(&format!("conditions.{key}"), value, low, high, right)
         };
         at("temperature_c", self.temperature_c, -50.0, 400.0, "-50 to 400 °C")?;
         at("limit_temperature_k", self.limit_temperature_k, 0.0, 100.0, "0 to 100 K")?;

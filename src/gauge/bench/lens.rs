@@ -16,7 +16,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::SettingError;
+use super::super::range_check::{SettingError, within};
 
 /// Number of parameters of a bench: s, o, a, q, g, t.
 pub const PARAMETERS: usize = 6;
@@ -46,9 +46,9 @@ impl LensLimits {
     /// # Errors
     /// Names the key.
     pub fn validate(&self) -> Result<(), SettingError> {
-        super::within("lens.distortion_percent", self.distortion_percent, 0.0, 5.0, "0 to 5 %")?;
-        super::within("lens.keystone_percent", self.keystone_percent, 0.0, 5.0, "0 to 5 %")?;
-        super::within("lens.telecentricity_deg", self.telecentricity_deg, 0.0, 30.0, "0 to 30 degrees")
+        within("lens.distortion_percent", self.distortion_percent, 0.0, 5.0, "0 to 5 %")?;
+        within("lens.keystone_percent", self.keystone_percent, 0.0, 5.0, "0 to 5 %")?;
+        within("lens.telecentricity_deg", self.telecentricity_deg, 0.0, 30.0, "0 to 30 degrees")
     }
 
     /// Standard uncertainties of a, q, g, t before any master was seen: limit/√3; `half_diagonal_mm` on the object.

@@ -17,6 +17,7 @@ mod response;
 mod thermometer;
 mod unstated;
 
+pub use super::range_check::SettingError;
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
 pub use calibration::{BenchCalibration, BenchError, Validity};
 pub use certificates::{CertificateShare, MasterPrior, shared_source};
@@ -31,26 +32,3 @@ pub use observation::{Observation, observe};
 pub use response::{NoResponse, Response, response};
 pub use thermometer::Thermometer;
 pub use unstated::Unstated;
-
-use thiserror::Error;
-
-/// A setting of a calibration out of its range.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{key} = {value} is out of range; right would be {right}")]
-pub struct SettingError {
-    /// The dotted key.
-    pub key: String,
-    /// The value found.
-    pub value: f64,
-    /// What would be right.
-    pub right: &'static str,
-}
-
-/// Refuses what is not finite or lies outside `low ..= high`.
-fn within(key: &str, value: f64, low: f64, high: f64, right: &'static str) -> Result<(), SettingError> {
-    if value.is_finite() && (low..=high).contains(&value) {
-        Ok(())
-    } else {
-        Err(SettingError { key: key.to_owned(), value, right })
-    }
-}

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::SettingError;
+use super::super::range_check::{SettingError, within};
 use super::unstated::{UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated};
 
 /// Temperature of the masters while they were recorded: one thermometer, one material.
@@ -110,9 +110,7 @@ impl Thermometer {
     /// # Errors
     /// Names the key.
     pub fn validate(&self) -> Result<(), SettingError> {
-        let at = |key: &str, v, low, high, right| {
-            super::within(&format!("thermometer.{key}"), v, low, high, right)
-        };
+        let at = |key: &str, v, low, high, right| within(&format!("thermometer.{key}"), v, low, high, right);
         at("temperature_c", self.temperature_c, -50.0, 400.0, "-50 to 400 °C")?;
         at("limit_temperature_k", self.limit_temperature_k, 0.0, 100.0, "0 to 100 K")?;
         at("expansion_um_per_m_k", self.expansion_um_per_m_k, 0.0, 100.0, "0 to 100 µm/(m K); steel 11.5")?;
