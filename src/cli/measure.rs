@@ -19,9 +19,10 @@ use super::study_files::ConfigText;
 use super::{CommandResult, Failure, Outcome, measure_ring};
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};
-use crate::gauge::bench::{Conditions, Date, GivenConditions, ShaftRuns};
+use crate::gauge::bench::{Conditions, Date, GivenConditions};
 use crate::gauge::budget::WidthReading;
 use crate::gauge::ring::RingSettings;
+use crate::gauge::sensor::ShaftRuns;
 use crate::gauge::stated::stated;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,

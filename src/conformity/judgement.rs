@@ -177,7 +177,7 @@ impl Judge {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::MANY;
+    use crate::conformity::decision::MANY;
 
     fn reading(d_mm: f64) -> Diameter {
         Diameter { d_mm, u_random_mm: 0.003, u_common_mm: 0.004 }

@@ -142,7 +142,7 @@ fn fitted(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::{Edge, EdgeState};
+    use crate::gauge::edges::{Edge, EdgeState};
 
     fn frame(middle: impl Fn(f64) -> f64, width: impl Fn(f64) -> f64) -> FrameEdges {
         let edge =

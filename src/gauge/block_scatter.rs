@@ -106,8 +106,8 @@ fn variance_about_line(values: &[(f64, f64)]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::EdgeState;
     use crate::gauge::edges::Edge;
+    use crate::gauge::edges::EdgeState;
 
     const COLUMNS: usize = 2448;
 

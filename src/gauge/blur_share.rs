@@ -68,7 +68,7 @@ fn of_side(edges: &FrameEdges, side: usize, line: &[Edge], used: &[usize]) -> (f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::EdgeState;
+    use crate::gauge::edges::EdgeState;
     use crate::gauge::edges::FrameFigures;
 
     fn frame(row: impl Fn(usize) -> f64, noise: [f64; 2]) -> FrameEdges {

@@ -50,7 +50,7 @@ pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::EdgeState;
+    use crate::gauge::edges::EdgeState;
 
     fn edge(row_px: f64) -> Edge {
         Edge { row_px, u_own_px: 1e-3, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good }

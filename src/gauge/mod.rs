@@ -48,7 +48,6 @@ mod narrow;
 mod noise;
 mod normal_table;
 mod other_views;
-pub mod photon_transfer;
 mod pixels;
 pub mod plausibility;
 mod range_check;
@@ -59,17 +58,16 @@ mod rounded_frame;
 mod rounding;
 mod scene;
 mod score;
+pub mod sensor;
 pub mod series;
-pub mod size;
-pub mod stated;
-pub mod statistics;
-
 mod settings;
 mod shadows;
 mod shape_terms;
 mod side;
 mod soft_knee;
+pub mod stated;
 mod station;
+pub mod statistics;
 mod stretch;
 mod stuck_rows;
 mod survey;
@@ -81,6 +79,9 @@ mod window;
 mod wire;
 mod wire_frame;
 mod wire_rounding;
+
+pub use form::size;
+pub use sensor::photon_transfer;
 
 pub use axis_pose::Pose;
 pub use axis_zero::AxisZero;

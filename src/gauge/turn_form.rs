@@ -21,10 +21,10 @@ use super::form::{
     straightness, total_run_out,
 };
 use super::series::ScatterTest;
-use super::size::turn_sizes;
 use super::station::variance_of_mean;
 use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
 use crate::frame::FrameMeta;
+use crate::gauge::form::size::turn_sizes;
 use crate::profile::Reading;
 
 /// Most harmonics reported.

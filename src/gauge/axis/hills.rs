@@ -195,7 +195,7 @@ impl AxisScratch {
 mod tests {
     use super::super::refuse_one_sided;
     use super::*;
-    use crate::gauge::{Edge, EdgeState};
+    use crate::gauge::edges::{Edge, EdgeState};
     use crate::profile::Reason;
 
     /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).

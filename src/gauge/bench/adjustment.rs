@@ -26,7 +26,8 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::super::calibration::CalibrationError;
 use super::certificates::{MasterPrior, laboratories, shared_source};
 use super::lens::{LensLimits, LensModel, PARAMETERS};
-use super::{Observation, Thermometer};
+use super::observation::Observation;
+use super::thermometer::Thermometer;
 
 /// Masters' shadows must differ by this much, px, for scale and offset to be separated.
 const LEAST_SPREAD_PX: f64 = 8.0;

@@ -3,11 +3,13 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::super::photon_transfer::PhotonTransfer;
-use super::{
-    Adjusted, Along, CheckResult, Conditions, CovariancePart, Date, FlatField, LensModel, PARAMETERS,
-    Residual,
-};
+use super::adjustment::{Adjusted, CovariancePart, Residual};
+use super::check_pin::CheckResult;
+use super::conditions::Conditions;
+use super::date::Date;
+use super::lens::{Along, LensModel, PARAMETERS};
+use crate::gauge::sensor::FlatField;
+use crate::gauge::sensor::photon_transfer::PhotonTransfer;
 
 /// When a calibration was made and how long it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,7 +2,10 @@
 
 use nalgebra::SMatrix;
 
-use super::{BenchCalibration, CovariancePart, FlatField, LensModel, PARAMETERS, Response};
+use super::adjustment::CovariancePart;
+use super::calibration::BenchCalibration;
+use super::lens::{LensModel, PARAMETERS};
+use crate::gauge::sensor::{FlatField, Response};
 
 /// A key, its value, and what would be right.
 type Impossible = (&'static str, f64, &'static str);
@@ -117,7 +120,8 @@ impl FlatField {
 
 #[cfg(test)]
 mod tests {
-    use crate::gauge::{Calibration, CalibrationError};
+    use crate::gauge::calibration::Calibration;
+    use crate::gauge::calibration_error::CalibrationError;
 
     /// A file as `calibrate` writes it, with parts, residuals and a flat field.
     const FULL: &str = include_str!("../../../fuzz/seeds/calibration/full.json");

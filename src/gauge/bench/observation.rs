@@ -3,7 +3,7 @@
 use super::super::axis_pose::Pose;
 use super::super::column_means::ColumnMeans;
 use super::super::edges::FrameEdges;
-use super::{Along, LensModel};
+use super::lens::{Along, LensModel};
 
 /// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
 const BLOCKS: usize = 6;

@@ -20,6 +20,7 @@ mod profile_filter;
 mod roundness;
 mod run_out;
 mod silhouette;
+pub mod size;
 mod taper;
 mod turn;
 

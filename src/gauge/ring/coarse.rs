@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 use super::super::form::Circle;
 use super::super::median::median_of as median;
 use super::super::valleys::{Bridged, Valleys, median_down};
-use super::{RingError, RingSettings};
+use super::error::RingError;
+use super::settings::RingSettings;
 use crate::frame::FrameView;
 
 /// What the coarse search found, to a pixel or so.

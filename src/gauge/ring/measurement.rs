@@ -10,10 +10,11 @@ use super::super::light_field::{LightField, Lit};
 use super::super::median::median_of;
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
+use super::error::RingError;
 use super::fit::{EdgeFit, fit_edge};
 use super::millimetres::EdgeMillimetres;
 use super::outline::{Outline, least_ratio_to_stylus};
-use super::{RingError, RingSettings};
+use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
 
 /// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.

@@ -13,9 +13,10 @@ use super::super::bench::{Conditions, LensModel, PARAMETERS};
 use super::super::budget::{Budget, add_conditions, common};
 use super::super::calibration::Calibration;
 use super::super::form::{FormError, least_squares_circle};
+use super::error::RingError;
 use super::measurement::{Concentricity, EdgeCircle, RingMeasurement};
 use super::outline::{Outline, Seen, roundness_of};
-use super::{RingError, RingScale};
+use super::settings::RingScale;
 
 /// An edge in millimetres, edge offset applied.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

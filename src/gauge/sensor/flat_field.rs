@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::defects::{Grey, ShaftRuns, heal};
+use super::defect_correction::{Grey, ShaftRuns, heal};
 use super::response::Response;
 use crate::frame::{Frame, FrameView, PixelsMut};
 
@@ -246,7 +246,7 @@ impl FlatField {
     }
 
     /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key, value, what would be right).
-    pub(super) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
+    pub(crate) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
         let (low, high) = extremes(&self.light);
         let wrong =
             [low, high].into_iter().find(|l| !(DARKEST - LIGHT_ROUNDING..=1.0 + LIGHT_ROUNDING).contains(l));
@@ -263,7 +263,7 @@ impl FlatField {
     }
 
     /// Names a defective pixel that is none of the frame's, or is out of order.
-    pub(super) fn impossible_defects(&self) -> Option<(&'static str, f64, &'static str)> {
+    pub(crate) fn impossible_defects(&self) -> Option<(&'static str, f64, &'static str)> {
         let key = "bench.flat_field.defects";
         let most = MOST_DEFECTS * self.rows as f64 * self.columns as f64;
         if self.defects.len() as f64 > most {

@@ -11,7 +11,7 @@
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-use super::form::{
+use super::{
     Circle, Cutoff, FormError, LeastSquaresCircle, LinearProgram, Row, Turn, least_squares_circle,
     polar_profile,
 };
@@ -45,7 +45,7 @@ pub struct TurnSizes {
 /// # Errors
 /// A support function that is not convex after the filter.
 pub fn turn_sizes(turn: &Turn, cutoff: Cutoff, u_edge_mm: f64) -> Result<TurnSizes, FormError> {
-    let support = super::form::gaussian_closed(&turn.support_mm(), cutoff);
+    let support = super::gaussian_closed(&turn.support_mm(), cutoff);
     let widths = turn.widths_mm();
     let n = widths.len() as f64;
     let least_squares = hull_circle(&turn.support_mm(), cutoff)?;

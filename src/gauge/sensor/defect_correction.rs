@@ -11,7 +11,7 @@ pub enum ShaftRuns {
 }
 
 /// A grey value in its container.
-pub(super) trait Grey: Copy {
+pub(crate) trait Grey: Copy {
     fn grey(self) -> f32;
     fn of(value: f32) -> Self;
 }

@@ -226,7 +226,7 @@ impl Response {
     }
 
     /// Names what no response is: (key, value, what would be right).
-    pub(super) fn impossible(&self) -> Option<(&'static str, f64, &'static str)> {
+    pub(crate) fn impossible(&self) -> Option<(&'static str, f64, &'static str)> {
         let finite = self.black_counts.is_finite() && self.curvature.is_finite();
         if !(0.1..=10.0).contains(&self.exponent) {
             return Some(("bench.flat_field.response.exponent", self.exponent, "0.1 to 10"));
