@@ -8,7 +8,7 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 
 /// Rooms by layer; a file imports lower layers and its own room (layer 3: its whole layer).
-const VOCABULARY: [&str; 5] = ["frame", "shaft", "profile", "plan", "conformity"];
+const VOCABULARY: [&str; 6] = ["frame", "shaft", "profile", "plan", "conformity", "numerics"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "cell", "job", "closed_loop", "studies"];

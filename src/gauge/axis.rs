@@ -9,11 +9,12 @@ mod bent;
 mod descent;
 mod hills;
 
+use crate::numerics::robust::MEDIAN_TO_SD;
 use nalgebra::{Matrix3, Vector3};
 
 use self::hills::{HILLS, Hill};
 use super::edges::{Edge, EdgeState};
-use super::median::{BLOCK, LANES, medians};
+use crate::numerics::median_network::{BLOCK, LANES, medians};
 use crate::profile::Reason;
 
 /// Fewest blocks that tell an axis from an excursion.
@@ -30,10 +31,9 @@ const GROW_LIMIT: f64 = 1.5;
 const GROWTH: usize = 64;
 /// Neighbours of a refused stretch that go with it: the foot of what rises too gently to be told.
 const GUARD: usize = 6;
-/// Share of the blocks that must agree with the axis, and the scale that turns that quantile of their departures into a standard deviation.
+/// Share of the blocks that must agree with the axis: the median of their departures states their scatter.
 /// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
 const AGREEING: f64 = 0.5;
-const SCALE: f64 = 1.4826;
 /// Trial axes of the robust fit.
 const TRIALS: usize = 160;
 /// Times that the axis is laid anew through what was not refused.
@@ -191,7 +191,7 @@ fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
 /// Standard deviation from the agreeing share of departures.
 fn robust_sd(sizes: &mut [f64]) -> f64 {
     let index = (AGREEING * sizes.len() as f64) as usize;
-    SCALE * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
+    MEDIAN_TO_SD * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 fn abscissa(column: f64, columns: usize) -> f64 {
@@ -420,7 +420,7 @@ impl AxisScratch {
 
     /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
     fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
-        let limit = cost / (SCALE * price(axis));
+        let limit = cost / (MEDIAN_TO_SD * price(axis));
         let (a, b, c) = (axis[0], axis[1], axis[2]);
         let near = |block: &Block| {
             let (x, m) = block.point();

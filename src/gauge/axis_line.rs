@@ -390,7 +390,7 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
         fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = FAR * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = FAR * median / crate::numerics::distributions::chi2_ratio_limit(freedom, 0.0).max(0.2);
     let (sum, total) = all
         .iter()
         .filter(|v| v.0 <= limit)

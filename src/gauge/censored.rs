@@ -4,7 +4,7 @@
 //! the mean μ are (m − μ)/s² between and h(α)/s at the upper end, h = φ/(1 − Φ) (hazard), and the expected information of a
 //! pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s²; at the lower end with the signs turned.
 
-use super::model::{phi_cdf, phi_pdf};
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Ends of the grey scale, counts; infinite where nothing is clipped.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,8 +15,8 @@ use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
-use super::model::phi_cdf;
 use super::monte_carlo::Distribution;
+use crate::numerics::distributions::phi_cdf;
 
 /// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of k.
 const LEAST_SHARE: f64 = 0.1;

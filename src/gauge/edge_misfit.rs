@@ -17,12 +17,12 @@ use serde::{Deserialize, Serialize};
 use super::columns::ColumnJob;
 use super::edges::Edge;
 use super::esf::EdgeShape;
-use super::learn::SplineFit;
 use super::levels::LevelCurve;
 use super::model::EdgeSample;
 use super::score::normalise;
 use super::table::{FINE, half};
 use super::window::Windows;
+use crate::numerics::smoothing_spline::SplineFit;
 
 /// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area lets through), and in blurs, whose optics
 /// pass nothing finer than a few of these.
@@ -275,7 +275,8 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::model::{edge_samples, phi_pdf};
+    use crate::gauge::model::edge_samples;
+    use crate::numerics::distributions::phi_pdf;
 
     /// |B₁| of the residual E⁽³⁾ … E⁽⁵⁾, freed of ∂E/∂x and ∂E/∂σ, by sums over a fine grid.
     fn aliased_by_sums(sigma: f64, order: usize) -> f64 {

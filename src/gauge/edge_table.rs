@@ -83,7 +83,8 @@ mod tests {
     fn gaussian(sigma_um: f64, step_um: f64) -> EdgeTable {
         let n = (6.0 * sigma_um / step_um).ceil() as i32;
         let distance_um: Vec<f64> = (-n..=n).map(|k| step_um * f64::from(k)).collect();
-        let light = distance_um.iter().map(|d| super::super::model::phi_cdf(d / sigma_um)).collect();
+        let light =
+            distance_um.iter().map(|d| crate::numerics::distributions::phi_cdf(d / sigma_um)).collect();
         EdgeTable { distance_um, light }
     }
 

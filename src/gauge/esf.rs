@@ -275,8 +275,8 @@ impl EdgeShape {
 
 #[cfg(test)]
 mod tests {
-    use super::super::model::phi_cdf;
     use super::*;
+    use crate::numerics::distributions::phi_cdf;
 
     #[test]
     fn a_tabulated_gaussian_is_the_gaussian() {

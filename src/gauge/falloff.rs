@@ -19,6 +19,7 @@ use super::noise::NoiseModel;
 use super::pixels::{Plane, Sample};
 use super::table::{Table, half};
 use super::window::{Side, Windows};
+use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
 const TILE: usize = 64;
@@ -351,7 +352,7 @@ impl Change {
         let counts = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
         changes.iter_mut().for_each(|change| *change = (*change - counts).abs());
         let spread = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
-        let scatter = 1.4826 * MEDIAN as f32 * spread / (columns as f32).sqrt();
+        let scatter = MEDIAN_TO_SD as f32 * MEDIAN as f32 * spread / (columns as f32).sqrt();
         Self { counts, scatter, ..unknown }
     }
 }

@@ -1,23 +1,11 @@
 //! What makes a fitted edge a gap: a residual that noise does not explain, or a place that its neighbours do not.
 
 use super::edges::{Edge, EdgeState, MISFIT_BLOCK};
+use crate::numerics::distributions::chi2_ratio_limit;
 use crate::profile::Reason;
 
 /// Columns whose median stands for the neighbourhood.
 const NEIGHBOURS: usize = 32;
-
-/// Quantile of χ²_ν over ν after Wilson and Hilferty; `z` is the normal quantile. Within 1 % for ν ≥ 5.
-pub(crate) fn chi2_ratio_limit(freedom: f64, z: f64) -> f64 {
-    let h = 2.0 / (9.0 * freedom.max(1.0));
-    (1.0 - h + z * h.sqrt()).powi(3)
-}
-
-/// Normal quantile of an upper tail probability (Abramowitz and Stegun 26.2.23, |error| < 4.5e-4).
-pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
-    let t = (-2.0 * probability.ln()).sqrt();
-    t - (2.515_517 + 0.802_853 * t + 0.010_328 * t * t)
-        / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
-}
 
 /// Share of the columns that a frame's own misfit is read from: the best fitting ones. What is wrong with more than half of a frame's
 /// columns may still be dirt; what is wrong with four in five is the model.
@@ -240,16 +228,6 @@ pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-    #[test]
-    fn residual_limit_agrees_with_the_distribution() {
-        for (freedom, tail) in [(10.0, 1e-5), (14.0, 1e-3), (25.0, 1e-7)] {
-            let exact = ChiSquared::new(freedom).unwrap().inverse_cdf(1.0 - tail) / freedom;
-            let ours = chi2_ratio_limit(freedom, upper_normal_quantile(tail));
-            assert!((ours / exact - 1.0).abs() < 0.02, "{ours} {exact}");
-        }
-    }
 
     #[test]
     fn one_stray_edge_is_refused_on_a_slope_and_on_an_arc() {

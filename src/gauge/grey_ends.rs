@@ -5,8 +5,8 @@
 //! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the other level, on the flank) says there
 //! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
 
-use super::model::phi_cdf;
 use super::window::Windows;
+use crate::numerics::distributions::phi_cdf;
 
 /// Columns looked at before anything looks clipped.
 const GLANCE: usize = 64;

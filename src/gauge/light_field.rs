@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::median::median_of;
+use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// Fewest pixels of light that show a field.
 const LEAST: usize = 200;
@@ -72,7 +72,7 @@ impl LightField {
                 right += terms * (weight * p.contrast.ln());
             }
             field.by = normal.cholesky()?.solve(&right);
-            noise = 1.4826 * median_of(points.iter().map(|p| field.residual(p).abs()).collect());
+            noise = MEDIAN_TO_SD * median_of(points.iter().map(|p| field.residual(p).abs()).collect());
         }
         (field.is_uneven(&points, noise) && is_smooth(&points, noise, usual)).then_some(field)
     }
@@ -106,7 +106,7 @@ impl LightField {
 fn is_smooth(points: &[Lit], noise: f64, usual: f64) -> bool {
     let beside = points.windows(2).filter(|w| (w[0].x - w[1].x).hypot(w[0].y - w[1].y) < 1.5);
     let scatter = median_of(beside.map(|w| (w[0].contrast - w[1].contrast).abs()).collect());
-    let scatter = if scatter.is_nan() { 0.0 } else { 1.4826 * scatter / std::f64::consts::SQRT_2 };
+    let scatter = if scatter.is_nan() { 0.0 } else { MEDIAN_TO_SD * scatter / std::f64::consts::SQRT_2 };
     noise <= SMOOTH * scatter + SMOOTH_SHARE * usual
 }
 

@@ -12,17 +12,7 @@
 //! Valid for σ ≥ 0.2 px and edges that cross the scan line at any small angle; for a slope t = tan β along the
 //! shaft the blur seen along the column is σ² (1 + t²) + t²/12 ([`column_sigma`]).
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
-/// Standard normal distribution function.
-pub(crate) fn phi_cdf(t: f64) -> f64 {
-    0.5 * libm::erfc(-t * FRAC_1_SQRT_2)
-}
-
-/// Standard normal density.
-pub(crate) fn phi_pdf(t: f64) -> f64 {
-    (-0.5 * t * t).exp() / (2.0 * PI).sqrt()
-}
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Value and derivatives of the unit edge in one pixel.
 #[derive(Clone, Copy, Debug, Default)]

@@ -13,14 +13,13 @@ use super::explain::refused;
 use super::finder::EdgeStream;
 use super::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::frame::{FrameView, PixelFormat, Pixels};
+use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::profile::Reason;
 
 /// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise to 3 % from ten flat pixels each.
 const POOLED: usize = 32;
 /// Columns of a picture from which levels and noise are estimated: of fewer, no level is pooled.
 const LEAST: usize = 16;
-/// Standard deviation over the median magnitude of a normal distribution.
-const MEDIAN_TO_SD: f64 = 1.4826;
 
 /// Readings one after the other, in the container they came in.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@
 //! pixel-to-pixel response alike, and none of the light's slow variation.
 
 use super::settings::Noise;
+use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Noise variance as a function of the grey level: `offset + gain·level`, at least `floor`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +49,7 @@ impl NoiseModel {
 }
 
 /// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this, counts.
-pub(crate) const LEAST_OF_COUNTS: f64 = 1.4826 * 0.5;
+pub(crate) const LEAST_OF_COUNTS: f64 = MEDIAN_TO_SD * 0.5;
 
 /// Differences that the cut is told from.
 const MEDIAN_OF: usize = 512;
@@ -78,7 +79,7 @@ impl Spread {
             return Self::default();
         }
         let (_, median, _) = sample[..taken].select_nth_unstable_by(taken / 2, f32::total_cmp);
-        let cut = 6.0 * (1.4826 * *median).max(least);
+        let cut = 6.0 * (MEDIAN_TO_SD as f32 * *median).max(least);
         let (mut squares, mut count) = ([0.0_f64; 4], [0.0_f64; 4]);
         let (fours, rest) = differences.as_chunks::<4>();
         for four in fours {

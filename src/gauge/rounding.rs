@@ -202,7 +202,7 @@ mod tests {
         let (mut sum, mut square) = (0.0, 0.0);
         for k in -12..=12 {
             let k = f64::from(k);
-            let cdf = |x: f64| crate::gauge::model::phi_cdf((x - mean) / sd);
+            let cdf = |x: f64| crate::numerics::distributions::phi_cdf((x - mean) / sd);
             let p = cdf(k + 0.5) - cdf(k - 0.5);
             (sum, square) = (sum + p * k, square + p * k * k);
         }

@@ -21,6 +21,7 @@ use super::soft_knee;
 use super::survey::{Scale, Survey};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{LevelSums, Side, Windows, slopes};
+use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
@@ -534,11 +535,11 @@ impl SideState {
     }
 
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
-        let z = gate::upper_normal_quantile(settings.residual_false_alarm);
+        let z = upper_normal_quantile(settings.residual_false_alarm);
         self.misfit = gate::misfit(line, freedom, &mut self.floats);
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
-            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+            gate::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
         let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
         gate::state_misfit(line, freedom, left_px, &mut self.stated);

@@ -276,7 +276,7 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<(f64,
         fits.map(|f| &f.lobes).filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = FAR * median / super::gate::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = FAR * median / crate::numerics::distributions::chi2_ratio_limit(freedom, 0.0).max(0.2);
     let kept = || all.iter().filter(|v| v.0 <= limit);
     let total: f64 = kept().map(|v| v.1).sum();
     (total > 0.0).then(|| (kept().map(|v| v.0 * v.1).sum::<f64>() / total, total))

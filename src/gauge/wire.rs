@@ -22,12 +22,12 @@ use super::edges::{Edge, EdgeState};
 use super::esf::EdgeShape;
 use super::levels::{LevelCurve, LevelPool};
 use super::light_field::{LightField, Lit};
-use super::median::median_of;
 use super::model::EdgeSample;
 use super::noise::{LEAST_OF_COUNTS, Spread};
 use super::pixels::{Plane, Sample};
 use super::rounded_frame::noise_in_steps;
 use super::wire_rounding::{WirePixel, WireRounding};
+use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 use crate::profile::Reason;
 
 /// Width below which both edges are fitted together, px: above it their windows are clear of each other up to a blur of 2 px.
@@ -199,7 +199,7 @@ impl Wire {
             }
         }
         let steps = means.windows(2).map(|w| f64::from((w[1] - w[0]).abs())).filter(|step| step.is_finite());
-        let sd = 1.4826 * median_of(steps.collect()) / std::f64::consts::SQRT_2;
+        let sd = MEDIAN_TO_SD * median_of(steps.collect()) / std::f64::consts::SQRT_2;
         let mut curve = LevelCurve::default();
         if !(sd > 0.0 && LevelPool::default().pool(&means, sd as f32, MOST_KNOTS, &mut curve)) {
             return Vec::new();
@@ -428,7 +428,7 @@ impl Wire {
             });
         }
         let counts = zones.each_ref().map(Vec::len);
-        let [dark, light] = zones.map(|z| (1.4826 * median_of(z)).powi(2).max(floor));
+        let [dark, light] = zones.map(|z| (MEDIAN_TO_SD * median_of(z)).powi(2).max(floor));
         self.variance = [if counts[0] >= LEAST_PIXELS { dark } else { light }, light];
     }
 
@@ -486,8 +486,8 @@ mod tests {
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64;
 
-    use super::super::model::phi_cdf;
     use super::*;
+    use crate::numerics::distributions::phi_cdf;
 
     /// Light of a wire from t to b at a row, by the midpoint rule over the pixel.
     fn light(row: f64, t: f64, b: f64, sigma: f64) -> f64 {

@@ -9,6 +9,7 @@ use super::pixels::{Plane, Sample};
 use super::settings::{GaugeSettings, Rejection};
 use super::survey::Scale;
 use super::wire::Wire;
+use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
 /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them the middle still has 13 % of the light.
@@ -98,14 +99,14 @@ fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
 
 /// Refuses edges by residual, uncertainty and neighbours, and widens u by what the model leaves; gives the larger misfit.
 fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
-    let z = gate::upper_normal_quantile(settings.residual_false_alarm);
+    let z = upper_normal_quantile(settings.residual_false_alarm);
     let mut most = 1.0_f64;
     for (line, stated) in [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.misfit_px) {
         let misfit = gate::misfit(line, freedom, &mut Vec::new());
         most = most.max(misfit);
         let scale = if misfit > 1.2 { misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
-            gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
+            gate::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
         gate::state_misfit(line, freedom, 0.0, stated);
         line.iter_mut().for_each(|edge| edge.u_own_px *= (scale as f32).sqrt());

@@ -7,11 +7,11 @@
 
 use nalgebra::Vector3;
 
-use super::super::median::BLOCK;
 use super::{
     AxisScratch, Block, Edge, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MEDIAN_OF_BLOCK, MOST_BULGE, basis,
     own_noise, robust_sd,
 };
+use crate::numerics::median_network::BLOCK;
 
 /// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
 const REACHES: [usize; 3] = [2, 3, 5];

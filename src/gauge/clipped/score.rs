@@ -5,9 +5,9 @@ use nalgebra::{Matrix6, Vector6};
 use super::super::censored::{Censored, Ends};
 use super::super::esf::EdgeShape;
 use super::super::model::EdgeSample;
-use super::super::normal_table::NormalTable;
 use super::super::shape_terms::{ShapeTerms, TERMS, term_border};
 use super::super::table::half;
+use crate::numerics::normal_table::NormalTable;
 
 /// Most pixels of a window.
 const MOST: usize = 80;

@@ -35,7 +35,6 @@ pub use harmonics::{Harmonic, Origin, TurnHarmonics, harmonics};
 pub use inscribed_circle::{certify_inscribed, maximum_inscribed_circle};
 pub use least_squares_circle::{LeastSquaresCircle, certify_least_squares, least_squares_circle};
 pub use line::{Line, LineFit, certify_minimum_zone_line, least_squares_line, minimum_zone_line};
-pub(crate) use linear_program::{LinearProgram, Row};
 pub use minimum_zone_circle::{certify_minimum_zone, minimum_zone_circle};
 pub use profile_filter::{Cutoff, gaussian_closed, gaussian_transmission};
 pub use roundness::{Reference, Roundness, Straightness, StraightnessReference, roundness, straightness};

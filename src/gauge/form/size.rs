@@ -11,10 +11,14 @@
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-use super::{
-    Circle, Cutoff, FormError, LeastSquaresCircle, LinearProgram, Row, Turn, least_squares_circle,
-    polar_profile,
-};
+use super::circle::Circle;
+use super::error::FormError;
+use super::least_squares_circle;
+use super::least_squares_circle::LeastSquaresCircle;
+use super::linear_program::{LinearProgram, Row};
+use super::profile_filter::Cutoff;
+use super::silhouette::polar_profile;
+use super::turn::Turn;
 
 /// Two-point (caliper) sizes and global sizes of the silhouette over one turn, mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +49,7 @@ pub struct TurnSizes {
 /// # Errors
 /// A support function that is not convex after the filter.
 pub fn turn_sizes(turn: &Turn, cutoff: Cutoff, u_edge_mm: f64) -> Result<TurnSizes, FormError> {
-    let support = super::gaussian_closed(&turn.support_mm(), cutoff);
+    let support = super::profile_filter::gaussian_closed(&turn.support_mm(), cutoff);
     let widths = turn.widths_mm();
     let n = widths.len() as f64;
     let least_squares = hull_circle(&turn.support_mm(), cutoff)?;

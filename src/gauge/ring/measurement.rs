@@ -7,7 +7,6 @@ use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
 use super::super::light_field::{LightField, Lit};
-use super::super::median::median_of;
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
 use super::error::RingError;
@@ -16,6 +15,7 @@ use super::millimetres::EdgeMillimetres;
 use super::outline::{Outline, least_ratio_to_stylus};
 use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
+use crate::numerics::robust::median_of;
 
 /// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.
 const FIELD_PX: f64 = 16.0;

@@ -9,6 +9,7 @@
 //! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
 //! while a map of it would carry the noise of the flats that it was made from.
 
+use crate::numerics::robust::MEDIAN_TO_SD;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -170,7 +171,7 @@ fn spread(values: &[f32]) -> (f64, f64) {
     let mut work = values.to_vec();
     let middle = median(&mut work);
     work.iter_mut().for_each(|v| *v = (*v - middle as f32).abs());
-    (middle, 1.4826 * median(&mut work))
+    (middle, MEDIAN_TO_SD * median(&mut work))
 }
 
 fn basis(u: f64, v: f64) -> [f64; 6] {

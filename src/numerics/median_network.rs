@@ -34,15 +34,6 @@ const fn network() -> [(usize, usize); COMPARATORS] {
     pairs
 }
 
-/// Median of some values, the upper one of an even number; 0 of none.
-pub(crate) fn median_of(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 /// The ninth smallest of each lane's sixteen values, none of which may be NaN.
 pub(crate) fn medians(values: &mut [[f32; LANES]; BLOCK]) -> [f32; LANES] {
     for (a, b) in NETWORK {

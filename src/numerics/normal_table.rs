@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use super::model::{phi_cdf, phi_pdf};
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Nodes a unit. The error of a cubic of step h is h⁴/384·max|f⁗| ≤ 6e-10, since |Φ⁗| ≤ 1.4 and |φ⁗| ≤ 1.2.
 const PER_UNIT: f64 = 48.0;
