@@ -4,12 +4,12 @@
 //! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
 
 use super::edges::Edge;
-use super::esf::EdgeShape;
 use super::levels::LevelCurve;
-use super::model::column_sigma;
 use super::score::{dot, locate, normalise};
 use super::table::{COARSE, Table};
 use super::window::Windows;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::column_sigma;
 
 /// Blocks along the shaft.
 pub(crate) const BLOCKS: usize = 8;

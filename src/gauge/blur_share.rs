@@ -6,7 +6,7 @@
 //! u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
 
 use super::edges::{Edge, FrameEdges};
-use super::model::{EdgeSample, edge_samples};
+use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 
 /// Columns whose phases are looked at.
 const LOOKED_AT: usize = 64;

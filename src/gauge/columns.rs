@@ -190,12 +190,12 @@ mod tests {
     use rand_distr::{Distribution, Normal, Uniform};
     use rand_pcg::Pcg64;
 
-    use super::super::esf::EdgeShape;
-    use super::super::model::EdgeSample;
     use super::super::settings::Noise;
     use super::super::table::{FINE, half, window_width};
     use super::super::window::Side;
     use super::*;
+    use crate::gauge::edge::model::edge_spread::EdgeShape;
+    use crate::gauge::edge::model::gaussian::EdgeSample;
 
     const COLUMNS: usize = 256;
 

@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::ColumnJob;
 use super::edges::Edge;
-use super::esf::EdgeShape;
 use super::levels::LevelCurve;
-use super::model::EdgeSample;
 use super::score::normalise;
 use super::table::{FINE, half};
 use super::window::Windows;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::numerics::smoothing_spline::SplineFit;
 
 /// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area lets through), and in blurs, whose optics
@@ -275,7 +275,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::model::edge_samples;
+    use crate::gauge::edge::model::gaussian::edge_samples;
     use crate::numerics::distributions::phi_pdf;
 
     /// |B₁| of the residual E⁽³⁾ … E⁽⁵⁾, freed of ∂E/∂x and ∂E/∂σ, by sums over a fine grid.

@@ -409,10 +409,10 @@ fn shift(table: &Table, flat: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::esf::EdgeShape;
-    use super::super::model::EdgeSample;
     use super::super::table::{FINE, window_width};
     use super::*;
+    use crate::gauge::edge::model::edge_spread::EdgeShape;
+    use crate::gauge::edge::model::gaussian::EdgeSample;
 
     /// An edge under light that grows outwards, placed by a table that takes the level at the flat end for the light's.
     #[test]

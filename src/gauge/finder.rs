@@ -13,7 +13,6 @@ use super::censored::Ends;
 use super::coarse::Coarse;
 use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
-use super::esf::{EdgeShape, StepTable};
 use super::explain::{self, no_levels, refused};
 use super::gate;
 use super::grey_step::grey_step;
@@ -29,6 +28,7 @@ use super::survey::Scale;
 use super::window::Side;
 use super::{rings, stuck_rows, wire, wire_frame};
 use crate::frame::FrameView;
+use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
 use crate::profile::Reason;
 
 /// Fewest rows: the shortest window; and columns below which readings are pooled.

@@ -9,11 +9,11 @@
 //! travels at least [`LEAST_TRAVEL`] pixels over the frame, and leaves the zero of the distance open.
 
 use super::edges::Edge;
-use super::esf::StepTable;
 use super::levels::LevelCurve;
-use super::model::{EdgeSample, edge_samples};
 use super::table::half;
 use super::window::Windows;
+use crate::gauge::edge::model::edge_spread::StepTable;
+use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::numerics::smoothing_spline::{Spline, SplineFit};

@@ -7,12 +7,12 @@
 
 use super::censored::Ends;
 use super::edges::FrameRefused;
-use super::esf::EdgeShape;
 use super::explain::refused;
 use super::pixels::{Plane, Sample};
 use super::side::SideState;
 use super::table::half;
 use super::window::{Side, Windows};
+use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::profile::Reason;
 
 /// Columns looked at.

@@ -19,8 +19,8 @@
 //! same at both edges where both see the same light.
 
 use super::edges::Edge;
-use super::esf::EdgeShape;
-use super::model::EdgeSample;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Noise in steps of the grey scale beyond which r is below 1e-5 of its largest value.
 pub(crate) const DITHERED: f64 = 0.55;

@@ -8,7 +8,6 @@ use super::coarse::CoarseEdge;
 use super::columns::{ColumnJob, score_columns};
 use super::edge_misfit::{EdgeMisfit, Expected, MisfitLesson, SideView};
 use super::edges::{Edge, MISFIT_BLOCK};
-use super::esf::EdgeShape;
 use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
 use super::grey_ends::{self, Elsewhere};
@@ -21,6 +20,7 @@ use super::soft_knee;
 use super::survey::{Scale, Survey};
 use super::table::{FINE, Table, half, window_width};
 use super::window::{LevelSums, Side, Windows, slopes};
+use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 

@@ -11,8 +11,8 @@
 //! has its own. So the weights and Σ w_k E_k are tabulated once and a step costs one multiply-add a pixel. Phases lie 1/64 px apart;
 //! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
-use super::esf::EdgeShape;
-use super::model::EdgeSample;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
 pub(crate) const FINE: u32 = 64;

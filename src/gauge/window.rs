@@ -4,10 +4,10 @@ use multiversion::multiversion;
 use wide::f32x4;
 
 use super::coarse::CoarseEdge;
-use super::esf::EdgeShape;
-use super::model::EdgeSample;
 use super::pixels::{Plane, Sample};
 use super::table::{MOST_WIDTH, PHASE_REACH, half};
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::profile::Reason;
 
 /// An edge this close to the central pixel is centred, px. More than half a pixel, so that noise cannot keep a window hopping.

@@ -2,13 +2,13 @@
 
 use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
-use super::esf::EdgeShape;
 use super::explain;
 use super::gate::{self, OutlierScratch};
 use super::pixels::{Plane, Sample};
 use super::settings::{GaugeSettings, Rejection};
 use super::survey::Scale;
 use super::wire::Wire;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 

@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::model::column_sigma;
-use super::super::shape_terms::{AMPLITUDE, TERMS};
 use super::super::window::Windows;
 use super::level::Level;
 use super::score::{Column, Likelihood, Score};
+use crate::gauge::edge::model::gaussian::column_sigma;
+use crate::gauge::edge::model::shape_terms::{AMPLITUDE, TERMS};
 
 /// Light above dark is looked for up to this multiple of what is seen of it.
 pub(super) const BRIGHTEST: f64 = 4.0;

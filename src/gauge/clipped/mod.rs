@@ -15,10 +15,10 @@ use self::level::Level;
 use self::score::{Column, Likelihood, Noise, Score};
 use super::censored::Ends;
 use super::edges::{Edge, EdgeState};
-use super::esf::EdgeShape;
 use super::levels::LevelCurve;
 use super::soft_knee;
 use super::window::Windows;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::profile::Reason;
 
 /// Most columns that levels, blur and shape are estimated from.

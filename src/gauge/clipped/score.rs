@@ -3,10 +3,10 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::super::censored::{Censored, Ends};
-use super::super::esf::EdgeShape;
-use super::super::model::EdgeSample;
-use super::super::shape_terms::{ShapeTerms, TERMS, term_border};
 use super::super::table::half;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edge::model::shape_terms::{ShapeTerms, TERMS, term_border};
 use crate::numerics::normal_table::NormalTable;
 
 /// Most pixels of a window.

@@ -11,9 +11,9 @@ use nalgebra::{SMatrix, SVector};
 use super::super::censored::{Censored, Ends};
 use super::super::grey_ends::robust_mean;
 use super::super::rounding::{noise_behind, repeated_variance};
-use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
+use crate::gauge::edge::model::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use crate::numerics::distributions::phi_pdf;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};
 

@@ -13,8 +13,8 @@
 
 use std::sync::Arc;
 
-use super::blur::SIGMA_RANGE;
-use super::model::{EdgeSample, border as gaussian_border, edge_samples};
+use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
+use crate::gauge::blur::SIGMA_RANGE;
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
 const KNOTS_PER_PX: f64 = 64.0;

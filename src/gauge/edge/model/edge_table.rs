@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::settings::EsfSamples;
+use crate::gauge::settings::EsfSamples;
 
 /// Largest difference of the light of two tables of one edge: the scale by which px became µm before the masters were fitted
 /// is known to parts in a thousand, worth a few thousandths of the light on the flank; tables of other optics differ by more.
