@@ -7,7 +7,7 @@ use super::edges::Edge;
 use super::levels::LevelCurve;
 use super::score::{dot, locate, normalise};
 use super::table::{COARSE, Table};
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::column_sigma;
 

@@ -14,7 +14,7 @@ use super::columns::ColumnJob;
 use super::edges::Edge;
 use super::score::{dot, normalise};
 use super::table::{PHASE_REACH, Table};
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 
 /// Share of the frames before that is kept a frame: an average over three or four.
 const KEPT: f64 = 0.7;

@@ -11,7 +11,7 @@ use super::levels::LevelCurve;
 use super::noise::NoiseModel;
 use super::score::{Place, locate, locate_core, locate_four, normalise};
 use super::table::{CorePhase, Cores, Table};
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::profile::Reason;
 
 /// Columns scored together.
@@ -192,8 +192,8 @@ mod tests {
 
     use super::super::settings::Noise;
     use super::super::table::{FINE, half, window_width};
-    use super::super::window::Side;
     use super::*;
+    use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
 

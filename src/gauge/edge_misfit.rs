@@ -19,7 +19,7 @@ use super::edges::Edge;
 use super::levels::LevelCurve;
 use super::score::normalise;
 use super::table::{FINE, half};
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::numerics::smoothing_spline::SplineFit;

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::shadows::ShadowsSeen;
+use crate::gauge::edge::image::shadows::ShadowsSeen;
 use crate::profile::Reason;
 
 /// Whether an edge may be used.

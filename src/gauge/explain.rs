@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::edges::{Edge, FrameEdges, FrameRefused};
 use super::other_views;
-use super::pixels::{Plane, Sample};
 use super::settings::GaugeSettings;
-use super::shadows::NoShadow;
+use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::edge::image::shadows::NoShadow;
 use crate::profile::Reason;
 
 /// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie

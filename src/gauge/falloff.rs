@@ -16,9 +16,9 @@
 use super::edges::Edge;
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
-use super::pixels::{Plane, Sample};
 use super::table::{Table, half};
-use super::window::{Side, Windows};
+use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.

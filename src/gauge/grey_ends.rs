@@ -5,7 +5,7 @@
 //! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the other level, on the flank) says there
 //! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
 
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::numerics::distributions::phi_cdf;
 
 /// Columns looked at before anything looks clipped.

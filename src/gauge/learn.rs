@@ -11,7 +11,7 @@
 use super::edges::Edge;
 use super::levels::LevelCurve;
 use super::table::half;
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::StepTable;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::numerics::distributions::{phi_cdf, phi_pdf};

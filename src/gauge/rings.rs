@@ -8,10 +8,10 @@
 use super::censored::Ends;
 use super::edges::FrameRefused;
 use super::explain::refused;
-use super::pixels::{Plane, Sample};
 use super::side::SideState;
 use super::table::half;
-use super::window::{Side, Windows};
+use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::profile::Reason;
 

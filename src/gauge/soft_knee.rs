@@ -6,7 +6,7 @@
 //! shape of the flank states it (`clipped`).
 
 use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Share of the variance expected of the light below which it is compressed: a slope of .55. A linear sensor's is 1 or more, known to some

@@ -2,7 +2,7 @@
 
 use super::censored::Ends;
 use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
-use super::window::LevelSums;
+use crate::gauge::edge::image::scan_windows::LevelSums;
 
 /// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
 const AT_THE_END: f64 = 2.0;

@@ -17,14 +17,14 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::coarse::CoarseEdge;
 use super::edges::{Edge, EdgeState};
 use super::levels::{LevelCurve, LevelPool};
 use super::light_field::{LightField, Lit};
 use super::noise::{LEAST_OF_COUNTS, Spread};
-use super::pixels::{Plane, Sample};
 use super::rounded_frame::noise_in_steps;
 use super::wire_rounding::{WirePixel, WireRounding};
+use crate::gauge::edge::image::part_localisation::CoarseEdge;
+use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};

@@ -1,13 +1,13 @@
 //! A frame of a wire: the fit of [`super::wire`], judged as other edges are.
 
-use super::coarse::Coarse;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain;
 use super::gate::{self, OutlierScratch};
-use super::pixels::{Plane, Sample};
 use super::settings::{GaugeSettings, Rejection};
 use super::survey::Scale;
 use super::wire::Wire;
+use crate::gauge::edge::image::part_localisation::Coarse;
+use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;

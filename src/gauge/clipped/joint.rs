@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::window::Windows;
 use super::level::Level;
 use super::score::{Column, Likelihood, Score};
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edge::model::shape_terms::{AMPLITUDE, TERMS};
 

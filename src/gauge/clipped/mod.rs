@@ -17,7 +17,7 @@ use super::censored::Ends;
 use super::edges::{Edge, EdgeState};
 use super::levels::LevelCurve;
 use super::soft_knee;
-use super::window::Windows;
+use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::profile::Reason;
 

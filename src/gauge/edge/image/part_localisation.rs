@@ -8,11 +8,11 @@
 
 use wide::f32x4;
 
-use super::components::Span;
-use super::pixels::{Plane, Sample};
-use super::settings::GaugeSettings;
+use super::connected_components::Span;
+use super::plane::{Plane, Sample};
 use super::shadows::{Grid, NoShadow, Shadows, ShadowsSeen};
 use super::valleys::{Bridged, Valleys, median_down};
+use crate::gauge::settings::GaugeSettings;
 use crate::profile::Reason;
 
 /// Cells a side of the thinned image, at most.

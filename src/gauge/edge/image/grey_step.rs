@@ -1,8 +1,8 @@
 //! The step of the grey scale: 1 count in most frames, 16 in 12-bit values shifted into 16 bits, 257 in 8-bit values stretched to
 //! them, 1/255 in floats that hold eight bits. What it is decides what rounding does to an edge.
 
-use super::coarse::CoarseEdge;
-use super::pixels::{Plane, Sample};
+use super::part_localisation::CoarseEdge;
+use super::plane::{Plane, Sample};
 
 /// Columns looked at, and pixels across either edge of each: the grey values between shadow and light are the many ones.
 const COLUMNS: usize = 48;

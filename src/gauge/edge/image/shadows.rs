@@ -5,8 +5,8 @@
 //! one part and measured from the outermost edge to the outermost edge. Two equal strips with a gap that is neither narrow nor wide may be
 //! two parts or the walls of one tube, and nothing in the frame shows which: the frame is refused until it is stated.
 
-use super::components::{Area, Components, Span, largest};
-use super::settings::Which;
+use super::connected_components::{Area, Components, Span, largest};
+use crate::gauge::settings::Which;
 use crate::profile::Reason;
 
 /// Shadows looked at, the largest ones: a frame with more is no view of a shaft.

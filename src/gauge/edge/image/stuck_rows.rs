@@ -3,9 +3,9 @@
 //! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a fifth of the contrast
 //! (an edge is monotone, a fringe's crest wider than a pixel), or where it has one value all along and neither neighbour has.
 
-use super::pixels::{Plane, Sample};
-use super::table::half;
-use super::window::Windows;
+use super::plane::{Plane, Sample};
+use super::scan_windows::Windows;
+use crate::gauge::table::half;
 use crate::profile::Reason;
 
 /// Departure from both neighbours, as a share of the contrast.

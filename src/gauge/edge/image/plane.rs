@@ -116,15 +116,15 @@ macro_rules! with_plane {
     ($view:expr, $sign:expr, $plane:ident => $body:expr) => {
         match $view.pixels() {
             $crate::frame::Pixels::U8(pixels) => {
-                let $plane = $crate::gauge::pixels::Plane::new(pixels, $view, $sign);
+                let $plane = $crate::gauge::edge::image::plane::Plane::new(pixels, $view, $sign);
                 $body
             }
             $crate::frame::Pixels::U16(pixels) => {
-                let $plane = $crate::gauge::pixels::Plane::new(pixels, $view, $sign);
+                let $plane = $crate::gauge::edge::image::plane::Plane::new(pixels, $view, $sign);
                 $body
             }
             $crate::frame::Pixels::F32(pixels) => {
-                let $plane = $crate::gauge::pixels::Plane::new(pixels, $view, $sign);
+                let $plane = $crate::gauge::edge::image::plane::Plane::new(pixels, $view, $sign);
                 $body
             }
         }

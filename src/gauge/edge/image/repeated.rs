@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use super::pixels::{Plane, Sample};
+use super::plane::{Plane, Sample};
 
 /// Pixels of a line that are compared, and the least number that is evidence.
 const PLACES: usize = 64;
