@@ -17,10 +17,10 @@ use super::bench::{Adjusted, BenchCalibration, Conditions};
 use super::calibration_error::LEAST_SPREAD_PX;
 pub use super::calibration_error::{CALIBRATION_VERSION, CalibrationError};
 use super::diameter::{ColumnDiameters, column_diameters, mean_width};
-use super::edge_misfit::EdgeMisfit;
 use super::edges::{FrameEdges, FrameFigures};
 use super::settings::EsfModel;
 use crate::frame::Encoding;
+use crate::gauge::edge::estimation::model_bias::EdgeMisfit;
 use crate::gauge::edge::model::edge_table::EdgeTable;
 
 /// What a master's certificate says.

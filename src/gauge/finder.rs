@@ -6,16 +6,11 @@
 //! that does not bear it out is measured anew from the coarse search.
 
 use super::axis::{AxisScratch, refuse_one_sided};
-use super::blur::BlurEstimate;
-use super::blur_track::{BlurTrack, Change, MOST_REFITS};
 use super::both_sides::both;
-use super::censored::Ends;
-use super::edge_misfit::{EdgeMisfit, MisfitLesson};
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain::{self, no_levels, refused};
 use super::gate;
 use super::narrow::Narrow;
-use super::noise::NoiseModel;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
@@ -23,6 +18,11 @@ use super::side::SideState;
 use super::survey::Scale;
 use super::{rings, wire, wire_frame};
 use crate::frame::FrameView;
+use crate::gauge::edge::estimation::blur::BlurEstimate;
+use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
+use crate::gauge::edge::estimation::noise::NoiseModel;
 use crate::gauge::edge::image::grey_step::grey_step;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};

@@ -5,11 +5,11 @@
 //! edge placed by it lies tens of micrometres off with a small uncertainty. Two signs of it: a crest cut flat inside the windows of a pattern that
 //! is known, and, beside light that is clipped, light that falls and rises again.
 
-use super::censored::Ends;
 use super::edges::FrameRefused;
 use super::explain::refused;
 use super::side::SideState;
-use super::table::half;
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::scoring_table::half;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::model::edge_spread::EdgeShape;

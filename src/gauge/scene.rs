@@ -1,8 +1,8 @@
 //! What a frame says about itself before its edges are fitted.
 
-use super::censored::Ends;
-use super::noise::NoiseModel;
 use super::rounded_frame::Rounding;
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::noise::NoiseModel;
 
 /// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
 const NOISY_AREA_PX: f64 = 0.05;

@@ -1,22 +1,26 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
-use super::blur::{self, BlurContext, BlurEstimate, BlurScratch};
-use super::blur_track::{BlurTrack, Change, TrackView};
-use super::censored::Ends;
-use super::clipped::{self, ClippedStart};
-use super::columns::{ColumnJob, score_columns};
-use super::edge_misfit::{EdgeMisfit, Expected, MisfitLesson, SideView};
 use super::edges::{Edge, MISFIT_BLOCK};
-use super::falloff::Falloff;
 use super::gate::{self, OutlierScratch};
-use super::grey_ends::{self, Elsewhere};
-use super::learn::{self, Lesson};
-use super::levels::{LevelCurve, LevelPool};
-use super::noise::{NoiseModel, Spread};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
-use super::soft_knee;
 use super::survey::{Scale, Survey};
-use super::table::{FINE, Table, half, window_width};
+use crate::gauge::edge::estimation::blur;
+use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
+use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::censored_fit;
+use crate::gauge::edge::estimation::censored_fit::ClippedStart;
+use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
+use crate::gauge::edge::estimation::grey_ends;
+use crate::gauge::edge::estimation::grey_ends::Elsewhere;
+use crate::gauge::edge::estimation::level_gradient::Falloff;
+use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
+use crate::gauge::edge::estimation::model_bias::{EdgeMisfit, Expected, MisfitLesson, SideView};
+use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
+use crate::gauge::edge::estimation::scoring_table::{FINE, Table, half, window_width};
+use crate::gauge::edge::estimation::slanted_edge;
+use crate::gauge::edge::estimation::slanted_edge::Lesson;
+use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
@@ -151,7 +155,7 @@ impl SideState {
             slope: &self.slope,
             sigma: self.blur.mean(),
         };
-        let Some(table) = learn::learn(&lesson, line) else { return false };
+        let Some(table) = slanted_edge::learn(&lesson, line) else { return false };
         self.set_shape(EdgeShape::Table(std::sync::Arc::new(table)));
         true
     }
@@ -443,7 +447,7 @@ impl SideState {
             floor: noise.floor(),
             ends,
         };
-        let Some(side) = clipped::fit_side(&self.windows, &self.slope, &start, line) else { return 4.0 };
+        let Some(side) = censored_fit::fit_side(&self.windows, &self.slope, &start, line) else { return 4.0 };
         self.blur = BlurEstimate::uniform(side.sigma);
         // Blur and shape are shared by all columns.
         let length = line.len() as f32;

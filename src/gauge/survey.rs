@@ -1,7 +1,7 @@
 //! What a side shows before the other one is known: levels, noise, and where its grey values end.
 
-use super::censored::Ends;
-use super::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use crate::gauge::edge::image::scan_windows::LevelSums;
 
 /// Standard deviations of the light's noise within which a level stands at an end that the other side shows.

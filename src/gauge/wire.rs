@@ -18,11 +18,11 @@
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::edges::{Edge, EdgeState};
-use super::levels::{LevelCurve, LevelPool};
-use super::light_field::{LightField, Lit};
-use super::noise::{LEAST_OF_COUNTS, Spread};
 use super::rounded_frame::noise_in_steps;
 use super::wire_rounding::{WirePixel, WireRounding};
+use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
+use crate::gauge::edge::estimation::light_field::{LightField, Lit};
+use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, Spread};
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;

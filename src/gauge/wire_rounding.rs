@@ -1,6 +1,6 @@
 //! What rounding to whole counts repeats in the edges of a wire.
 //!
-//! As at other edges ([`super::rounding`]), but both edges, the levels and the blur are one fit: the error b_k of pixel k moves the width by
+//! As at other edges ([`crate::gauge::edge::estimation::rounding`]), but both edges, the levels and the blur are one fit: the error b_k of pixel k moves the width by
 //! Σ g_k b_k, g = w_k·(H⁻¹ J_k) of one column's six equations (a level wire repeats the same pixels in every column). Pixels of one flat level share
 //! their error, others have their own:
 //!
@@ -11,8 +11,8 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::edges::Edge;
-use super::rounding::{DITHERED, repeated_variance, rows_swept};
 use super::wire::Wire;
+use crate::gauge::edge::estimation::rounding::{DITHERED, repeated_variance, rows_swept};
 
 /// Columns whose equations are looked at.
 const LOOKED_AT: usize = 8;

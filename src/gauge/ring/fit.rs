@@ -8,11 +8,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::censored::{Censored, Ends};
-use super::super::grey_ends::robust_mean;
-use super::super::rounding::{noise_behind, repeated_variance};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
+use crate::gauge::edge::estimation::censored::{Censored, Ends};
+use crate::gauge::edge::estimation::grey_ends::robust_mean;
+use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
 use crate::gauge::edge::model::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use crate::numerics::distributions::phi_pdf;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};

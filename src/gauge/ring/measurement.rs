@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
-use super::super::light_field::{LightField, Lit};
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
 use super::error::RingError;
@@ -15,6 +14,7 @@ use super::millimetres::EdgeMillimetres;
 use super::outline::{Outline, least_ratio_to_stylus};
 use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
+use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::numerics::robust::median_of;
 
 /// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.

@@ -5,9 +5,9 @@ use wide::f32x4;
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
+use crate::gauge::edge::estimation::scoring_table::{MOST_WIDTH, PHASE_REACH, half};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
-use crate::gauge::table::{MOST_WIDTH, PHASE_REACH, half};
 use crate::profile::Reason;
 
 /// An edge this close to the central pixel is centred, px. More than half a pixel, so that noise cannot keep a window hopping.

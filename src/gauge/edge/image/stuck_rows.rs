@@ -5,7 +5,7 @@
 
 use super::plane::{Plane, Sample};
 use super::scan_windows::Windows;
-use crate::gauge::table::half;
+use crate::gauge::edge::estimation::scoring_table::half;
 use crate::profile::Reason;
 
 /// Departure from both neighbours, as a share of the contrast.

@@ -14,7 +14,7 @@
 use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
-use crate::gauge::blur::SIGMA_RANGE;
+use crate::gauge::edge::estimation::blur::SIGMA_RANGE;
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
 const KNOTS_PER_PX: f64 = 64.0;

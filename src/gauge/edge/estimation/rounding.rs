@@ -18,9 +18,9 @@
 //! columns does it repeat less: over S rows it meets 1 + C·|E′|·S/q of them. The levels of light and shadow carry r of their own, the
 //! same at both edges where both see the same light.
 
-use super::edges::Edge;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edges::Edge;
 
 /// Noise in steps of the grey scale beyond which r is below 1e-5 of its largest value.
 pub(crate) const DITHERED: f64 = 0.55;

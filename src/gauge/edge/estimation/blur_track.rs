@@ -10,11 +10,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::blur::{BLOCKS, BlurEstimate, BlurSums, middle, sample};
-use super::columns::ColumnJob;
-use super::edges::Edge;
-use super::score::{dot, normalise};
-use super::table::{PHASE_REACH, Table};
+use super::column_fit::ColumnJob;
+use super::scoring::{dot, normalise};
+use super::scoring_table::{PHASE_REACH, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edges::Edge;
 
 /// Share of the frames before that is kept a frame: an average over three or four.
 const KEPT: f64 = 0.7;

@@ -14,14 +14,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::ColumnJob;
-use super::edges::Edge;
+use super::column_fit::ColumnJob;
 use super::levels::LevelCurve;
-use super::score::normalise;
-use super::table::{FINE, half};
+use super::scoring::normalise;
+use super::scoring_table::{FINE, half};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edges::Edge;
 use crate::numerics::smoothing_spline::SplineFit;
 
 /// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area lets through), and in blurs, whose optics

@@ -9,7 +9,7 @@ use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edge::model::shape_terms::{AMPLITUDE, TERMS};
 
 /// Light above dark is looked for up to this multiple of what is seen of it.
-pub(super) const BRIGHTEST: f64 = 4.0;
+pub(crate) const BRIGHTEST: f64 = 4.0;
 /// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
 const EXPLAINED: f64 = 1.1;
 
@@ -32,15 +32,15 @@ const MOST_UNKNOWN: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub(super) struct Joint<'a> {
     pub(super) likelihood: Likelihood<'a>,
-    pub(super) dark: Level,
-    pub(super) light: Level,
-    pub(super) sigma: f64,
+    pub(crate) dark: Level,
+    pub(crate) light: Level,
+    pub(crate) sigma: f64,
     /// Standard uncertainty of a blur that is given, px.
     pub(super) sigma_prior: Option<(f64, f64)>,
     /// Columns fitted.
-    pub(super) columns: Vec<usize>,
+    pub(crate) columns: Vec<usize>,
     /// Their places, px from the central pixels.
-    pub(super) places: Vec<f64>,
+    pub(crate) places: Vec<f64>,
 }
 
 /// Sums over the columns.
@@ -76,11 +76,11 @@ pub(super) struct Settled {
     /// Relative standard uncertainty of that noise.
     noise_known_to: f64,
     /// χ² over its expectation.
-    pub(super) misfit: f64,
+    pub(crate) misfit: f64,
     /// Logarithm of the likelihood.
-    pub(super) log_likelihood: f64,
+    pub(crate) log_likelihood: f64,
     /// Columns that it rests on.
-    pub(super) columns: usize,
+    pub(crate) columns: usize,
     /// Mean number of pixels of a column that state a grey value.
     pub(super) telling: f64,
 }
@@ -108,7 +108,7 @@ impl Joint<'_> {
         ]
     }
 
-    pub(super) fn column(&self, column: usize, slope: f32) -> Column {
+    pub(crate) fn column(&self, column: usize, slope: f32) -> Column {
         Column {
             dark: self.dark.at(column),
             light: self.light.at(column),
@@ -259,7 +259,7 @@ impl Joint<'_> {
     }
 
     /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts. `None` where the columns do not tell.
-    pub(super) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
+    pub(crate) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
         for round in 0..3 {
             let middle = self.columns[self.columns.len() / 2];
             self.likelihood.separate(windows.width, self.column(middle, 0.0));
@@ -340,7 +340,7 @@ impl Joint<'_> {
     }
 
     /// Variance of a column's place by what all share: in all, and were the shape known; px².
-    pub(super) fn shared(&self, settled: &Settled, column: usize, score: &Score) -> (f64, f64) {
+    pub(crate) fn shared(&self, settled: &Settled, column: usize, score: &Score) -> (f64, f64) {
         let own = score.information[(0, 0)];
         let mut lever = DVector::zeros(self.count());
         for (index, local, weight) in self.entries(column) {

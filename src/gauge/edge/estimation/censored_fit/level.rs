@@ -2,36 +2,36 @@
 
 /// A level: `base` plus hats on equidistant knots (a constant where there is one).
 #[derive(Clone, Debug)]
-pub(super) struct Level {
+pub(crate) struct Level {
     base: Vec<f32>,
     /// First and last column between which the knots lie; constant beyond.
     range: (usize, usize),
     /// Values at the knots, counts.
-    pub(super) knots: Vec<f64>,
+    pub(crate) knots: Vec<f64>,
     /// Standard uncertainty of a known curve's offset, counts; none where the level is free.
-    pub(super) prior: Option<f64>,
+    pub(crate) prior: Option<f64>,
 }
 
 impl Level {
     /// A curve that is known but for a common offset of standard uncertainty `u`, counts.
-    pub(super) fn known(curve: &[f32], u: f64) -> Self {
+    pub(crate) fn known(curve: &[f32], u: f64) -> Self {
         let range = (0, curve.len() - 1);
         Self { base: curve.to_vec(), range, knots: vec![0.0], prior: Some(u.max(1e-9)) }
     }
 
     /// Knots between two columns that the fit is to find, from a curve to start with.
-    pub(super) fn free(curve: &[f32], range: (usize, usize), knots: usize) -> Self {
+    pub(crate) fn free(curve: &[f32], range: (usize, usize), knots: usize) -> Self {
         let at = |k: usize| f64::from(curve[range.0 + k * (range.1 - range.0) / (knots - 1).max(1)]);
         Self { base: vec![0.0; curve.len()], range, knots: (0..knots).map(at).collect(), prior: None }
     }
 
     /// The same level held at a value.
-    pub(super) fn held(&self, value: f64) -> Self {
+    pub(crate) fn held(&self, value: f64) -> Self {
         Self::known(&vec![value as f32; self.base.len()], 1e-6)
     }
 
     /// The two knots around a column and the weight of the second.
-    pub(super) fn around(&self, column: usize) -> (usize, usize, f64) {
+    pub(crate) fn around(&self, column: usize) -> (usize, usize, f64) {
         let spaces = self.knots.len() - 1;
         if spaces == 0 {
             return (0, 0, 0.0);
@@ -44,7 +44,7 @@ impl Level {
     }
 
     /// Level of a column, counts.
-    pub(super) fn at(&self, column: usize) -> f64 {
+    pub(crate) fn at(&self, column: usize) -> f64 {
         let (left, right, t) = self.around(column);
         f64::from(self.base[column]) + (1.0 - t) * self.knots[left] + t * self.knots[right]
     }

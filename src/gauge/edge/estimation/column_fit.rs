@@ -6,12 +6,12 @@
 
 use wide::f32x4;
 
-use super::edges::{Edge, EdgeState};
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
-use super::score::{Place, locate, locate_core, locate_four, normalise};
-use super::table::{CorePhase, Cores, Table};
+use super::scoring::{Place, locate, locate_core, locate_four, normalise};
+use super::scoring_table::{CorePhase, Cores, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edges::{Edge, EdgeState};
 use crate::profile::Reason;
 
 /// Columns scored together.
@@ -190,12 +190,12 @@ mod tests {
     use rand_distr::{Distribution, Normal, Uniform};
     use rand_pcg::Pcg64;
 
-    use super::super::settings::Noise;
-    use super::super::table::{FINE, half, window_width};
     use super::*;
+    use crate::gauge::edge::estimation::scoring_table::{FINE, half, window_width};
     use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
+    use crate::gauge::settings::Noise;
 
     const COLUMNS: usize = 256;
 

@@ -3,13 +3,13 @@
 //! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
 //! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
 
-use super::edges::Edge;
 use super::levels::LevelCurve;
-use super::score::{dot, locate, normalise};
-use super::table::{COARSE, Table};
+use super::scoring::{dot, locate, normalise};
+use super::scoring_table::{COARSE, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::column_sigma;
+use crate::gauge::edges::Edge;
 
 /// Blocks along the shaft.
 pub(crate) const BLOCKS: usize = 8;

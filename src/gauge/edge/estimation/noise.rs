@@ -3,7 +3,7 @@
 //! Differences of horizontally neighbouring flat pixels carry twice the variance of one pixel, temporal noise and
 //! pixel-to-pixel response alike, and none of the light's slow variation.
 
-use super::settings::Noise;
+use crate::gauge::settings::Noise;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Noise variance as a function of the grey level: `offset + gain·level`, at least `floor`.

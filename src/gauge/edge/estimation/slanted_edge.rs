@@ -8,12 +8,12 @@
 //! an error b(phase) of the places and a shape E(u + b) explain each other. The curve breaks that tie; it needs an edge that
 //! travels at least [`LEAST_TRAVEL`] pixels over the frame, and leaves the zero of the distance open.
 
-use super::edges::Edge;
 use super::levels::LevelCurve;
-use super::table::half;
+use super::scoring_table::half;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::StepTable;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
+use crate::gauge::edges::Edge;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::numerics::smoothing_spline::{Spline, SplineFit};

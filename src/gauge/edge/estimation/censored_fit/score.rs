@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::super::censored::{Censored, Ends};
-use super::super::table::half;
+use crate::gauge::edge::estimation::scoring_table::half;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edge::model::shape_terms::{ShapeTerms, TERMS, term_border};
@@ -22,78 +22,78 @@ const FLAT_SHARE: f64 = 0.01;
 const NEAR_PX: f64 = 0.05;
 const SETTLED_PX: f64 = 1e-4;
 /// x, dark, light, σ, and the amplitudes of the shape terms.
-pub(super) type Gradient = Vector6<f64>;
+pub(crate) type Gradient = Vector6<f64>;
 /// Information of [`Gradient`].
 pub(super) type Information = Matrix6<f64>;
 
 /// Noise variance over the grey level: a straight line, and what a misfit of the model adds everywhere.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     /// Level at which `variance` holds, counts.
-    pub(super) level: f64,
+    pub(crate) level: f64,
     /// Variance there, counts².
-    pub(super) variance: f64,
+    pub(crate) variance: f64,
     /// Growth with the level, counts.
-    pub(super) gain: f64,
+    pub(crate) gain: f64,
     /// Least variance, counts².
-    pub(super) floor: f64,
+    pub(crate) floor: f64,
     /// Variance of the misfit, counts².
-    pub(super) misfit: f64,
+    pub(crate) misfit: f64,
 }
 
 impl Noise {
-    pub(super) fn at(&self, level: f64) -> f64 {
+    pub(crate) fn at(&self, level: f64) -> f64 {
         (self.variance + self.gain * (level - self.level)).max(self.floor)
     }
 }
 
 /// Levels and blur of one column.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
-    pub(super) dark: f64,
-    pub(super) light: f64,
-    pub(super) sigma: f64,
+pub(crate) struct Column {
+    pub(crate) dark: f64,
+    pub(crate) light: f64,
+    pub(crate) sigma: f64,
 }
 
 /// What all columns of a side share but levels and blur.
 #[derive(Clone, Debug)]
 pub(super) struct Likelihood<'a> {
-    pub(super) shape: &'a EdgeShape,
-    pub(super) ends: Ends,
-    pub(super) noise: Noise,
+    pub(crate) shape: &'a EdgeShape,
+    pub(crate) ends: Ends,
+    pub(crate) noise: Noise,
     /// Amplitudes of the shape terms.
-    pub(super) terms: [f64; TERMS],
+    pub(crate) terms: [f64; TERMS],
     separated: ShapeTerms,
     /// Whether stray pixels are left out; before the fit has settled they only count less.
-    pub(super) strict: bool,
+    pub(crate) strict: bool,
 }
 
 /// Scores and information of one column.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Score {
-    pub(super) gradient: Gradient,
-    pub(super) information: Information,
+    pub(crate) gradient: Gradient,
+    pub(crate) information: Information,
     /// Σ of squared residuals over the noise variance (no misfit) of the pixels between the ends.
-    pub(super) chi2: f64,
+    pub(crate) chi2: f64,
     /// What that sum is expected to be.
     pub(super) telling: f64,
     /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
-    pub(super) flank: [f64; 2],
+    pub(crate) flank: [f64; 2],
     /// Pixels on the flank.
     pub(super) on_flank: f64,
     /// The same as `chi2` and `telling` over the flat shadow alone, and its pixels.
-    pub(super) in_dark: [f64; 3],
+    pub(crate) in_dark: [f64; 3],
     /// Change of the gradient by a relative change of the noise.
-    pub(super) by_noise: Gradient,
+    pub(crate) by_noise: Gradient,
     /// Pixels left out.
-    pub(super) stray: usize,
+    pub(crate) stray: usize,
     /// Those of them that stand at the upper end in the flat shadow: hot ones.
-    pub(super) hot: usize,
+    pub(crate) hot: usize,
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(shape: &'a EdgeShape, ends: Ends, noise: Noise) -> Self {
+    pub(crate) fn new(shape: &'a EdgeShape, ends: Ends, noise: Noise) -> Self {
         Self { shape, ends, noise, terms: [0.0; TERMS], separated: ShapeTerms::default(), strict: false }
     }
 
@@ -117,7 +117,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Makes the shape terms such that an edge seen whole, with place and blur free, does not feel them.
-    pub(super) fn separate(&mut self, width: usize, column: Column) {
+    pub(crate) fn separate(&mut self, width: usize, column: Column) {
         const PHASES: u32 = 8;
         self.separated = ShapeTerms::default();
         let used = (width - 1).min(MOST);
@@ -182,7 +182,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Scores a column's window with its edge at `x` px from the central pixel.
-    pub(super) fn score(&self, window: &[f32], x: f64, column: Column) -> Score {
+    pub(crate) fn score(&self, window: &[f32], x: f64, column: Column) -> Score {
         let contrast = column.light - column.dark;
         let mut taken = 0.0;
         let mut score = Score::default();
@@ -226,7 +226,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Logarithm of the likelihood of a column's window.
-    pub(super) fn log_likelihood(&self, window: &[f32], x: f64, column: Column) -> f64 {
+    pub(crate) fn log_likelihood(&self, window: &[f32], x: f64, column: Column) -> f64 {
         let mut sum = 0.0;
         self.pixels(window, x, column, self.all(), |pixel| {
             sum += Censored::log_likelihood(pixel.m, pixel.mean, pixel.s, self.ends);
@@ -247,7 +247,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Place of a column, px from its central pixel, by Fisher scoring from `start`; `None` where it does not settle.
-    pub(super) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<f64> {
+    pub(crate) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<f64> {
         let mut x = start;
         // From afar the flank itself looks stray.
         let mut strict = false;

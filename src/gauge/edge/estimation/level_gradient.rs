@@ -13,12 +13,12 @@
 //! share of the shift. A level that neighbours share is also an error that neighbours share: it is stated with the shared uncertainty.
 //! Of a lit part before a dark ground the light is inside: all this is then looked at inwards from the flat pixels in the part.
 
-use super::edges::Edge;
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
-use super::table::{Table, half};
+use super::scoring_table::{Table, half};
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
+use crate::gauge::edges::Edge;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
@@ -409,8 +409,8 @@ fn shift(table: &Table, flat: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::{FINE, window_width};
     use super::*;
+    use crate::gauge::edge::estimation::scoring_table::{FINE, window_width};
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
 

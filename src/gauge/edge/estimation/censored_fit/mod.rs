@@ -14,11 +14,11 @@ use self::joint::{BRIGHTEST, Joint, Settled};
 use self::level::Level;
 use self::score::{Column, Likelihood, Noise, Score};
 use super::censored::Ends;
-use super::edges::{Edge, EdgeState};
 use super::levels::LevelCurve;
 use super::soft_knee;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edges::{Edge, EdgeState};
 use crate::profile::Reason;
 
 /// Most columns that levels, blur and shape are estimated from.

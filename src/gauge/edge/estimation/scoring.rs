@@ -2,7 +2,7 @@
 
 use wide::f32x4;
 
-use super::table::{CorePhase, PHASE_REACH, Phase, Table, half};
+use super::scoring_table::{CorePhase, PHASE_REACH, Phase, Table, half};
 
 /// Steps after which an edge that still moves is given up.
 const MOST_STEPS: usize = 10;
