@@ -5,11 +5,9 @@
 //! is where the edges were, the blur and the tables; every carried thing is checked on the new frame (the blur follows it), and a frame
 //! that does not bear it out is measured anew from the coarse search.
 
-use super::axis::{AxisScratch, refuse_one_sided};
 use super::both_sides::both;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain::{self, no_levels, refused};
-use super::gate;
 use super::narrow::Narrow;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
@@ -30,6 +28,8 @@ use crate::gauge::edge::image::repeated::repeated_lines;
 use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edge::image::stuck_rows;
 use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
+use crate::gauge::edge::rejection::one_sided::{AxisScratch, refuse_one_sided};
+use crate::gauge::edge::rejection::residual_test;
 use crate::profile::Reason;
 
 /// Fewest rows: the shortest window; and columns below which readings are pooled.
@@ -564,7 +564,7 @@ impl EdgeStream {
         }
         let jump_px = self.settings.outlier_px + self.settings.max_slope;
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
-        let coherence = if contours { 1.0 } else { gate::coherence(&out.top, &out.bottom, jump_px) };
+        let coherence = if contours { 1.0 } else { residual_test::coherence(&out.top, &out.bottom, jump_px) };
         if coherence < LEAST_COHERENT {
             return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
         }

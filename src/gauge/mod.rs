@@ -1,6 +1,5 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
-mod axis;
 pub mod axis_line;
 mod axis_pose;
 mod axis_slope;
@@ -23,7 +22,6 @@ mod edges;
 mod explain;
 mod finder;
 pub mod form;
-mod gate;
 mod lanes;
 mod largest_reading;
 pub mod monte_carlo;

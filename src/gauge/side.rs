@@ -1,7 +1,6 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
 use super::edges::{Edge, MISFIT_BLOCK};
-use super::gate::{self, OutlierScratch};
 use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::survey::{Scale, Survey};
 use crate::gauge::edge::estimation::blur;
@@ -25,6 +24,8 @@ use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::rejection::residual_test;
+use crate::gauge::edge::rejection::residual_test::OutlierScratch;
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
@@ -422,7 +423,7 @@ impl SideState {
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
-        self.jump = gate::largest_jump(line);
+        self.jump = residual_test::largest_jump(line);
         if self.jump.is_finite() {
             self.rows.clear();
             self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
@@ -540,13 +541,13 @@ impl SideState {
 
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = upper_normal_quantile(settings.residual_false_alarm);
-        self.misfit = gate::misfit(line, freedom, &mut self.floats);
+        self.misfit = residual_test::misfit(line, freedom, &mut self.floats);
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
-            gate::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
+            residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
         let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
-        gate::state_misfit(line, freedom, left_px, &mut self.stated);
+        residual_test::state_misfit(line, freedom, left_px, &mut self.stated);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
@@ -555,7 +556,7 @@ impl SideState {
         if settings.rejection == Rejection::Off {
             return;
         }
-        gate::refuse_vague(line);
-        gate::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
+        residual_test::refuse_vague(line);
+        residual_test::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }

@@ -2,13 +2,14 @@
 
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain;
-use super::gate::{self, OutlierScratch};
 use super::settings::{GaugeSettings, Rejection};
 use super::survey::Scale;
 use super::wire::Wire;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::rejection::residual_test;
+use crate::gauge::edge::rejection::residual_test::OutlierScratch;
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
@@ -102,17 +103,17 @@ fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
     let z = upper_normal_quantile(settings.residual_false_alarm);
     let mut most = 1.0_f64;
     for (line, stated) in [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.misfit_px) {
-        let misfit = gate::misfit(line, freedom, &mut Vec::new());
+        let misfit = residual_test::misfit(line, freedom, &mut Vec::new());
         most = most.max(misfit);
         let scale = if misfit > 1.2 { misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
-            gate::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
+            residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
-        gate::state_misfit(line, freedom, 0.0, stated);
+        residual_test::state_misfit(line, freedom, 0.0, stated);
         line.iter_mut().for_each(|edge| edge.u_own_px *= (scale as f32).sqrt());
         if settings.rejection != Rejection::Off {
-            gate::refuse_vague(line);
-            gate::refuse_outliers(line, settings.outlier_px, &mut OutlierScratch::default());
+            residual_test::refuse_vague(line);
+            residual_test::refuse_outliers(line, settings.outlier_px, &mut OutlierScratch::default());
         }
     }
     most

@@ -11,3 +11,4 @@
 pub(crate) mod estimation;
 pub(crate) mod image;
 pub(crate) mod model;
+pub(crate) mod rejection;

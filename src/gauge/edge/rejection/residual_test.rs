@@ -1,6 +1,6 @@
 //! What makes a fitted edge a gap: a residual that noise does not explain, or a place that its neighbours do not.
 
-use super::edges::{Edge, EdgeState, MISFIT_BLOCK};
+use crate::gauge::edges::{Edge, EdgeState, MISFIT_BLOCK};
 use crate::numerics::distributions::chi2_ratio_limit;
 use crate::profile::Reason;
 

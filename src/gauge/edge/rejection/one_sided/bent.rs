@@ -14,7 +14,7 @@ const MOST_WIDENING: f64 = 0.5;
 const LEAST_BLOCKS: usize = 4 * TERMS;
 
 /// Whether every block's middle lies on a smooth curve while the widths stay on a line.
-pub(super) fn is_bent(blocks: &[Block]) -> bool {
+pub(crate) fn is_bent(blocks: &[Block]) -> bool {
     if blocks.len() < LEAST_BLOCKS {
         return false;
     }

@@ -18,7 +18,7 @@ impl AxisScratch {
 
     /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
     /// middle alone, and what hides an edge darkens its neighbours.
-    pub(super) fn descend(&mut self) {
+    pub(crate) fn descend(&mut self) {
         let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
         let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
         self.descend_all(taper);

@@ -6,14 +6,14 @@
 //! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
 
 mod bent;
-mod descent;
-mod hills;
+mod bump_extent;
+mod local_bumps;
 
 use crate::numerics::robust::MEDIAN_TO_SD;
 use nalgebra::{Matrix3, Vector3};
 
-use self::hills::{HILLS, Hill};
-use super::edges::{Edge, EdgeState};
+use self::local_bumps::{HILLS, Hill};
+use crate::gauge::edges::{Edge, EdgeState};
 use crate::numerics::median_network::{BLOCK, LANES, medians};
 use crate::profile::Reason;
 

@@ -25,7 +25,7 @@ const LOCAL_FLOOR_PX: f64 = 0.05;
 /// Places elsewhere that tell that standard deviation.
 const LEAST_PLACES: usize = 3;
 /// Hills that are left out together to tell it.
-pub(super) const HILLS: usize = 3;
+pub(crate) const HILLS: usize = 3;
 /// Standard deviation of a comparison over that of one block, between two others as far away and beyond them: √1.5 and √6.
 const BETWEEN: f64 = 1.2247;
 const BEYOND: f64 = 2.4495;
@@ -34,7 +34,7 @@ const FLANK: f64 = 0.2;
 
 /// Blocks that stand out of their neighbourhood.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hill {
+pub(crate) struct Hill {
     /// By how much the highest stands out, px of the middle.
     peak: f64,
     /// First and last of them.
@@ -56,7 +56,7 @@ fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
 
 impl AxisScratch {
     /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
-    pub(super) fn mark_local(
+    pub(crate) fn mark_local(
         &mut self,
         axis: &Vector3<f64>,
         (column_sd, dirty): (f64, bool),
