@@ -9,12 +9,12 @@ use super::both_sides::both;
 use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain::{self, no_levels, refused};
 use super::narrow::Narrow;
+use super::rings;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
 use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::SideState;
 use super::survey::Scale;
-use super::{rings, wire, wire_frame};
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
@@ -30,6 +30,7 @@ use crate::gauge::edge::image::stuck_rows;
 use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
 use crate::gauge::edge::rejection::one_sided::{AxisScratch, refuse_one_sided};
 use crate::gauge::edge::rejection::residual_test;
+use crate::gauge::edge::wire::{frame, joint_fit};
 use crate::profile::Reason;
 
 /// Fewest rows: the shortest window; and columns below which readings are pooled.
@@ -286,10 +287,10 @@ impl EdgeStream {
         }
         self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
         let scale = Scale::of_step(self.step);
-        if self.coarse.median_width().is_some_and(|width| width < wire::WIDEST_PX) {
+        if self.coarse.median_width().is_some_and(|width| width < joint_fit::WIDEST_PX) {
             self.one_sided = 0.0;
             let how = (&self.shape, &self.settings, scale);
-            return wire_frame::measure(plane, &self.coarse, how, out).map(|()| false);
+            return frame::measure(plane, &self.coarse, how, out).map(|()| false);
         }
         self.axis.reserve(plane.columns);
         for side in &mut self.sides {

@@ -44,9 +44,6 @@ mod stretch;
 mod survey;
 pub mod turn_form;
 mod turn_scatter;
-mod wire;
-mod wire_frame;
-mod wire_rounding;
 
 pub use form::size;
 pub use sensor::photon_transfer;

@@ -12,3 +12,4 @@ pub(crate) mod estimation;
 pub(crate) mod image;
 pub(crate) mod model;
 pub(crate) mod rejection;
+pub(crate) mod wire;

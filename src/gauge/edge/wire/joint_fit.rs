@@ -17,9 +17,7 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
-use super::edges::{Edge, EdgeState};
-use super::rounded_frame::noise_in_steps;
-use super::wire_rounding::{WirePixel, WireRounding};
+use super::rounding::{WirePixel, WireRounding};
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, Spread};
@@ -27,6 +25,8 @@ use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::rounded_frame::noise_in_steps;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 use crate::profile::Reason;
 

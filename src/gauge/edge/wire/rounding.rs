@@ -10,9 +10,9 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::edges::Edge;
-use super::wire::Wire;
+use super::joint_fit::Wire;
 use crate::gauge::edge::estimation::rounding::{DITHERED, repeated_variance, rows_swept};
+use crate::gauge::edges::Edge;
 
 /// Columns whose equations are looked at.
 const LOOKED_AT: usize = 8;
