@@ -8,8 +8,19 @@
 //! (a frame, and the frames that follow it), `narrow` (line cameras), `parallel`. A further step of a frame is a file in the room whose
 //! question it answers and one call in `stream` or `side`; it takes values and gives values.
 
+pub(crate) mod both_sides;
 pub(crate) mod estimation;
+pub(crate) mod explain;
 pub(crate) mod image;
 pub(crate) mod model;
+pub(crate) mod narrow;
+pub(crate) mod other_views;
+pub(crate) mod parallel;
 pub(crate) mod rejection;
+pub(crate) mod rings;
+pub(crate) mod rounded_frame;
+pub(crate) mod scene;
+pub(crate) mod side;
+pub(crate) mod stream;
+pub(crate) mod survey;
 pub(crate) mod wire;

@@ -25,8 +25,8 @@ use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edge::rounded_frame::noise_in_steps;
 use crate::gauge::edges::{Edge, EdgeState};
-use crate::gauge::rounded_frame::noise_in_steps;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 use crate::profile::Reason;
 

@@ -1,8 +1,8 @@
 //! What other options would show in a frame that shows no part: upright, light and shadow exchanged, a smaller part, or these together.
 
-use super::settings::GaugeSettings;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::settings::GaugeSettings;
 
 /// Least size that a shadow is looked for at to say how large the largest one is, px.
 const SMALLEST_PX: f64 = 6.0;

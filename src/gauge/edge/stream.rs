@@ -6,13 +6,11 @@
 //! that does not bear it out is measured anew from the coarse search.
 
 use super::both_sides::both;
-use super::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use super::explain::{self, no_levels, refused};
 use super::narrow::Narrow;
 use super::rings;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
-use super::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use super::side::SideState;
 use super::survey::Scale;
 use crate::frame::FrameView;
@@ -31,6 +29,8 @@ use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
 use crate::gauge::edge::rejection::one_sided::{AxisScratch, refuse_one_sided};
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edge::wire::{frame, joint_fit};
+use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use crate::profile::Reason;
 
 /// Fewest rows: the shortest window; and columns below which readings are pooled.
@@ -60,10 +60,10 @@ const SEARCH_EVERY: u32 = 256;
 /// Finds edges in the frames of one stream; keeps tables and buffers between them.
 #[derive(Clone, Debug)]
 pub struct EdgeStream {
-    pub(super) settings: GaugeSettings,
+    pub(crate) settings: GaugeSettings,
     /// The edge-spread function of the settings.
     shape: EdgeShape,
-    pub(super) sides: [SideState; 2],
+    pub(crate) sides: [SideState; 2],
     /// Where the edges are looked for.
     coarse: Coarse,
     axis: AxisScratch,
@@ -76,7 +76,7 @@ pub struct EdgeStream {
     step: f64,
     last: Option<Last>,
     /// Readings of a line camera.
-    pub(super) narrow: Option<Narrow>,
+    pub(crate) narrow: Option<Narrow>,
 }
 
 impl EdgeStream {

@@ -1,10 +1,10 @@
 //! What rounding repeats in the edges of both sides of a frame.
 
-use super::edges::FrameEdges;
 use super::side::SideState;
 use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
 use crate::gauge::edge::estimation::rounding::{RoundedSide, noise_behind};
+use crate::gauge::edges::FrameEdges;
 
 /// Share of differences of two steps and more below which grey values take two neighbouring steps only: noise of 0.3 steps makes more of them,
 /// wherever the level lies.

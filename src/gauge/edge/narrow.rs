@@ -7,12 +7,12 @@
 //! to the next, so that neither slopes nor departures from neighbours are looked for. Before sixteen readings have come, those there are
 //! stand in the picture more than once, and the noise is that of neighbouring pixels of the light and of the shadow.
 
-use super::edges::{FrameEdges, FrameRefused};
 use super::explain::refused;
-use super::finder::EdgeStream;
-use super::settings::{GaugeSettings, Noise, Polarity, Rejection};
+use super::stream::EdgeStream;
 use crate::frame::{FrameView, PixelFormat, Pixels};
 use crate::gauge::edge::estimation::model_bias::MisfitLesson;
+use crate::gauge::edges::{FrameEdges, FrameRefused};
+use crate::gauge::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::profile::Reason;
 

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::edges::{Edge, FrameEdges, FrameRefused};
 use super::other_views;
-use super::settings::GaugeSettings;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::shadows::NoShadow;
+use crate::gauge::edges::{Edge, FrameEdges, FrameRefused};
+use crate::gauge::settings::GaugeSettings;
 use crate::profile::Reason;
 
 /// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie

@@ -5,7 +5,6 @@
 //! edge placed by it lies tens of micrometres off with a small uncertainty. Two signs of it: a crest cut flat inside the windows of a pattern that
 //! is known, and, beside light that is clipped, light that falls and rises again.
 
-use super::edges::FrameRefused;
 use super::explain::refused;
 use super::side::SideState;
 use crate::gauge::edge::estimation::censored::Ends;
@@ -13,6 +12,7 @@ use crate::gauge::edge::estimation::scoring_table::half;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edges::FrameRefused;
 use crate::profile::Reason;
 
 /// Columns looked at.

@@ -8,10 +8,10 @@ use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 
-use super::Gauge;
-use super::edges::{FrameEdges, FrameRefused};
-use super::finder::EdgeStream;
+use super::stream::EdgeStream;
 use crate::frame::FrameView;
+use crate::gauge::Gauge;
+use crate::gauge::edges::{FrameEdges, FrameRefused};
 
 /// Streams that take frames in turn.
 #[derive(Clone, Debug)]

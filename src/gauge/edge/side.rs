@@ -1,7 +1,5 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
-use super::edges::{Edge, MISFIT_BLOCK};
-use super::settings::{Blur, GaugeSettings, Levels, Rejection};
 use super::survey::{Scale, Survey};
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
@@ -26,6 +24,8 @@ use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edge::rejection::residual_test::OutlierScratch;
+use crate::gauge::edges::{Edge, MISFIT_BLOCK};
+use crate::gauge::settings::{Blur, GaugeSettings, Levels, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
