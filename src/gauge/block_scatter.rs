@@ -6,8 +6,8 @@
 //! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
 
 use super::bench::{Along, LensModel};
-use super::column_means::ColumnMeans;
 use super::edges::FrameEdges;
+use crate::gauge::width::column_means::ColumnMeans;
 
 /// Columns of a block.
 const BLOCK: usize = 16;

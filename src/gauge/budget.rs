@@ -5,16 +5,16 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::axis_slope::AxisSlope;
 use super::bench::{Along, Conditions, CovariancePart, LensModel};
 pub use super::block_scatter::{Block, Scatter};
-use super::blur_share::u_blur_px;
 pub use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
 use super::calibration::Calibration;
-use super::column_means::ColumnMeans;
 use super::edges::{FrameEdges, FrameFigures};
 use super::stated::stated;
+use crate::gauge::width::axis_slope::AxisSlope;
+use crate::gauge::width::blur_sensitivity::u_blur_px;
+use crate::gauge::width::column_means::ColumnMeans;
 
 /// Whether a source's errors differ from reading to reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

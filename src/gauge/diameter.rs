@@ -6,14 +6,14 @@
 //! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
-use super::axis_pose::Pose;
-use super::axis_slope::AxisSlope;
 use super::bench::{Along, Conditions, CovariancePart, PARAMETERS};
-use super::blur_share::{trend_factor, u_blur_px};
 use super::calibration::Calibration;
-use super::curvature::curvature_bias;
 use super::edges::{Edge, FrameEdges};
 use crate::frame::FrameMeta;
+use crate::gauge::width::axis_pose::Pose;
+use crate::gauge::width::axis_slope::AxisSlope;
+use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};
+use crate::gauge::width::curvature_bias::curvature_bias;
 use crate::profile::{Diameter, Reading, Reason};
 
 /// Diameters of a frame's columns.

@@ -1,11 +1,11 @@
 //! The largest diameter of a frame as a reading whose budget is asked for.
 
 use super::block_scatter::{FEW_COLUMNS, Scatter};
-use super::blur_share::u_blur_px;
 use super::budget::{WidthReading, quantisation_share};
 use super::calibration::Calibration;
-use super::caliper::{largest_caliper_over, largest_caliper_where};
 use super::edges::FrameEdges;
+use crate::gauge::width::blur_sensitivity::u_blur_px;
+use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
 
 impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`super::largest_caliper`] finds it, behind the

@@ -1,20 +1,14 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 pub mod axis_line;
-mod axis_pose;
-mod axis_slope;
 mod axis_zero;
 pub mod bench;
 mod block_scatter;
-mod blur_share;
 pub mod budget;
 mod budget_conditions;
 mod calibration;
 mod calibration_error;
-mod caliper;
-mod column_means;
 mod coverage;
-mod curvature;
 mod diameter;
 mod edge;
 mod edges;
@@ -30,19 +24,17 @@ mod settings;
 pub mod stated;
 mod station;
 pub mod statistics;
-mod stretch;
 pub mod turn_form;
 mod turn_scatter;
+mod width;
 
 pub use form::size;
 pub use sensor::photon_transfer;
 
-pub use axis_pose::Pose;
 pub use axis_zero::AxisZero;
 pub use calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
-pub use caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
 pub use diameter::ColumnDiameters;
 pub use edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
@@ -57,8 +49,10 @@ pub use settings::{
 };
 pub(crate) use station::Seen;
 pub use station::StationAverager;
-pub use stretch::LEAST_STRETCH;
-pub use stretch::crests::crest_pitch_px;
+pub use width::axis_pose::Pose;
+pub use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
+pub use width::stretch::LEAST_STRETCH;
+pub use width::stretch::crests::crest_pitch_px;
 
 use crate::frame::FrameView;
 

@@ -1,9 +1,9 @@
 //! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
 
-use super::super::axis_pose::Pose;
-use super::super::column_means::ColumnMeans;
 use super::super::edges::FrameEdges;
 use super::lens::{Along, LensModel};
+use crate::gauge::width::axis_pose::Pose;
+use crate::gauge::width::column_means::ColumnMeans;
 
 /// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
 const BLOCKS: usize = 6;

@@ -44,7 +44,7 @@ const LEAST_SCATTER: f64 = 0.5;
 
 /// A line of columns.
 #[derive(Clone, Debug)]
-pub(super) struct Line {
+pub(crate) struct Line {
     /// Columns, px.
     x: Vec<f64>,
     /// What is to be largest, px.
@@ -59,17 +59,17 @@ pub(super) struct Line {
 
 /// The largest value over a line's stretches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Largest {
+pub(crate) struct Largest {
     /// Value, px.
-    pub(super) value_px: f64,
+    pub(crate) value_px: f64,
     /// Standard uncertainty by the columns' scatter and by the choice, px.
-    pub(super) u_px: f64,
+    pub(crate) u_px: f64,
     /// The part of it that the stated noise of the columns explains, px.
-    pub(super) u_noise_px: f64,
+    pub(crate) u_noise_px: f64,
     /// Where it stands, px.
-    pub(super) column_px: f64,
+    pub(crate) column_px: f64,
     /// First and last column of the stretch.
-    pub(super) columns: (usize, usize),
+    pub(crate) columns: (usize, usize),
 }
 
 /// A stretch chosen: points `from..to`, and where on it the value stands.
@@ -84,7 +84,7 @@ struct Choice {
 
 impl Line {
     /// A line of points (column, size, value shown, standard deviation by the stated noise); single specks are left out.
-    pub(super) fn new(points: &[(f64, f64, f64, f64)]) -> Self {
+    pub(crate) fn new(points: &[(f64, f64, f64, f64)]) -> Self {
         let size: Vec<f64> = points.iter().map(|p| p.1).collect();
         let noise: Vec<f64> = points.iter().map(|p| p.3).collect();
         let scatter = scatter(&size, &noise);
@@ -101,12 +101,12 @@ impl Line {
     }
 
     /// Number of points.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.x.len()
     }
 
     /// The largest value over stretches of `least` columns or more within `range`; `None` without a point.
-    pub(super) fn largest(&self, range: std::ops::Range<usize>, least: usize) -> Option<Largest> {
+    pub(crate) fn largest(&self, range: std::ops::Range<usize>, least: usize) -> Option<Largest> {
         let choices = [0, 1].map(|parity| self.choose(&range, least, parity));
         let [Some(a), Some(b)] = choices else { return None };
         self.measured([a, b])

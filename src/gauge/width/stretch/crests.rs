@@ -4,8 +4,8 @@
 //! the largest width of a column. The axis is the line midway between both sides' own lines; each side's largest height above it is found
 //! over a stretch of [`PITCHES`] pitches, so that both jaws touch crests of the same place.
 
-use super::super::edges::{Edge, FrameEdges};
 use super::{Choice, Largest, Line};
+use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Columns whose mean shows whether the middle leaves the axis.
 const BLOCK: usize = 5;
@@ -189,9 +189,9 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
 
-    use super::super::super::edges::EdgeState;
     use super::super::LEAST_STRETCH;
     use super::*;
+    use crate::gauge::edges::EdgeState;
 
     const U_PX: f64 = 0.02;
 

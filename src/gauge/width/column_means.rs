@@ -1,6 +1,6 @@
 //! Means over some columns of one frame: what a calibration observes and what a budget starts from.
 
-use super::edges::{Edge, FrameEdges};
+use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Fewest columns with both edges that make a mean.
 pub(crate) const LEAST_COLUMNS: usize = 8;

@@ -5,10 +5,10 @@
 //! stretches of columns down to a least width stands for it (`stretch`), and where crests face roots the distance of the two tangents.
 
 use super::axis_slope::AxisSlope;
-use super::curvature::bias_per_curvature;
-use super::edges::FrameEdges;
+use super::curvature_bias::bias_per_curvature;
 use super::stretch::crests::Crests;
 use super::stretch::{LEAST_STRETCH, Largest, Line};
+use crate::gauge::edges::FrameEdges;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Standard uncertainties by which the tangents must lie farther apart than the largest width to be what a caliper touches.
@@ -246,8 +246,8 @@ fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::edges::{Edge, EdgeState};
     use super::*;
+    use crate::gauge::edges::{Edge, EdgeState};
 
     fn edges(width: impl Fn(f64) -> f64, columns: usize) -> FrameEdges {
         let edge = |row_px: f64| {

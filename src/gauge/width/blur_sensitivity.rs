@@ -5,8 +5,8 @@
 //! it; photon noise, which weighs the shadow's foot more, leaves some everywhere. The blur is known to
 //! u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
 
-use super::edges::{Edge, FrameEdges};
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
+use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Columns whose phases are looked at.
 const LOOKED_AT: usize = 64;
@@ -17,14 +17,14 @@ const REACH: i32 = 24;
 
 /// Uncertainty of the blur at a column over that of its mean along the field: a line through the blocks' blurs is known there to
 /// √(1 + 12·t²), t from −½ to ½.
-pub(super) fn trend_factor(column_px: f64, columns: usize) -> f64 {
+pub(crate) fn trend_factor(column_px: f64, columns: usize) -> f64 {
     let t = (column_px + 0.5) / columns.max(1) as f64 - 0.5;
     (1.0 + 12.0 * t * t).sqrt()
 }
 
 /// Standard uncertainty of the mean width over some columns by the blurs of both edges, px, and the larger uncertainty of
 /// these blurs, px.
-pub(super) fn u_blur_px(edges: &FrameEdges, used: &[usize]) -> (f64, f64) {
+pub(crate) fn u_blur_px(edges: &FrameEdges, used: &[usize]) -> (f64, f64) {
     let sides = [(0, &edges.top), (1, &edges.bottom)].map(|(side, line)| of_side(edges, side, line, used));
     let [a, b] = sides;
     let middle = used.iter().map(|c| *c as f64).sum::<f64>() / used.len().max(1) as f64;

@@ -4,18 +4,18 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Values along a line of columns, each with the standard deviation of its noise.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Points<'a> {
+pub(crate) struct Points<'a> {
     /// Columns, px, rising.
-    pub(super) x: &'a [f64],
+    pub(crate) x: &'a [f64],
     /// Values, px.
-    pub(super) y: &'a [f64],
+    pub(crate) y: &'a [f64],
     /// Standard deviations, px.
-    pub(super) sd: &'a [f64],
+    pub(crate) sd: &'a [f64],
 }
 
 /// What stands for a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Order {
+pub(crate) enum Order {
     /// Its mean: never above the largest value in it.
     Mean,
     /// The end of a line through it.
@@ -26,13 +26,13 @@ pub(super) enum Order {
 
 /// A value of a fit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Estimate {
+pub(crate) struct Estimate {
     /// Value, px.
-    pub(super) value: f64,
+    pub(crate) value: f64,
     /// Its standard uncertainty by noise, px.
     pub(super) u_noise: f64,
     /// By how much the next two orders would lower it, beyond their noise, px.
-    pub(super) excess: f64,
+    pub(crate) excess: f64,
 }
 
 /// Standard deviations of χ² and of the covariance of neighbouring residuals up to which a line or parabola describes its stretch:
@@ -42,7 +42,7 @@ const LAG_LIMIT: f64 = 1.3;
 
 /// Least-squares fits to one stretch; abscissa t = (x − middle)/half length.
 #[derive(Clone, Debug)]
-pub(super) struct Fit {
+pub(crate) struct Fit {
     n: f64,
     middle: f64,
     half: f64,
@@ -74,7 +74,7 @@ fn legendre(t: f64) -> [f64; 3] {
 
 impl Fit {
     /// Fits the points of some indices; `None` without any.
-    pub(super) fn new(points: &Points<'_>, indices: impl Iterator<Item = usize> + Clone) -> Option<Self> {
+    pub(crate) fn new(points: &Points<'_>, indices: impl Iterator<Item = usize> + Clone) -> Option<Self> {
         let first = indices.clone().next()?;
         let last = indices.clone().last()?;
         let (low, high) = (points.x[first], points.x[last]);
@@ -122,7 +122,7 @@ impl Fit {
     }
 
     /// Column of the parabola's vertex, where it is a maximum well inside the stretch.
-    pub(super) fn vertex(&self) -> Option<f64> {
+    pub(crate) fn vertex(&self) -> Option<f64> {
         let (c, _) = self.parabola.as_ref().filter(|(c, _)| c[2] < 0.0)?;
         let t = -0.5 * c[1] / c[2];
         (t.abs() < 0.8).then_some(self.middle + t * self.half)
@@ -147,13 +147,13 @@ impl Fit {
     }
 
     /// Value at a column less `lambda` standard uncertainties by noise: the most that its score can be.
-    pub(super) fn bound(&self, order: Order, x: f64, lambda: f64) -> f64 {
+    pub(crate) fn bound(&self, order: Order, x: f64, lambda: f64) -> f64 {
         let (value, variance) = self.at(order, x);
         value - lambda * variance.sqrt()
     }
 
     /// The estimate at a column, with what the residuals say of it.
-    pub(super) fn estimate(
+    pub(crate) fn estimate(
         &self,
         order: Order,
         x: f64,
@@ -169,7 +169,7 @@ impl Fit {
     }
 
     /// Whether the residuals of a line or parabola are noise.
-    pub(super) fn describes(
+    pub(crate) fn describes(
         &self,
         order: Order,
         points: &Points<'_>,

@@ -7,7 +7,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::axis_pose::Pose;
-use super::edges::FrameEdges;
+use crate::gauge::edges::FrameEdges;
 
 /// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.
 const TERMS: usize = 6;

@@ -3,7 +3,7 @@
 //! Blur averages a curved edge along its tangent: y(x) becomes y + ½·y''·(σ² + W²/12), σ the blur and W = 1 px the column's
 //! width; with slope y' the blur's share along the column is y''·cos²β. A dark disc's edge moves towards its centre, by (σ² + 1/12)/2R.
 
-use super::edges::Edge;
+use crate::gauge::edges::Edge;
 
 /// Columns either side of the parabola that gives y''.
 const ARM: usize = 12;

@@ -1,6 +1,6 @@
 //! How the axis of a straight part lies in a frame: its slope and that of the flanks, and what they do to a width.
 
-use super::edges::FrameEdges;
+use crate::gauge::edges::FrameEdges;
 
 /// Slopes of the axis and of the flanks in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
