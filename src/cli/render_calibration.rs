@@ -11,7 +11,7 @@ use super::render::{FRAMES_HEADER, RenderArgs, describe, of_render, put};
 use super::{CommandResult, Failure, Outcome};
 use crate::files::OutputFolder;
 use crate::frame::Frame;
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::render::Renderer;
 use crate::studies::calibration::{CalibrationPlan, Recordings, SimulatedRecordings};
 use crate::truth;

@@ -7,7 +7,7 @@ use super::calibrate::make;
 use super::calibration_plan::{self, LoadedPlan};
 use super::study_files::{ConfigText, StudyFolder, json_text};
 use super::{CommandResult, Failure, Outcome};
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;

@@ -20,10 +20,10 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 
-use super::axis_zero::AxisZero;
 use super::diameter::ColumnDiameters;
 use super::station::variance_of_mean;
 use crate::frame::FrameMeta;
+use crate::gauge::calibration::axis_zero::AxisZero;
 use crate::profile::{Reading, Reason};
 
 /// Share of a station's columns that an angle needs.

@@ -5,8 +5,8 @@
 //! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
 //! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
 
-use super::bench::{Along, LensModel};
 use super::edges::FrameEdges;
+use crate::gauge::calibration::{Along, LensModel};
 use crate::gauge::width::column_means::ColumnMeans;
 
 /// Columns of a block.

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::bench::{Along, Conditions, CovariancePart, LensModel};
 pub use super::block_scatter::{Block, Scatter};
 pub use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
-use super::calibration::Calibration;
 use super::edges::{FrameEdges, FrameFigures};
 use super::stated::stated;
+use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::column_means::ColumnMeans;
@@ -393,7 +393,7 @@ pub(super) fn add_conditions(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::calibration::{MasterCertificate, MasterFigure};
+    use crate::gauge::calibration::gauge_calibration::{MasterCertificate, MasterFigure};
 
     fn row(u_mm: f64, share: Share, freedom: Option<f64>) -> Contribution {
         Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }

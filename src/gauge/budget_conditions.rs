@@ -1,7 +1,7 @@
 //! Rows of the conditions of use in a budget: temperature, expansion, place, finish and drift of a part.
 
-use super::bench::Conditions;
-use super::calibration::Calibration;
+use crate::gauge::calibration::Conditions;
+use crate::gauge::calibration::gauge_calibration::Calibration;
 
 /// Sources of the conditions of use in every budget: temperature, expansion, place, edges, drift.
 pub const OF_CONDITIONS: [&str; 5] = [

@@ -2,8 +2,8 @@
 
 use super::block_scatter::{FEW_COLUMNS, Scatter};
 use super::budget::{WidthReading, quantisation_share};
-use super::calibration::Calibration;
 use super::edges::FrameEdges;
+use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
 

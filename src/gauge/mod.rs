@@ -1,13 +1,10 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
 pub mod axis_line;
-mod axis_zero;
-pub mod bench;
 mod block_scatter;
 pub mod budget;
 mod budget_conditions;
-mod calibration;
-mod calibration_error;
+pub mod calibration;
 mod coverage;
 mod diameter;
 mod edge;
@@ -31,8 +28,8 @@ mod width;
 pub use form::size;
 pub use sensor::photon_transfer;
 
-pub use axis_zero::AxisZero;
-pub use calibration::{
+pub use calibration::axis_zero::AxisZero;
+pub use calibration::gauge_calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
 pub use diameter::ColumnDiameters;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Job, JobError, ScanWhen, from_render};
-use crate::gauge::bench::Conditions;
+use crate::gauge::calibration::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;
 use crate::render::motion::Motion;

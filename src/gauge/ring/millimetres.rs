@@ -9,14 +9,14 @@
 
 use glam::DVec2;
 
-use super::super::bench::{Conditions, LensModel, PARAMETERS};
 use super::super::budget::{Budget, add_conditions, common};
-use super::super::calibration::Calibration;
 use super::super::form::{FormError, least_squares_circle};
 use super::error::RingError;
 use super::measurement::{Concentricity, EdgeCircle, RingMeasurement};
 use super::outline::{Outline, Seen, roundness_of};
 use super::settings::RingScale;
+use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
 
 /// An edge in millimetres, edge offset applied.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

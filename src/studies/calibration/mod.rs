@@ -14,11 +14,11 @@ pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Encoding, Frame, FrameView};
-use crate::gauge::bench::{
+use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::calibration::{
     Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
     Thermometer, Validity, observe, shared_source,
 };
-use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, PhotonTransferError, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{

@@ -9,7 +9,7 @@ use super::plan::{CalibrationPlan, PinPlan, Position, SimulatedPlan};
 use super::{CalibrateError, Recordings};
 use crate::frame::{Buffer, Frame, Roi};
 use crate::gauge::MasterCertificate;
-use crate::gauge::bench::{LensLimits, Thermometer};
+use crate::gauge::calibration::{LensLimits, Thermometer};
 use crate::render::lens::Distortion;
 use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};

@@ -23,9 +23,9 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::super::calibration::CalibrationError;
-use super::certificates::{MasterPrior, laboratories, shared_source};
-use super::lens::{LensLimits, LensModel, PARAMETERS};
+use super::gauge_calibration::CalibrationError;
+use super::imaging_model::{LensLimits, LensModel, PARAMETERS};
+use super::masters::{MasterPrior, laboratories, shared_source};
 use super::observation::Observation;
 use super::thermometer::Thermometer;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::super::calibration::MasterCertificate;
+use super::gauge_calibration::MasterCertificate;
 
 /// A master as the adjustment sees it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub struct CertificateShare {
 
 impl MasterPrior {
     /// Standard uncertainty that the certificate shares with others, mm.
-    pub(super) fn u_common_mm(&self) -> f64 {
+    pub(crate) fn u_common_mm(&self) -> f64 {
         self.common.as_ref().map_or(0.0, |c| c.u_mm)
     }
 

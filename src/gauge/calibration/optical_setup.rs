@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::adjustment::{Adjusted, CovariancePart, Residual};
-use super::check_pin::CheckResult;
 use super::conditions::Conditions;
 use super::date::Date;
-use super::lens::{Along, LensModel, PARAMETERS};
+use super::imaging_model::{Along, LensModel, PARAMETERS};
+use super::verification::CheckResult;
 use crate::gauge::sensor::FlatField;
 use crate::gauge::sensor::photon_transfer::PhotonTransfer;
 

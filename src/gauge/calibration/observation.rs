@@ -1,7 +1,7 @@
 //! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
 
 use super::super::edges::FrameEdges;
-use super::lens::{Along, LensModel};
+use super::imaging_model::{Along, LensModel};
 use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::column_means::ColumnMeans;
 

@@ -38,7 +38,7 @@ impl Unstated {
 
     /// What either of two leaves unstated.
     #[must_use]
-    pub(super) fn or(self, other: Self) -> Self {
+    pub(crate) fn or(self, other: Self) -> Self {
         Self {
             temperature: self.temperature || other.temperature,
             expansion: self.expansion || other.expansion,

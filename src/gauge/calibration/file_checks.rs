@@ -3,8 +3,8 @@
 use nalgebra::SMatrix;
 
 use super::adjustment::CovariancePart;
-use super::calibration::BenchCalibration;
-use super::lens::{LensModel, PARAMETERS};
+use super::imaging_model::{LensModel, PARAMETERS};
+use super::optical_setup::BenchCalibration;
 use crate::gauge::sensor::{FlatField, Response};
 
 /// A key, its value, and what would be right.
@@ -120,8 +120,8 @@ impl FlatField {
 
 #[cfg(test)]
 mod tests {
-    use crate::gauge::calibration::Calibration;
-    use crate::gauge::calibration_error::CalibrationError;
+    use crate::gauge::calibration::error::CalibrationError;
+    use crate::gauge::calibration::gauge_calibration::Calibration;
 
     /// A file as `calibrate` writes it, with parts, residuals and a flat field.
     const FULL: &str = include_str!("../../../fuzz/seeds/calibration/full.json");

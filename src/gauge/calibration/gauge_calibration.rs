@@ -13,15 +13,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis_zero::AxisZero;
-use super::bench::{Adjusted, BenchCalibration, Conditions};
-use super::calibration_error::LEAST_SPREAD_PX;
-pub use super::calibration_error::{CALIBRATION_VERSION, CalibrationError};
-use super::diameter::{ColumnDiameters, column_diameters, mean_width};
-use super::edges::{FrameEdges, FrameFigures};
-use super::settings::EsfModel;
+use super::error::LEAST_SPREAD_PX;
+pub use super::error::{CALIBRATION_VERSION, CalibrationError};
+use super::{Adjusted, BenchCalibration, Conditions};
 use crate::frame::Encoding;
+use crate::gauge::diameter::{ColumnDiameters, column_diameters, mean_width};
 use crate::gauge::edge::estimation::model_bias::EdgeMisfit;
 use crate::gauge::edge::model::edge_table::EdgeTable;
+use crate::gauge::edges::{FrameEdges, FrameFigures};
+use crate::gauge::settings::EsfModel;
 
 /// What a master's certificate says.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -208,7 +208,7 @@ impl Calibration {
         Self { misfit: misfit.map(Box::new), ..self }
     }
 
-    /// What the masters' edges left of the edge model, for [`super::Gauge::expecting`].
+    /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::expecting`].
     pub fn misfit(&self) -> Option<&EdgeMisfit> {
         self.misfit.as_deref()
     }

@@ -90,7 +90,7 @@ impl Thermometer {
     }
 
     /// Names of its two sources in budgets.
-    pub(super) fn sources(&self) -> [&'static str; 2] {
+    pub(crate) fn sources(&self) -> [&'static str; 2] {
         [
             if self.unstated.temperature {
                 "temperature of the masters, not stated"
@@ -124,7 +124,7 @@ impl Thermometer {
     }
 
     /// Coefficient of expansion of the masters, 1/K.
-    pub(super) fn alpha(&self) -> f64 {
+    pub(crate) fn alpha(&self) -> f64 {
         1e-6 * self.expansion_um_per_m_k
     }
 }
