@@ -21,7 +21,7 @@ pub use touches::Calibrated;
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
-use crate::gauge::turn_form::{PartForm, TurnAverager};
+use crate::gauge::diameter::sections::{PartForm, TurnAverager};
 use crate::gauge::{
     Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
 };

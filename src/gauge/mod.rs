@@ -1,30 +1,24 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
-pub mod axis_line;
 mod block_scatter;
 pub mod budget;
 mod budget_conditions;
 pub mod calibration;
 mod coverage;
-mod diameter;
+pub mod diameter;
 mod edge;
 mod edges;
 pub mod form;
 mod largest_reading;
 pub mod monte_carlo;
-pub mod plausibility;
 mod range_check;
 pub mod ring;
 pub mod sensor;
-pub mod series;
 mod settings;
 pub mod stated;
-mod station;
-pub mod statistics;
-pub mod turn_form;
-mod turn_scatter;
 mod width;
 
+pub use diameter::{axis_line, plausibility};
 pub use form::size;
 pub use sensor::photon_transfer;
 
@@ -33,6 +27,8 @@ pub use calibration::gauge_calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
 };
 pub use diameter::ColumnDiameters;
+pub use diameter::StationAverager;
+pub(crate) use diameter::stations::Seen;
 pub use edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::image::shadows::ShadowsSeen;
@@ -44,8 +40,6 @@ pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings, Which,
 };
-pub(crate) use station::Seen;
-pub use station::StationAverager;
 pub use width::axis_pose::Pose;
 pub use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
 pub use width::stretch::LEAST_STRETCH;

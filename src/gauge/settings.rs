@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::plausibility::PlausibilitySettings;
+use crate::gauge::diameter::plausibility::PlausibilitySettings;
 
 /// Farthest sample of a table, px: twice the half of the longest window.
 const FARTHEST_PX: f64 = 256.0;

@@ -12,12 +12,14 @@ use std::io::Read;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::adjustment::Adjusted;
 use super::axis_zero::AxisZero;
+use super::conditions::Conditions;
 use super::error::LEAST_SPREAD_PX;
 pub use super::error::{CALIBRATION_VERSION, CalibrationError};
-use super::{Adjusted, BenchCalibration, Conditions};
+use super::optical_setup::BenchCalibration;
 use crate::frame::Encoding;
-use crate::gauge::diameter::{ColumnDiameters, column_diameters, mean_width};
+use crate::gauge::diameter::column_diameters::{ColumnDiameters, column_diameters, mean_width};
 use crate::gauge::edge::estimation::model_bias::EdgeMisfit;
 use crate::gauge::edge::model::edge_table::EdgeTable;
 use crate::gauge::edges::{FrameEdges, FrameFigures};

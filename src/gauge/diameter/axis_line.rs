@@ -20,8 +20,8 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 
-use super::diameter::ColumnDiameters;
-use super::station::variance_of_mean;
+use super::column_diameters::ColumnDiameters;
+use super::stations::variance_of_mean;
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::axis_zero::AxisZero;
 use crate::profile::{Reading, Reason};

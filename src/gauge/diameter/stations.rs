@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::diameter::ColumnDiameters;
-use super::settings::StationSettings;
+use super::column_diameters::ColumnDiameters;
 use crate::frame::FrameMeta;
+use crate::gauge::settings::StationSettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 /// Where a station's columns lie and what they say, so that what is not seen of it can be told from what is.

@@ -14,17 +14,17 @@ use glam::DVec2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::diameter::ColumnDiameters;
-use super::form::{
+use super::column_diameters::ColumnDiameters;
+use super::reading_scatter::ScatterTest;
+use super::stations::variance_of_mean;
+use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
+use crate::frame::FrameMeta;
+use crate::gauge::form::size::turn_sizes;
+use crate::gauge::form::{
     Cutoff, FormError, Reference, StraightnessReference, Turn, TurnHarmonics, circular_run_out,
     circumscribed_cylinder, harmonics, least_squares_circle, polar_profile, roundness, silhouette_cylinder,
     straightness, total_run_out,
 };
-use super::series::ScatterTest;
-use super::station::variance_of_mean;
-use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
-use crate::frame::FrameMeta;
-use crate::gauge::form::size::turn_sizes;
 use crate::profile::Reading;
 
 /// Most harmonics reported.
@@ -169,7 +169,7 @@ impl TurnAverager {
         let mut u_edge_mm: f64 = 0.0;
         for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
             let (turn, seen) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
-            let support = super::form::gaussian_closed(&turn.support_mm(), cutoff);
+            let support = crate::gauge::form::gaussian_closed(&turn.support_mm(), cutoff);
             let n = support.len() as f64;
             samples.extend(support.iter().enumerate().map(|(i, h)| [*z_mm, TAU * i as f64 / n, *h]));
             u_edge_mm = u_edge_mm.max(seen.stated_mm);
@@ -319,7 +319,7 @@ fn over_all(part: &mut PartForm, sections: &[Section], cutoff: Cutoff) {
         return;
     }
     let support: Vec<Vec<f64>> =
-        sections.iter().map(|s| super::form::gaussian_closed(&s.turn.support_mm(), cutoff)).collect();
+        sections.iter().map(|s| crate::gauge::form::gaussian_closed(&s.turn.support_mm(), cutoff)).collect();
     let angles = support.iter().map(Vec::len).min().unwrap_or(0);
     if support.iter().any(|s| s.len() != angles) {
         return;

@@ -6,10 +6,10 @@
 //! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
-use super::edges::{Edge, FrameEdges};
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Along, Conditions, CovariancePart, PARAMETERS};
+use crate::gauge::edges::{Edge, FrameEdges};
 use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use thiserror::Error;
 
-use super::series::{SeriesMean, TWO_SIDED_95};
+use super::reading_scatter::{SeriesMean, TWO_SIDED_95};
 use crate::profile::{Diameter, Reading};
 
 /// Why an average or an index cannot be formed.

@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::diameter::ColumnDiameters;
-use super::settings::{GaugeSettingsError, within};
+use super::column_diameters::ColumnDiameters;
 use crate::frame::FrameMeta;
+use crate::gauge::settings::{GaugeSettingsError, within};
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason};
 
 /// Share of a profile's stations beyond which a departure is not theirs: then the whole part, or the machine, did not do what was

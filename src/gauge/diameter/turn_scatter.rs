@@ -10,7 +10,7 @@
 //! adjustment together with K odd orders leaves u(m) = s·√((XᵀX)⁻¹₀₀), the more the more orders are adjusted: over half a turn
 //! 1 = (4/π)·Σ sin(kφ)/k is itself a sum of odd lobes.
 
-use super::series::{ScatterTest, effective_number};
+use super::reading_scatter::{ScatterTest, effective_number};
 
 /// Fewest angles of half a turn whose even lobes leave a residual.
 const LEAST_HALF: usize = 6;
@@ -23,7 +23,7 @@ pub(super) struct TurnScatter {
     /// Standard uncertainty of the mean of the widths, mm.
     pub(super) u_mean_mm: f64,
     /// Against the edges' own statements.
-    pub(super) test: Option<ScatterTest>,
+    pub(crate) test: Option<ScatterTest>,
 }
 
 /// Of a whole turn: `widths_mm` at even angles, an even number; `u_width_mm` states one width.
