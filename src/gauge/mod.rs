@@ -1,26 +1,21 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
 
-mod block_scatter;
-pub mod budget;
-mod budget_conditions;
 pub mod calibration;
-mod coverage;
 pub mod diameter;
 mod edge;
 mod edges;
 pub mod form;
-mod largest_reading;
-pub mod monte_carlo;
 mod range_check;
 pub mod ring;
 pub mod sensor;
 mod settings;
-pub mod stated;
+pub mod uncertainty;
 mod width;
 
 pub use diameter::{axis_line, plausibility};
 pub use form::size;
 pub use sensor::photon_transfer;
+pub use uncertainty::{budget, monte_carlo, stated};
 
 pub use calibration::axis_zero::AxisZero;
 pub use calibration::gauge_calibration::{

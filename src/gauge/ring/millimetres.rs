@@ -9,7 +9,6 @@
 
 use glam::DVec2;
 
-use super::super::budget::{Budget, add_conditions, common};
 use super::super::form::{FormError, least_squares_circle};
 use super::error::RingError;
 use super::measurement::{Concentricity, EdgeCircle, RingMeasurement};
@@ -17,6 +16,7 @@ use super::outline::{Outline, Seen, roundness_of};
 use super::settings::RingScale;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
+use crate::gauge::uncertainty::budget::{Budget, add_conditions, common};
 
 /// An edge in millimetres, edge offset applied.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

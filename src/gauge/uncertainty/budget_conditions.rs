@@ -13,19 +13,19 @@ pub const OF_CONDITIONS: [&str; 5] = [
 ];
 
 /// A row: limits of a rectangular distribution.
-pub(super) struct Row {
+pub(crate) struct Row {
     /// One of [`OF_CONDITIONS`].
-    pub(super) source: &'static str,
+    pub(crate) source: &'static str,
     /// What is known of the input, with its unit.
-    pub(super) input: String,
+    pub(crate) input: String,
     /// Where the limits are multiplied by a factor that is itself uncertain: its estimate over its root mean square.
-    pub(super) factor: Option<f64>,
+    pub(crate) factor: Option<f64>,
     /// Standard uncertainty it gives the diameter, mm.
-    pub(super) u_mm: f64,
+    pub(crate) u_mm: f64,
 }
 
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
-pub(super) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64) -> [Row; 5] {
+pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64) -> [Row; 5] {
     let (t, u_t) = calibration
         .bench
         .as_ref()

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-pub use super::block_scatter::{Block, Scatter};
 pub use super::budget_conditions::OF_CONDITIONS;
 use super::budget_conditions::{self, Row};
-use super::edges::{FrameEdges, FrameFigures};
+pub use super::form_scatter::{Block, Scatter};
 use super::stated::stated;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel};
+use crate::gauge::edges::{FrameEdges, FrameFigures};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::column_means::ColumnMeans;
@@ -336,7 +336,7 @@ pub fn is_rectangular(source: &str) -> bool {
 }
 
 /// The row of one source of the calibration, by the diameter's derivatives.
-pub(super) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
+pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
     let rectangular = is_rectangular(&part.source);
     Contribution {
         source: part.source.clone(),
@@ -377,7 +377,7 @@ fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px
 }
 
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
-pub(super) fn add_conditions(
+pub(crate) fn add_conditions(
     budget: &mut Budget,
     calibration: &Calibration,
     conditions: &Conditions,

@@ -5,8 +5,8 @@
 //! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
 //! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
 
-use super::edges::FrameEdges;
 use crate::gauge::calibration::{Along, LensModel};
+use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::column_means::ColumnMeans;
 
 /// Columns of a block.
@@ -76,7 +76,7 @@ impl Scatter {
     }
 
     /// Standard uncertainty of the mean width beyond the noise' own, px, and its degrees of freedom.
-    pub(super) fn u_px(&self, lens: Option<&LensModel>, u_noise_px: f64) -> (f64, f64) {
+    pub(crate) fn u_px(&self, lens: Option<&LensModel>, u_noise_px: f64) -> (f64, f64) {
         match self {
             Self::Known { u_px, freedom } => (*u_px, *freedom),
             Self::Blocks { blocks, tell_noise } => {

@@ -1,14 +1,14 @@
 //! The largest diameter of a frame as a reading whose budget is asked for.
 
-use super::block_scatter::{FEW_COLUMNS, Scatter};
 use super::budget::{WidthReading, quantisation_share};
-use super::edges::FrameEdges;
+use super::form_scatter::{FEW_COLUMNS, Scatter};
 use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
 
 impl WidthReading {
-    /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`super::largest_caliper`] finds it, behind the
+    /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`crate::gauge::largest_caliper`] finds it, behind the
     /// lens of a calibration.
     pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
         let largest = match &calibration.bench {

@@ -193,7 +193,7 @@ impl Density {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::budget::Share;
+    use crate::gauge::uncertainty::budget::Share;
 
     fn row(u_mm: f64, share: Share, freedom: Option<f64>) -> Contribution {
         Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }
