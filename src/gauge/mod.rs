@@ -26,10 +26,10 @@ pub use diameter::StationAverager;
 pub(crate) use diameter::stations::Seen;
 pub use edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
-pub use edge::image::shadows::ShadowsSeen;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::parallel::Lanes;
 pub use edge::stream::EdgeStream;
+pub use edges::ShadowsSeen;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,

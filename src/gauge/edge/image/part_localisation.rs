@@ -10,8 +10,9 @@ use wide::f32x4;
 
 use super::connected_components::Span;
 use super::plane::{Plane, Sample};
-use super::shadows::{Grid, NoShadow, Shadows, ShadowsSeen};
+use super::shadows::{Grid, NoShadow, Shadows};
 use super::valleys::{Bridged, Valleys, median_down};
+use crate::gauge::edges::ShadowsSeen;
 use crate::gauge::settings::GaugeSettings;
 use crate::profile::Reason;
 
