@@ -6,9 +6,9 @@
 //! is known, and, beside light that is clipped, light that falls and rises again.
 
 use super::explain::refused;
+use super::image::window_layout::half;
 use super::side::SideState;
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::scoring_table::half;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::model::edge_spread::EdgeShape;

@@ -1,5 +1,6 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
+use super::image::window_layout::{half, window_width};
 use super::survey::{Scale, Survey};
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
@@ -14,7 +15,7 @@ use crate::gauge::edge::estimation::level_gradient::Falloff;
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
 use crate::gauge::edge::estimation::model_bias::{EdgeMisfit, Expected, MisfitLesson, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
-use crate::gauge::edge::estimation::scoring_table::{FINE, Table, half, window_width};
+use crate::gauge::edge::estimation::scoring_table::{FINE, Table};
 use crate::gauge::edge::estimation::slanted_edge;
 use crate::gauge::edge::estimation::slanted_edge::Lesson;
 use crate::gauge::edge::estimation::soft_knee;

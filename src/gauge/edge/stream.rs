@@ -25,10 +25,11 @@ use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};
 use crate::gauge::edge::image::repeated::repeated_lines;
 use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edge::image::stuck_rows;
+use crate::gauge::edge::image::window_layout::WIDEST_PX;
 use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
 use crate::gauge::edge::rejection::one_sided::{AxisScratch, refuse_one_sided};
 use crate::gauge::edge::rejection::residual_test;
-use crate::gauge::edge::wire::{frame, joint_fit};
+use crate::gauge::edge::wire::frame;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use crate::profile::Reason;
@@ -287,7 +288,7 @@ impl EdgeStream {
         }
         self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
         let scale = Scale::of_step(self.step);
-        if self.coarse.median_width().is_some_and(|width| width < joint_fit::WIDEST_PX) {
+        if self.coarse.median_width().is_some_and(|width| width < WIDEST_PX) {
             self.one_sided = 0.0;
             let how = (&self.shape, &self.settings, scale);
             return frame::measure(plane, &self.coarse, how, out).map(|()| false);

@@ -8,6 +8,7 @@ use super::scoring::{dot, locate, normalise};
 use super::scoring_table::{COARSE, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::SIGMA_RANGE;
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edges::Edge;
 
@@ -20,8 +21,6 @@ const LEAST_COUNT: f64 = 6.0;
 /// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
 /// 4:1 over a field leave more, a second edge leaves less.
 const LEAST_AT_ENDS: f32 = 0.7;
-/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
-pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Sums for the blur of one block.
 #[derive(Clone, Copy, Debug, Default)]

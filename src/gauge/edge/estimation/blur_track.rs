@@ -12,8 +12,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::blur::{BLOCKS, BlurEstimate, BlurSums, middle, sample};
 use super::column_fit::ColumnJob;
 use super::scoring::{dot, normalise};
-use super::scoring_table::{PHASE_REACH, Table};
+use super::scoring_table::Table;
 use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::image::window_layout::PHASE_REACH;
 use crate::gauge::edges::Edge;
 
 /// Share of the frames before that is kept a frame: an average over three or four.

@@ -191,8 +191,9 @@ mod tests {
     use rand_pcg::Pcg64;
 
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::{FINE, half, window_width};
+    use crate::gauge::edge::estimation::scoring_table::FINE;
     use crate::gauge::edge::image::scan_windows::Side;
+    use crate::gauge::edge::image::window_layout::{half, window_width};
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
     use crate::gauge::settings::Noise;

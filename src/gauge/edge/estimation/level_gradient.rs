@@ -15,9 +15,10 @@
 
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
-use super::scoring_table::{Table, half};
+use super::scoring_table::Table;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
+use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edges::Edge;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
@@ -410,7 +411,8 @@ fn shift(table: &Table, flat: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::{FINE, window_width};
+    use crate::gauge::edge::estimation::scoring_table::FINE;
+    use crate::gauge::edge::image::window_layout::window_width;
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
 

@@ -2,7 +2,8 @@
 
 use wide::f32x4;
 
-use super::scoring_table::{CorePhase, PHASE_REACH, Phase, Table, half};
+use super::scoring_table::{CorePhase, Phase, Table};
+use crate::gauge::edge::image::window_layout::{PHASE_REACH, half};
 
 /// Steps after which an edge that still moves is given up.
 const MOST_STEPS: usize = 10;

@@ -11,6 +11,7 @@
 //! has its own. So the weights and Σ w_k E_k are tabulated once and a step costs one multiply-add a pixel. Phases lie 1/64 px apart;
 //! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
+use crate::gauge::edge::image::window_layout::{MOST_WIDTH, PHASE_REACH, core_width, half};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 
@@ -18,12 +19,6 @@ use crate::gauge::edge::model::gaussian::EdgeSample;
 pub(crate) const FINE: u32 = 64;
 /// Phases per pixel of the tables that only serve to find the blur.
 pub(crate) const COARSE: u32 = 16;
-/// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
-pub(crate) const PHASE_REACH: f32 = 0.75;
-/// Pixels of the longest window, and of the longest one over the rings of coherent light without a lens.
-pub(crate) const MOST_WIDTH: (usize, usize) = (72, 256);
-/// Flat pixels either side beyond the reach of an edge; over rings the mean of more of them takes the farthest ripple out of the level.
-const FLAT: (f64, f64) = (5.0, 24.0);
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
 
@@ -126,24 +121,6 @@ pub(crate) struct Table {
     scalars: Vec<PhaseScalars>,
     blur: Vec<BlurScalars>,
     borders: Vec<[f64; 3]>,
-}
-
-/// Index of a window's central pixel.
-pub(crate) fn half(width: usize) -> usize {
-    width / 2 - 1
-}
-
-/// Width of the window for a blur: the edge itself and five flat pixels or more either side.
-pub(crate) fn window_width(shape: &EdgeShape, sigma: f64) -> usize {
-    let (flat, most) = if shape.is_ringed() { (FLAT.1, MOST_WIDTH.1) } else { (FLAT.0, MOST_WIDTH.0) };
-    let half = (shape.reach(sigma) + flat + f64::from(PHASE_REACH)).ceil() as usize;
-    (2 * half + 2).next_multiple_of(8).clamp(24, most)
-}
-
-/// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
-fn core_width(shape: &EdgeShape, sigma: f64) -> usize {
-    let half = (shape.reach(sigma) + f64::from(PHASE_REACH)).ceil() as usize;
-    (2 * half + 2).next_multiple_of(8)
 }
 
 impl Table {
@@ -377,6 +354,7 @@ fn position_row(fisher: &nalgebra::Matrix3<f64>, free_levels: bool) -> nalgebra:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gauge::edge::image::window_layout::window_width;
 
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {

@@ -9,8 +9,8 @@
 //! travels at least [`LEAST_TRAVEL`] pixels over the frame, and leaves the zero of the distance open.
 
 use super::levels::LevelCurve;
-use super::scoring_table::half;
 use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edge::model::edge_spread::StepTable;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::Edge;

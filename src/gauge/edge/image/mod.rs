@@ -16,3 +16,4 @@ pub(crate) mod scan_windows;
 pub(crate) mod shadows;
 pub(crate) mod stuck_rows;
 pub(crate) mod valleys;
+pub(crate) mod window_layout;

@@ -5,7 +5,7 @@ use wide::f32x4;
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
-use crate::gauge::edge::estimation::scoring_table::{MOST_WIDTH, PHASE_REACH, half};
+use super::window_layout::{MOST_WIDTH, PHASE_REACH, half};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::profile::Reason;

@@ -5,7 +5,7 @@
 
 use super::plane::{Plane, Sample};
 use super::scan_windows::Windows;
-use crate::gauge::edge::estimation::scoring_table::half;
+use super::window_layout::half;
 use crate::profile::Reason;
 
 /// Departure from both neighbours, as a share of the contrast.

@@ -14,7 +14,9 @@
 use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
-use crate::gauge::edge::estimation::blur::SIGMA_RANGE;
+
+/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
+pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
 const KNOTS_PER_PX: f64 = 64.0;

@@ -15,6 +15,7 @@
 //!
 //! Valid from 6 px and three times the blur across, up to the width from which every edge has a window of its own.
 
+use crate::gauge::edge::image::window_layout::WIDEST_PX;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::rounding::{WirePixel, WireRounding};
@@ -30,8 +31,6 @@ use crate::gauge::edges::{Edge, EdgeState};
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 use crate::profile::Reason;
 
-/// Width below which both edges are fitted together, px: above it their windows are clear of each other up to a blur of 2 px.
-pub(crate) const WIDEST_PX: f64 = 24.0;
 /// Pixels beside each edge that take part, and the fewest.
 const BESIDE: usize = 12;
 const LEAST_BESIDE: usize = 7;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::super::censored::{Censored, Ends};
-use crate::gauge::edge::estimation::scoring_table::half;
+use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edge::model::shape_terms::{ShapeTerms, TERMS, term_border};
