@@ -10,17 +10,15 @@
 
 pub(crate) mod both_sides;
 pub(crate) mod estimation;
-pub(crate) mod explain;
 pub(crate) mod image;
 pub(crate) mod model;
 pub(crate) mod narrow;
-pub(crate) mod other_views;
 pub(crate) mod parallel;
+mod refusals;
 pub(crate) mod rejection;
 pub(crate) mod rings;
 pub(crate) mod rounded_frame;
 pub(crate) mod scene;
 pub(crate) mod side;
 pub(crate) mod stream;
-pub(crate) mod survey;
 pub(crate) mod wire;

@@ -7,7 +7,7 @@
 //! to the next, so that neither slopes nor departures from neighbours are looked for. Before sixteen readings have come, those there are
 //! stand in the picture more than once, and the noise is that of neighbouring pixels of the light and of the shadow.
 
-use super::explain::refused;
+use super::refusals::explain::refused;
 use super::stream::EdgeStream;
 use crate::frame::{FrameView, PixelFormat, Pixels};
 use crate::gauge::edge::estimation::model_bias::MisfitLesson;

@@ -5,8 +5,8 @@
 //! edge placed by it lies tens of micrometres off with a small uncertainty. Two signs of it: a crest cut flat inside the windows of a pattern that
 //! is known, and, beside light that is clipped, light that falls and rises again.
 
-use super::explain::refused;
 use super::image::window_layout::half;
+use super::refusals::explain::refused;
 use super::side::SideState;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::image::plane::{Plane, Sample};

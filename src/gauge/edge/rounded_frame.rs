@@ -2,16 +2,10 @@
 
 use super::side::SideState;
 use crate::gauge::edge::estimation::levels::LevelCurve;
-use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
-use crate::gauge::edge::estimation::rounding::{RoundedSide, noise_behind};
+use crate::gauge::edge::estimation::noise::NoiseModel;
+use crate::gauge::edge::estimation::rounding::RoundedSide;
+use crate::gauge::edge::estimation::rounding::noise_in_steps;
 use crate::gauge::edges::FrameEdges;
-
-/// Share of differences of two steps and more below which grey values take two neighbouring steps only: noise of 0.3 steps makes more of them,
-/// wherever the level lies.
-const FEW_WIDE: f64 = 1e-3;
-/// Noise that is then taken, in steps: the scatter of two values shows where between them the level lies, and little of the noise, 0 to 0.28.
-/// Its repeated rounding is within a factor of two of theirs (standard deviation).
-const TWO_VALUED: f64 = 0.15;
 
 /// Step of a frame's grey scale and the noise behind its rounded grey values.
 #[derive(Clone, Copy, Debug)]
@@ -20,12 +14,6 @@ pub(crate) struct Rounding {
     pub(crate) step: f64,
     /// Standard deviation of the noise in shadow and light, counts.
     behind: [f64; 2],
-}
-
-/// Noise behind rounded grey values that scatter so, in steps of the grey scale.
-pub(crate) fn noise_in_steps(spread: Spread, step: f64) -> f64 {
-    let sd = noise_behind(spread.variance().unwrap_or(f64::INFINITY) / (step * step));
-    if spread.wide_share() < FEW_WIDE { sd.min(TWO_VALUED) } else { sd }
 }
 
 impl Rounding {

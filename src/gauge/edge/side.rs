@@ -1,7 +1,7 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
+use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
-use super::survey::{Scale, Survey};
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};

@@ -6,13 +6,14 @@
 //! that does not bear it out is measured anew from the coarse search.
 
 use super::both_sides::both;
-use super::explain::{self, no_levels, refused};
+use super::estimation::survey::Scale;
 use super::narrow::Narrow;
+use super::refusals::explain;
+use super::refusals::explain::{no_levels, refused};
 use super::rings;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
 use super::side::SideState;
-use super::survey::Scale;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};

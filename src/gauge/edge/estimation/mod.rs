@@ -23,3 +23,4 @@ pub(crate) mod scoring;
 pub(crate) mod scoring_table;
 pub(crate) mod slanted_edge;
 pub(crate) mod soft_knee;
+pub(crate) mod survey;

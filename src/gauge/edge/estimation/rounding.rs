@@ -18,6 +18,7 @@
 //! columns does it repeat less: over S rows it meets 1 + C·|E′|·S/q of them. The levels of light and shadow carry r of their own, the
 //! same at both edges where both see the same light.
 
+use super::noise::Spread;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edges::Edge;
@@ -191,6 +192,19 @@ pub(crate) fn rows_swept(line: &[Edge]) -> f64 {
         }
     }
     sum / f64::max(count, 1.0)
+}
+
+/// Share of differences of two steps and more below which grey values take two neighbouring steps only: noise of 0.3 steps makes more of them,
+/// wherever the level lies.
+const FEW_WIDE: f64 = 1e-3;
+/// Noise that is then taken, in steps: the scatter of two values shows where between them the level lies, and little of the noise, 0 to 0.28.
+/// Its repeated rounding is within a factor of two of theirs (standard deviation).
+const TWO_VALUED: f64 = 0.15;
+
+/// Noise behind rounded grey values that scatter so, in steps of the grey scale.
+pub(crate) fn noise_in_steps(spread: Spread, step: f64) -> f64 {
+    let sd = noise_behind(spread.variance().unwrap_or(f64::INFINITY) / (step * step));
+    if spread.wide_share() < FEW_WIDE { sd.min(TWO_VALUED) } else { sd }
 }
 
 #[cfg(test)]

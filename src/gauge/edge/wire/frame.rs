@@ -1,13 +1,13 @@
 //! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], judged as other edges are.
 
 use super::joint_fit::Wire;
-use crate::gauge::edge::explain;
+use crate::gauge::edge::estimation::survey::Scale;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::refusals::explain;
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edge::rejection::residual_test::OutlierScratch;
-use crate::gauge::edge::survey::Scale;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use crate::gauge::settings::{GaugeSettings, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};

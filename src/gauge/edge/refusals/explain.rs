@@ -265,7 +265,7 @@ pub(crate) fn clipped_wire(share: f64) -> FrameRefused {
         format!(
             "{:.1} % of the pixels stand at the largest grey value, as light does that is clipped; a wire below {} px is measured in light that is not clipped: expose less",
             100.0 * share,
-            super::image::window_layout::WIDEST_PX
+            crate::gauge::edge::image::window_layout::WIDEST_PX
         ),
     )
 }
