@@ -17,10 +17,12 @@ mod measurement;
 mod millimetres;
 mod model;
 mod outline;
+mod result;
 mod settings;
 
 pub use error::RingError;
-pub use measurement::{Concentricity, EdgeCircle, RingMeasurement, measure_ring};
-pub use millimetres::EdgeMillimetres;
+pub use measurement::measure_ring;
 pub use outline::{Outline, Seen};
+pub use result::EdgeMillimetres;
+pub use result::{Concentricity, EdgeCircle, RingMeasurement};
 pub use settings::{RingScale, RingSettings};
