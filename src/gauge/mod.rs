@@ -17,9 +17,9 @@ pub use form::size;
 pub use sensor::photon_transfer;
 pub use uncertainty::{budget, monte_carlo, stated};
 
-pub use calibration::axis_zero::AxisZero;
-pub use calibration::gauge_calibration::{
-    CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure, MasterMeasurement,
+pub use calibration::{
+    AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
+    MasterMeasurement,
 };
 pub use diameter::ColumnDiameters;
 pub use diameter::StationAverager;

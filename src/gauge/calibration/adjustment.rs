@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::gauge_calibration::CalibrationError;
+use super::error::CalibrationError;
 use super::imaging_model::{LensLimits, LensModel, PARAMETERS};
 use super::masters::{MasterPrior, laboratories, shared_source};
 use super::observation::Observation;

@@ -9,97 +9,19 @@
 
 use std::io::Read;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::adjustment::Adjusted;
 use super::axis_zero::AxisZero;
 use super::conditions::Conditions;
-use super::error::LEAST_SPREAD_PX;
-pub use super::error::{CALIBRATION_VERSION, CalibrationError};
+use super::error::{CALIBRATION_VERSION, CalibrationError, LEAST_SPREAD_PX};
+use super::masters::{MasterFigure, MasterMeasurement};
 use super::optical_setup::BenchCalibration;
 use crate::frame::Encoding;
-use crate::gauge::diameter::column_diameters::{ColumnDiameters, column_diameters, mean_width};
 use crate::gauge::edge::estimation::model_bias::EdgeMisfit;
 use crate::gauge::edge::model::edge_table::EdgeTable;
-use crate::gauge::edges::{FrameEdges, FrameFigures};
+use crate::gauge::edges::FrameFigures;
 use crate::gauge::settings::EsfModel;
-
-/// What a master's certificate says.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MasterCertificate {
-    /// Certified diameter at 20 °C, mm.
-    pub diameter_mm: f64,
-    /// Expanded uncertainty U, mm.
-    pub expanded_u_mm: f64,
-    /// Coverage factor k of U.
-    pub coverage_factor: f64,
-}
-
-impl MasterCertificate {
-    /// Standard uncertainty U/k, mm.
-    pub fn u_mm(&self) -> f64 {
-        self.expanded_u_mm / self.coverage_factor
-    }
-
-    pub(crate) fn check(&self, master: usize) -> Result<(), CalibrationError> {
-        let fine = |v: f64| v.is_finite() && v > 0.0;
-        if fine(self.diameter_mm) && fine(self.expanded_u_mm) && fine(self.coverage_factor) {
-            Ok(())
-        } else {
-            Err(CalibrationError::Certificate { master: master + 1 })
-        }
-    }
-}
-
-/// A master and the frames that show it (angles, positions).
-#[derive(Clone, Debug, PartialEq)]
-pub struct MasterMeasurement {
-    /// Its certificate.
-    pub certificate: MasterCertificate,
-    /// Edges of its frames.
-    pub frames: Vec<FrameEdges>,
-}
-
-/// A master as the calibration keeps it: certificate and mean shadow.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MasterFigure {
-    /// Its certificate.
-    pub certificate: MasterCertificate,
-    /// Mean shadow width across its axis, px.
-    pub width_px: f64,
-    /// Standard uncertainty of that mean, px.
-    pub u_width_px: f64,
-}
-
-impl MasterFigure {
-    /// Mean over the columns of frames of one master (angles, positions): the uncertainty is the larger one of what the
-    /// edges state and what the frames scatter.
-    ///
-    /// # Errors
-    /// Where no frame shows the master.
-    pub fn from_edges(
-        certificate: MasterCertificate,
-        frames: &[FrameEdges],
-    ) -> Result<Self, CalibrationError> {
-        let means: Vec<(f64, f64)> = frames.iter().filter_map(mean_width).collect();
-        if means.is_empty() {
-            return Err(CalibrationError::Unseen { diameter_mm: certificate.diameter_mm });
-        }
-        let n = means.len() as f64;
-        let width_px = means.iter().map(|m| m.0).sum::<f64>() / n;
-        let stated = means.iter().map(|m| m.1 * m.1).sum::<f64>().sqrt() / n;
-        let scatter = if means.len() > 1 {
-            let square: f64 = means.iter().map(|m| (m.0 - width_px).powi(2)).sum();
-            (square / (n - 1.0) / n).sqrt()
-        } else {
-            0.0
-        };
-        Ok(Self { certificate, width_px, u_width_px: stated.max(scatter) })
-    }
-}
 
 /// Scale and edge offset with their covariance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -424,16 +346,6 @@ impl Calibration {
         (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
     }
 
-    /// Diameters of a frame's columns, corrected for the axis' tilt; gaps stay gaps.
-    pub fn diameters(&self, edges: &FrameEdges) -> ColumnDiameters {
-        column_diameters(self, edges, &self.conditions())
-    }
-
-    /// As [`Self::diameters`], at 20 °C from a part under these conditions.
-    pub fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
-        column_diameters(self, edges, conditions)
-    }
-
     /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
     pub fn conditions(&self) -> Conditions {
         match (&self.bench, &self.conditions) {
@@ -493,6 +405,7 @@ impl LineFit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gauge::calibration::masters::MasterCertificate;
 
     fn master(diameter_mm: f64, width_px: f64, u: f64) -> MasterFigure {
         let certificate = MasterCertificate { diameter_mm, expanded_u_mm: 2.0 * u, coverage_factor: 2.0 };

@@ -27,11 +27,16 @@ mod verification;
 
 pub use super::range_check::SettingError;
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
+pub use axis_zero::AxisZero;
 pub use conditions::{Conditions, GivenConditions};
 pub use date::Date;
+pub use error::{CALIBRATION_VERSION, CalibrationError};
 pub use finish::Finish;
+pub use gauge_calibration::Calibration;
 pub use imaging_model::{Along, LensLimits, LensModel, PARAMETERS};
-pub use masters::{CertificateShare, MasterPrior, shared_source};
+pub use masters::{
+    CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
+};
 pub use observation::{Observation, observe};
 pub use optical_setup::{BenchCalibration, BenchError, Validity};
 pub use thermometer::Thermometer;

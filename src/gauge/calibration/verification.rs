@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gauge_calibration::MasterCertificate;
+use super::masters::MasterCertificate;
 
 /// A pin of known diameter measured with the new calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]

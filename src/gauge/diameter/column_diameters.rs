@@ -10,7 +10,6 @@ use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Along, Conditions, CovariancePart, PARAMETERS};
 use crate::gauge::edges::{Edge, FrameEdges};
-use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};
 use crate::gauge::width::curvature_bias::curvature_bias;
@@ -87,6 +86,18 @@ impl ColumnDiameters {
             }
         }
         counts.into_iter().max_by_key(|(_, n)| *n).map_or(Reason::NoEdge, |(reason, _)| reason)
+    }
+}
+
+impl Calibration {
+    /// Diameters of a frame's columns, corrected for the axis' tilt; gaps stay gaps.
+    pub fn diameters(&self, edges: &FrameEdges) -> ColumnDiameters {
+        column_diameters(self, edges, &self.conditions())
+    }
+
+    /// As [`Self::diameters`], at 20 °C from a part under these conditions.
+    pub fn diameters_under(&self, edges: &FrameEdges, conditions: &Conditions) -> ColumnDiameters {
+        column_diameters(self, edges, conditions)
     }
 }
 
@@ -227,19 +238,4 @@ pub(crate) fn column_diameters(
 
 fn gap(top: &Edge, bottom: &Edge) -> Option<Reason> {
     [top, bottom].into_iter().find(|e| !e.is_usable()).and_then(Edge::reason)
-}
-
-/// Mean width across the axis over a frame and its standard uncertainty, px; `None` without a usable column.
-pub(crate) fn mean_width(edges: &FrameEdges) -> Option<(f64, f64)> {
-    let factor = Pose::of(edges).chord_factor();
-    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
-    if both.is_empty() {
-        return None;
-    }
-    let n = both.len() as f64;
-    let width = both.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / n;
-    let u = |line: &[Edge], side: usize| {
-        FrameEdges::mean(line, edges.shared_length[side], 0..line.len()).map_or(f64::NAN, |m| m.u_px)
-    };
-    Some((width * factor, factor * u(&edges.top, 0).hypot(u(&edges.bottom, 1))))
 }

@@ -393,7 +393,7 @@ pub(crate) fn add_conditions(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::calibration::gauge_calibration::{MasterCertificate, MasterFigure};
+    use crate::gauge::calibration::{MasterCertificate, MasterFigure};
 
     fn row(u_mm: f64, share: Share, freedom: Option<f64>) -> Contribution {
         Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }

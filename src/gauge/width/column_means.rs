@@ -1,5 +1,6 @@
 //! Means over some columns of one frame: what a calibration observes and what a budget starts from.
 
+use super::axis_pose::Pose;
 use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Fewest columns with both edges that make a mean.
@@ -50,4 +51,19 @@ impl ColumnMeans {
             used,
         })
     }
+}
+
+/// Mean width across the axis over a frame and its standard uncertainty, px; `None` without a usable column.
+pub(crate) fn mean_width(edges: &FrameEdges) -> Option<(f64, f64)> {
+    let factor = Pose::of(edges).chord_factor();
+    let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
+    if both.is_empty() {
+        return None;
+    }
+    let n = both.len() as f64;
+    let width = both.iter().filter_map(|c| edges.width_px(*c)).sum::<f64>() / n;
+    let u = |line: &[Edge], side: usize| {
+        FrameEdges::mean(line, edges.shared_length[side], 0..line.len()).map_or(f64::NAN, |m| m.u_px)
+    };
+    Some((width * factor, factor * u(&edges.top, 0).hypot(u(&edges.bottom, 1))))
 }
