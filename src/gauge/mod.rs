@@ -24,9 +24,10 @@ pub use calibration::{
 pub use diameter::ColumnDiameters;
 pub use diameter::StationAverager;
 pub(crate) use diameter::stations::Seen;
-pub use edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
+pub use edge::estimation::model_bias::MisfitLesson;
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::model::edge_table::EdgeTable;
+pub use edge::model::systematic_residual::EdgeMisfit;
 pub use edge::parallel::Lanes;
 pub use edge::stream::EdgeStream;
 pub use edges::ShadowsSeen;

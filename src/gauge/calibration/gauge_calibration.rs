@@ -18,8 +18,8 @@ use super::error::{CALIBRATION_VERSION, CalibrationError, LEAST_SPREAD_PX};
 use super::masters::{MasterFigure, MasterMeasurement};
 use super::optical_setup::BenchCalibration;
 use crate::frame::Encoding;
-use crate::gauge::edge::estimation::model_bias::EdgeMisfit;
 use crate::gauge::edge::model::edge_table::EdgeTable;
+use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
 use crate::gauge::edges::FrameFigures;
 use crate::gauge::settings::EsfModel;
 

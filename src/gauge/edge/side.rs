@@ -2,6 +2,7 @@
 
 use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
+use super::model::systematic_residual::EdgeMisfit;
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
@@ -13,7 +14,7 @@ use crate::gauge::edge::estimation::grey_ends;
 use crate::gauge::edge::estimation::grey_ends::Elsewhere;
 use crate::gauge::edge::estimation::level_gradient::Falloff;
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
-use crate::gauge::edge::estimation::model_bias::{EdgeMisfit, Expected, MisfitLesson, SideView};
+use crate::gauge::edge::estimation::model_bias::{Expected, MisfitLesson, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
 use crate::gauge::edge::estimation::scoring_table::{FINE, Table};
 use crate::gauge::edge::estimation::slanted_edge;

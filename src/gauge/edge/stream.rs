@@ -7,6 +7,7 @@
 
 use super::both_sides::both;
 use super::estimation::survey::Scale;
+use super::model::systematic_residual::EdgeMisfit;
 use super::narrow::Narrow;
 use super::refusals::explain;
 use super::refusals::explain::{no_levels, refused};
@@ -18,7 +19,7 @@ use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::model_bias::{EdgeMisfit, MisfitLesson};
+use crate::gauge::edge::estimation::model_bias::MisfitLesson;
 use crate::gauge::edge::estimation::noise::NoiseModel;
 use crate::gauge::edge::image::grey_step::grey_step;
 use crate::gauge::edge::image::part_localisation::Coarse;

@@ -12,8 +12,6 @@
 //!    taken over distances from the edges as they were fitted (see `learn`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
 //!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3 % at 0.8 px, nothing from 1.2 px.
 
-use serde::{Deserialize, Serialize};
-
 use super::column_fit::ColumnJob;
 use super::levels::LevelCurve;
 use super::scoring::normalise;
@@ -22,6 +20,7 @@ use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
 use crate::gauge::edges::Edge;
 use crate::numerics::smoothing_spline::SplineFit;
 
@@ -38,48 +37,8 @@ const STEP_PX: f64 = 0.125;
 const LEAST_EXCESS: f64 = 0.05;
 /// Fewest edges a side that teach.
 const LEAST_EDGES: u32 = 128;
-/// Most values of a side in a file: ± 128 px, half the longest window.
-const MOST_VALUES: usize = 2049;
 /// Slope above which a column does not teach.
 const STEEPEST: f32 = 0.3;
-
-/// The mean residual that the masters' edges leave, over the distance from the edge.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EdgeMisfit {
-    /// Distance of neighbouring values, px.
-    pub step_px: f64,
-    /// Residual at the upper and lower edge as shares of the contrast, from shadow to light; the middle value stands at the edge. An odd number each.
-    pub residual: [Vec<f64>; 2],
-    /// χ² of these edges over its expectation.
-    pub chi2: f64,
-}
-
-impl EdgeMisfit {
-    /// Names what cannot be, if anything: (key, value, what would be right).
-    pub(crate) fn impossible(&self) -> Option<(&'static str, f64, &'static str)> {
-        if !(self.step_px > 0.0 && self.step_px <= 1.0) {
-            return Some(("misfit.step_px", self.step_px, "above 0, at most 1 px"));
-        }
-        if !(self.chi2 >= 0.0 && self.chi2.is_finite()) {
-            return Some(("misfit.chi2", self.chi2, "a finite number of 0 or more"));
-        }
-        for side in &self.residual {
-            if side.len() % 2 == 0 || side.len() > MOST_VALUES {
-                return Some(("misfit.residual", side.len() as f64, "an odd number of values, at most 2049"));
-            }
-            if let Some(value) = side.iter().find(|v| !(v.abs() <= 1.0)) {
-                return Some(("misfit.residual", *value, "shares of the contrast, -1 to 1"));
-            }
-        }
-        None
-    }
-
-    /// Root sum square of a side's residual over the pixels of an edge, as a share of the contrast.
-    pub fn norm(&self, side: usize) -> f64 {
-        self.residual[side].iter().map(|r| r * r * self.step_px).sum::<f64>().sqrt()
-    }
-}
 
 /// Gathers residuals from the masters' frames.
 #[derive(Debug, Default)]

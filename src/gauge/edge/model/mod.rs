@@ -11,3 +11,4 @@ pub(crate) mod edge_spread;
 pub(crate) mod edge_table;
 pub(crate) mod gaussian;
 pub(crate) mod shape_terms;
+pub(crate) mod systematic_residual;
