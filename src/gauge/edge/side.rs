@@ -3,6 +3,8 @@
 use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::EdgeMisfit;
+use super::rejection::neighbour_test;
+use super::rejection::neighbour_test::OutlierScratch;
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
@@ -25,7 +27,6 @@ use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::rejection::residual_test;
-use crate::gauge::edge::rejection::residual_test::OutlierScratch;
 use crate::gauge::edges::{Edge, MISFIT_BLOCK};
 use crate::gauge::settings::{Blur, GaugeSettings, Levels, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
@@ -425,7 +426,7 @@ impl SideState {
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
-        self.jump = residual_test::largest_jump(line);
+        self.jump = neighbour_test::largest_jump(line);
         if self.jump.is_finite() {
             self.rows.clear();
             self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
@@ -559,6 +560,6 @@ impl SideState {
             return;
         }
         residual_test::refuse_vague(line);
-        residual_test::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
+        neighbour_test::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }

@@ -11,6 +11,7 @@ use super::model::systematic_residual::EdgeMisfit;
 use super::narrow::Narrow;
 use super::refusals::explain;
 use super::refusals::explain::{no_levels, refused};
+use super::rejection::neighbour_test;
 use super::rings;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
@@ -30,7 +31,6 @@ use crate::gauge::edge::image::stuck_rows;
 use crate::gauge::edge::image::window_layout::WIDEST_PX;
 use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
 use crate::gauge::edge::rejection::one_sided::{AxisScratch, refuse_one_sided};
-use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edge::wire::frame;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
@@ -568,7 +568,8 @@ impl EdgeStream {
         }
         let jump_px = self.settings.outlier_px + self.settings.max_slope;
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
-        let coherence = if contours { 1.0 } else { residual_test::coherence(&out.top, &out.bottom, jump_px) };
+        let coherence =
+            if contours { 1.0 } else { neighbour_test::coherence(&out.top, &out.bottom, jump_px) };
         if coherence < LEAST_COHERENT {
             return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
         }

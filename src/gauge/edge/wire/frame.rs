@@ -6,8 +6,9 @@ use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeShape;
 use crate::gauge::edge::refusals::explain;
+use crate::gauge::edge::rejection::neighbour_test;
+use crate::gauge::edge::rejection::neighbour_test::OutlierScratch;
 use crate::gauge::edge::rejection::residual_test;
-use crate::gauge::edge::rejection::residual_test::OutlierScratch;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use crate::gauge::settings::{GaugeSettings, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
@@ -113,7 +114,7 @@ fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
         line.iter_mut().for_each(|edge| edge.u_own_px *= (scale as f32).sqrt());
         if settings.rejection != Rejection::Off {
             residual_test::refuse_vague(line);
-            residual_test::refuse_outliers(line, settings.outlier_px, &mut OutlierScratch::default());
+            neighbour_test::refuse_outliers(line, settings.outlier_px, &mut OutlierScratch::default());
         }
     }
     most
