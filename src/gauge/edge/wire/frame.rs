@@ -60,7 +60,7 @@ pub(crate) fn measure<T: Sample>(
     let misfit = judge(settings, wire.freedom(), out);
     let step = scale.step();
     let rounding_px = match step > 0.0 {
-        true => wire.rounding(step).state(&wire, [&mut out.top, &mut out.bottom]),
+        true => wire.rounding(step).state(|columns| wire.equations(columns), [&mut out.top, &mut out.bottom]),
         false => 0.0,
     };
     out.shared_length = [plane.columns as f32; 2];

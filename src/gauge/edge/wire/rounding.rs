@@ -10,7 +10,6 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::joint_fit::Wire;
 use crate::gauge::edge::estimation::rounding::{DITHERED, repeated_variance, rows_swept};
 use crate::gauge::edges::Edge;
 
@@ -43,15 +42,19 @@ pub(crate) struct WireRounding {
 
 impl WireRounding {
     /// Moves what repeats from what the edges have for themselves to what they share; gives the standard uncertainty of either edge
-    /// that repeats, px.
-    pub(crate) fn state(&self, wire: &Wire, lines: [&mut [Edge]; 2]) -> f64 {
+    /// that repeats, px. `equations` gives those of so many columns.
+    pub(crate) fn state(
+        &self,
+        equations: impl FnOnce(usize) -> Vec<Vec<WirePixel>>,
+        lines: [&mut [Edge]; 2],
+    ) -> f64 {
         if self.noise.iter().all(|sd| *sd > DITHERED) {
             return 0.0;
         }
         let (mut width, mut share, mut count) = (0.0, 0.0, 0.0);
         let [top, bottom] = lines;
         let swept = 0.5 * (rows_swept(top) + rows_swept(bottom));
-        for pixels in wire.equations(LOOKED_AT) {
+        for pixels in equations(LOOKED_AT) {
             if let Some((variance, part)) = self.of_column(&pixels, swept) {
                 (width, share, count) = (width + variance, share + part, count + 1.0);
             }
