@@ -7,12 +7,14 @@
 mod criterion;
 mod decision;
 mod drawing;
+mod error;
 mod iso_286;
 mod judgement;
 mod tolerance;
 
 pub use criterion::SizeCriterion;
 pub use decision::{Decision, DecisionRule, Estimate, MANY, PROBABILITY};
-pub use drawing::ToleranceError;
-pub use judgement::{Judge, Judgement, JudgementError, Limits};
+pub use error::JudgementError;
+pub use error::ToleranceError;
+pub use judgement::{Judge, Judgement, Limits};
 pub use tolerance::Tolerance;
