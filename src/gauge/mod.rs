@@ -24,12 +24,12 @@ pub use calibration::{
 pub use diameter::ColumnDiameters;
 pub use diameter::StationAverager;
 pub(crate) use diameter::stations::Seen;
+pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::MisfitLesson;
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::model::systematic_residual::EdgeMisfit;
 pub use edge::parallel::Lanes;
-pub use edge::stream::EdgeStream;
 pub use edges::ShadowsSeen;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
 pub use settings::{

@@ -9,6 +9,7 @@
 //! question it answers and one call in `stream` or `side`; it takes values and gives values.
 
 pub(crate) mod both_sides;
+pub(crate) mod edge_stream;
 pub(crate) mod estimation;
 pub(crate) mod image;
 pub(crate) mod model;

@@ -8,7 +8,7 @@
 //! stand in the picture more than once, and the noise is that of neighbouring pixels of the light and of the shadow.
 
 use super::refusals::explain::refused;
-use super::stream::EdgeStream;
+use super::stream::AreaStream;
 use crate::frame::{FrameView, PixelFormat, Pixels};
 use crate::gauge::edge::estimation::model_bias::MisfitLesson;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
@@ -33,7 +33,7 @@ enum Lines {
 #[derive(Clone, Debug)]
 pub(crate) struct Narrow {
     settings: GaugeSettings,
-    pooled: Box<EdgeStream>,
+    pooled: Box<AreaStream>,
     lines: Lines,
     format: PixelFormat,
     rows: usize,
@@ -140,7 +140,7 @@ impl Narrow {
         GaugeSettings { rejection, outlier_px: 1e4, ..settings.clone() }
     }
 
-    pub(crate) fn new(stream: &EdgeStream, view: &FrameView<'_>) -> Self {
+    pub(crate) fn new(stream: &AreaStream, view: &FrameView<'_>) -> Self {
         let settings = stream.settings().clone();
         let pooled = stream.of_readings(Self::pooled_settings(&settings));
         Self {
@@ -280,20 +280,7 @@ impl Narrow {
     }
 }
 
-impl EdgeStream {
-    /// Measures a frame of a few columns among the readings before it.
-    pub(super) fn measure_readings(
-        &mut self,
-        view: &FrameView<'_>,
-        out: &mut FrameEdges,
-    ) -> Result<(), FrameRefused> {
-        let kept = self.narrow.take().filter(|narrow| narrow.fits(view));
-        let mut narrow = kept.unwrap_or_else(|| Narrow::new(self, view));
-        let measured = narrow.measure(view, out);
-        self.narrow = Some(narrow);
-        measured
-    }
-
+impl AreaStream {
     /// A stream of pictures made of readings, whose columns are neighbours in time.
     fn of_readings(&self, settings: GaugeSettings) -> Self {
         let mut stream = self.clone();

@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 
-use super::stream::EdgeStream;
+use super::edge_stream::EdgeStream;
 use crate::frame::FrameView;
 use crate::gauge::Gauge;
 use crate::gauge::edges::{FrameEdges, FrameRefused};

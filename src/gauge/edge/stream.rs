@@ -8,7 +8,6 @@
 use super::both_sides::both;
 use super::estimation::survey::Scale;
 use super::model::systematic_residual::EdgeMisfit;
-use super::narrow::Narrow;
 use super::refusals::explain;
 use super::refusals::explain::{no_levels, refused};
 use super::rejection::neighbour_test;
@@ -36,9 +35,9 @@ use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
 use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use crate::profile::Reason;
 
-/// Fewest rows: the shortest window; and columns below which readings are pooled.
+/// Fewest rows: the shortest window; and fewest columns.
 const LEAST_ROWS: usize = 24;
-const LEAST_COLUMNS: usize = 16;
+pub(crate) const LEAST_COLUMNS: usize = 16;
 /// Fewest columns with both edges that make a frame believable.
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
@@ -60,9 +59,23 @@ const MOST_CROSSED: f64 = 0.5;
 /// Frames after which the part is searched anew, in case another has come in.
 const SEARCH_EVERY: u32 = 256;
 
-/// Finds edges in the frames of one stream; keeps tables and buffers between them.
+/// Refuses views too small for any window, or with values that are none.
+///
+/// # Errors
+/// Fewer rows than the shortest window, a grey value that is not finite.
+pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
+    if view.rows() < LEAST_ROWS {
+        return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
+    }
+    if !all_finite(view) {
+        return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
+    }
+    Ok(())
+}
+
+/// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and buffers between them.
 #[derive(Clone, Debug)]
-pub struct EdgeStream {
+pub(crate) struct AreaStream {
     pub(crate) settings: GaugeSettings,
     /// The edge-spread function of the settings.
     shape: EdgeShape,
@@ -78,13 +91,11 @@ pub struct EdgeStream {
     /// Step of the grey scale, counts, as the last search found it.
     step: f64,
     last: Option<Last>,
-    /// Readings of a line camera.
-    pub(crate) narrow: Option<Narrow>,
 }
 
-impl EdgeStream {
+impl AreaStream {
     /// A stream that knows nothing yet.
-    pub fn new(settings: GaugeSettings) -> Self {
+    pub(crate) fn new(settings: GaugeSettings) -> Self {
         let shape = match &settings.esf {
             EsfModel::Table(samples) => {
                 let table = StepTable::new(samples.reach_px(), |d| samples.at(d));
@@ -103,7 +114,6 @@ impl EdgeStream {
             splits: true,
             step: 0.0,
             last: None,
-            narrow: None,
         }
     }
 
@@ -123,23 +133,20 @@ impl EdgeStream {
     }
 
     /// The settings it measures by.
-    pub fn settings(&self) -> &GaugeSettings {
+    pub(crate) fn settings(&self) -> &GaugeSettings {
         &self.settings
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
-        if let Some(narrow) = &self.narrow {
-            return narrow.teach(lesson);
-        }
+    pub(crate) fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
         for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
             side.teach(lesson, index, line);
         }
     }
 
     /// Forgets what earlier frames taught.
-    pub fn restart(&mut self) {
-        (self.last, self.narrow) = (None, None);
+    pub(crate) fn restart(&mut self) {
+        self.last = None;
         self.sides.iter_mut().for_each(SideState::forget);
     }
 
@@ -147,16 +154,8 @@ impl EdgeStream {
     ///
     /// # Errors
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
-    pub fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        if view.rows() < LEAST_ROWS {
-            return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
-        }
-        if !all_finite(view) {
-            return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
-        }
-        if view.columns() < LEAST_COLUMNS {
-            return self.measure_readings(view, out);
-        }
+    pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
+        check(view)?;
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
         with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
