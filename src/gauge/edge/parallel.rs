@@ -10,7 +10,6 @@ use rayon::prelude::*;
 
 use super::edge_stream::EdgeStream;
 use crate::frame::FrameView;
-use crate::gauge::Gauge;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 
 /// Streams that take frames in turn.
@@ -29,10 +28,9 @@ struct Lane {
 }
 
 impl Lanes {
-    /// As many streams as said, usually one a core. The number belongs to the measurement, not to the machine: another number gives results
-    /// that differ as those of two streams do, by thousandths of the noise.
-    pub fn new(gauge: &Gauge, lanes: NonZeroUsize) -> Self {
-        let lane = || Lane { stream: gauge.stream().unsplit(), edges: FrameEdges::default() };
+    /// So many copies of a stream.
+    pub(crate) fn of(stream: &EdgeStream, lanes: NonZeroUsize) -> Self {
+        let lane = || Lane { stream: stream.clone().unsplit(), edges: FrameEdges::default() };
         Self { lanes: (0..lanes.get()).map(|_| lane()).collect(), taken: 0 }
     }
 
