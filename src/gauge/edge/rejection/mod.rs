@@ -7,6 +7,11 @@
 //! each stretch whether both sides move as a part's do. One more test is one more file: a function over lines, called once in `side`
 //! (one line) or in `stream` (both), with its thresholds and their reasons at its head.
 
+pub(crate) mod bent;
+pub(crate) mod bump_extent;
+pub(crate) mod centreline;
+pub(crate) mod departures;
+pub(crate) mod local_bumps;
 pub(crate) mod neighbour_test;
 pub(crate) mod one_sided;
 pub(crate) mod residual_test;

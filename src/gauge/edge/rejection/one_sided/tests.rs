@@ -57,3 +57,44 @@ fn a_narrow_frame_of_noise_keeps_its_columns() {
     println!("{lost} of {FRAMES} frames of noise lose more than 3 % of their columns");
     assert!(lost <= FRAMES / 1000, "{lost}");
 }
+
+mod bumps {
+    use super::*;
+
+    /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).
+    fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
+        let edge =
+            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
+        let scatter = |c: usize, k: usize| 0.04 * ((((c * 7919 + k * 104_729) % 1000) as f64) / 1000.0 - 0.5);
+        let film = |c: usize| -> f64 {
+            let of = |f: &(usize, usize, f64)| {
+                let u = (c as f64 - f.0 as f64) / f.1 as f64;
+                if (0.0..1.0).contains(&u) { f.2 * (std::f64::consts::PI * u).sin().powi(2) } else { 0.0 }
+            };
+            films.iter().map(of).sum()
+        };
+        let top = (0..512).map(|c| edge(300.0 + wander(c as f64) - film(c) + scatter(c, 1))).collect();
+        let bottom = (0..512).map(|c| edge(900.0 + wander(c as f64) + scatter(c, 2))).collect();
+        (top, bottom)
+    }
+
+    #[test]
+    fn films_that_share_a_field_with_gaps_are_found_by_their_ends() {
+        let (mut top, mut bottom) = lines(|c| 0.002 * c, &[(20, 120, 0.9), (230, 130, 0.8)]);
+        for edge in &mut bottom[390..470] {
+            edge.state = EdgeState::Gap(Reason::Residual);
+        }
+        refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
+        let kept = |c: usize| top[c].is_usable() && bottom[c].is_usable();
+        assert!(!(50..110).chain(260..330).any(kept));
+    }
+
+    #[test]
+    fn an_axis_that_waves_is_kept() {
+        for wave in [120.0, 240.0, 480.0] {
+            let (mut top, mut bottom) = lines(|c| 0.4 * (c / wave * std::f64::consts::TAU).sin(), &[]);
+            let share = refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
+            assert!(share < 1e-9, "wave of {wave} columns: {share}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! From a refused stretch to where the shadow's width levels out: down its slopes, and over the hill that it is a flank of.
 
-use super::{AxisScratch, FLOOR_PX, GROWTH, fit};
+use super::centreline::fit;
+use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
 
 /// Columns whose mean widths are compared on the way down.
 const DESCENT: usize = 8;

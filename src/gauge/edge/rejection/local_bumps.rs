@@ -7,10 +7,11 @@
 
 use nalgebra::Vector3;
 
-use super::{
-    AxisScratch, Block, Edge, FLOOR_PX, GROW_LIMIT, LEAST_BULGE, MEDIAN_OF_BLOCK, MOST_BULGE, basis,
-    own_noise, robust_sd,
+use super::centreline::{LEAST_BULGE, MOST_BULGE};
+use super::departures::{
+    AxisScratch, Block, FLOOR_PX, GROW_LIMIT, HILLS, Hill, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
 };
+use crate::gauge::edges::Edge;
 use crate::numerics::median_network::BLOCK;
 
 /// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
@@ -24,25 +25,11 @@ const AMONG_MATTER: f64 = 0.85;
 const LOCAL_FLOOR_PX: f64 = 0.05;
 /// Places elsewhere that tell that standard deviation.
 const LEAST_PLACES: usize = 3;
-/// Hills that are left out together to tell it.
-pub(crate) const HILLS: usize = 3;
 /// Standard deviation of a comparison over that of one block, between two others as far away and beyond them: √1.5 and √6.
 const BETWEEN: f64 = 1.2247;
 const BEYOND: f64 = 2.4495;
 /// Share of a departure down to which its neighbours belong to it.
 const FLANK: f64 = 0.2;
-
-/// Blocks that stand out of their neighbourhood.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Hill {
-    /// By how much the highest stands out, px of the middle.
-    peak: f64,
-    /// First and last of them.
-    first: usize,
-    last: usize,
-    /// Where the neighbourhood lies: 0 on both sides, else before (-1) or behind (1).
-    step: isize,
-}
 
 /// Standard deviation of a block's middle by the noise of its edges alone, px: a few places may scatter less by chance, but that is what
 /// they are worth.
@@ -188,50 +175,5 @@ impl AxisScratch {
         self.sizes = sizes;
         let places = self.sizes.len();
         (places, if places == 0 { 0.0 } else { robust_sd(&mut self.sizes) })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::refuse_one_sided;
-    use super::*;
-    use crate::gauge::edges::{Edge, EdgeState};
-    use crate::profile::Reason;
-
-    /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).
-    fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
-        let edge =
-            |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
-        let scatter = |c: usize, k: usize| 0.04 * ((((c * 7919 + k * 104_729) % 1000) as f64) / 1000.0 - 0.5);
-        let film = |c: usize| -> f64 {
-            let of = |f: &(usize, usize, f64)| {
-                let u = (c as f64 - f.0 as f64) / f.1 as f64;
-                if (0.0..1.0).contains(&u) { f.2 * (std::f64::consts::PI * u).sin().powi(2) } else { 0.0 }
-            };
-            films.iter().map(of).sum()
-        };
-        let top = (0..512).map(|c| edge(300.0 + wander(c as f64) - film(c) + scatter(c, 1))).collect();
-        let bottom = (0..512).map(|c| edge(900.0 + wander(c as f64) + scatter(c, 2))).collect();
-        (top, bottom)
-    }
-
-    #[test]
-    fn films_that_share_a_field_with_gaps_are_found_by_their_ends() {
-        let (mut top, mut bottom) = lines(|c| 0.002 * c, &[(20, 120, 0.9), (230, 130, 0.8)]);
-        for edge in &mut bottom[390..470] {
-            edge.state = EdgeState::Gap(Reason::Residual);
-        }
-        refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
-        let kept = |c: usize| top[c].is_usable() && bottom[c].is_usable();
-        assert!(!(50..110).chain(260..330).any(kept));
-    }
-
-    #[test]
-    fn an_axis_that_waves_is_kept() {
-        for wave in [120.0, 240.0, 480.0] {
-            let (mut top, mut bottom) = lines(|c| 0.4 * (c / wave * std::f64::consts::TAU).sin(), &[]);
-            let share = refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default());
-            assert!(share < 1e-9, "wave of {wave} columns: {share}");
-        }
     }
 }

@@ -4,7 +4,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Block, CALM_PX};
+use super::centreline::CALM_PX;
+use super::departures::Block;
 
 /// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
 const TERMS: usize = 6;
@@ -14,7 +15,7 @@ const MOST_WIDENING: f64 = 0.5;
 const LEAST_BLOCKS: usize = 4 * TERMS;
 
 /// Whether every block's middle lies on a smooth curve while the widths stay on a line.
-pub(crate) fn is_bent(blocks: &[Block]) -> bool {
+pub(super) fn is_bent(blocks: &[Block]) -> bool {
     if blocks.len() < LEAST_BLOCKS {
         return false;
     }
