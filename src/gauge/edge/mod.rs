@@ -8,6 +8,7 @@
 //! (a frame, and the frames that follow it), `narrow` (line cameras), `parallel`. A further step of a frame is a file in the room whose
 //! question it answers and one call in `stream` or `side`; it takes values and gives values.
 
+pub(crate) mod acceptance;
 pub(crate) mod both_sides;
 pub(crate) mod edge_stream;
 pub(crate) mod estimation;

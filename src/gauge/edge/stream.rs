@@ -5,12 +5,11 @@
 //! is where the edges were, the blur and the tables; every carried thing is checked on the new frame (the blur follows it), and a frame
 //! that does not bear it out is measured anew from the coarse search.
 
+use super::acceptance;
 use super::both_sides::both;
 use super::estimation::survey::Scale;
 use super::model::systematic_residual::EdgeMisfit;
-use super::refusals::explain;
-use super::refusals::explain::{no_levels, refused};
-use super::rejection::neighbour_test;
+use super::refusals::explain::{self, no_levels, refused};
 use super::rings;
 use super::rounded_frame::Rounding;
 use super::scene::{Last, Scene};
@@ -39,18 +38,10 @@ use crate::profile::Reason;
 /// Fewest rows: the shortest window; and fewest columns.
 const LEAST_ROWS: usize = 24;
 pub(crate) const LEAST_COLUMNS: usize = 16;
-/// Fewest columns with both edges that make a frame believable.
-const LEAST_VALID: usize = 8;
-/// Least fraction of the measured columns that must lie on unbroken contours.
-const LEAST_COHERENT: f64 = 0.5;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
 const MOST_MISFIT: f64 = 1.1;
-/// χ² ratio above which the noise cannot be what keeps the model from fitting.
-const LEAST_MISFIT: f64 = 2.0;
-/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
-const SHARP_PX: f64 = 0.4;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// A usual blur, px.
@@ -562,24 +553,9 @@ impl AreaStream {
 
     /// Whether the frame as a whole is believable.
     fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
-        let valid = self.valid(out);
-        if valid < LEAST_VALID {
-            return Err(explain::too_few(out, valid, LEAST_VALID));
-        }
-        let jump_px = self.settings.outlier_px + self.settings.max_slope;
+        let jump_px = acceptance::jump_px(&self.settings);
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
-        let coherence =
-            if contours { 1.0 } else { neighbour_test::coherence(&out.top, &out.bottom, jump_px) };
-        if coherence < LEAST_COHERENT {
-            return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
-        }
-        let residual = out.figures.misfit.sqrt() / out.figures.snr;
-        let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > SHARP_PX);
-        if blurred && out.figures.misfit > LEAST_MISFIT && residual > self.settings.max_residual_rel {
-            let (noise, most) = (out.figures.snr.recip(), self.settings.max_residual_rel);
-            return Err(explain::no_fit(residual, noise, most));
-        }
-        Ok(())
+        acceptance::accept(out, &self.settings, self.valid(out), contours)
     }
 
     fn figures(&self, scene: &Scene) -> FrameFigures {
