@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::cell::{CellError, TrueAxis, TurningCell};
-use crate::conformity::DecisionRule;
+use crate::conformity::{DecisionRule, part_verdict};
 pub use evidence::Evidence;
 pub use touches::Calibrated;
 
@@ -187,11 +187,11 @@ struct Scanned {
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
-pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<control::conformity::Verdict> {
+pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
     let (lower_mm, upper_mm) = job.part.tolerance?.limits_mm();
     let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
-    let limits = control::conformity::Limits { lower_mm, upper_mm, rule };
-    Some(control::conformity::judge(measured, &limits))
+    let limits = part_verdict::Limits { lower_mm, upper_mm, rule };
+    Some(part_verdict::judge(measured, &limits))
 }
 
 impl<'a> ClosedLoop<'a> {

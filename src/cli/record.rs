@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, Sample, part_verdict};
+use crate::conformity::part_verdict::Verdict;
 use crate::control::OnAlarm;
-use crate::control::conformity::Verdict;
 use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;

@@ -10,6 +10,7 @@ mod drawing;
 mod error;
 mod iso_286;
 mod judgement;
+pub mod part_verdict;
 mod tolerance;
 
 pub use criterion::SizeCriterion;

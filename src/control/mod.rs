@@ -6,7 +6,6 @@
 
 mod build;
 mod compensator;
-pub mod conformity;
 mod context;
 mod error;
 pub mod fit;

@@ -3,7 +3,7 @@
 //! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a limit, with the stated probability; else it
 //! is undecided.
 
-use crate::conformity::{Decision, DecisionRule, Estimate, MANY};
+use super::decision::{Decision, DecisionRule, Estimate, MANY};
 use crate::profile::{DiameterProfile, Station};
 
 /// Limits of size and the decision rule.
