@@ -40,5 +40,5 @@ pub use settings::{
 };
 pub use width::axis_pose::Pose;
 pub use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};
-pub use width::stretch::LEAST_STRETCH;
 pub use width::stretch::crests::crest_pitch_px;
+pub use width::stretch::largest_value::LEAST_STRETCH;

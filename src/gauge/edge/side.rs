@@ -1,5 +1,7 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
+use super::estimation::censored_fit::side_fit;
+use super::estimation::censored_fit::side_fit::ClippedStart;
 use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::EdgeMisfit;
@@ -9,8 +11,6 @@ use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::censored_fit;
-use crate::gauge::edge::estimation::censored_fit::ClippedStart;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
 use crate::gauge::edge::estimation::grey_ends;
 use crate::gauge::edge::estimation::grey_ends::Elsewhere;
@@ -451,7 +451,7 @@ impl SideState {
             floor: noise.floor(),
             ends,
         };
-        let Some(side) = censored_fit::fit_side(&self.windows, &self.slope, &start, line) else { return 4.0 };
+        let Some(side) = side_fit::fit_side(&self.windows, &self.slope, &start, line) else { return 4.0 };
         self.blur = BlurEstimate::uniform(side.sigma);
         // Blur and shape are shared by all columns.
         let length = line.len() as f32;

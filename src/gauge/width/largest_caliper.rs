@@ -7,7 +7,7 @@
 use super::axis_slope::AxisSlope;
 use super::curvature_bias::bias_per_curvature;
 use super::stretch::crests::Crests;
-use super::stretch::{LEAST_STRETCH, Largest, Line};
+use super::stretch::largest_value::{LEAST_STRETCH, Largest, Line};
 use crate::gauge::edges::FrameEdges;
 use crate::numerics::robust::MEDIAN_TO_SD;
 

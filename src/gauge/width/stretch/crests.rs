@@ -4,7 +4,7 @@
 //! the largest width of a column. The axis is the line midway between both sides' own lines; each side's largest height above it is found
 //! over a stretch of [`PITCHES`] pitches, so that both jaws touch crests of the same place.
 
-use super::{Choice, Largest, Line};
+use super::largest_value::{Choice, Largest, Line};
 use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Columns whose mean shows whether the middle leaves the axis.
@@ -189,9 +189,9 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
 
-    use super::super::LEAST_STRETCH;
     use super::*;
     use crate::gauge::edges::EdgeState;
+    use crate::gauge::width::stretch::largest_value::LEAST_STRETCH;
 
     const U_PX: f64 = 0.02;
 
