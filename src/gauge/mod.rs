@@ -1,4 +1,13 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
+//!
+//! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`]. Out: [`FrameEdges`] in px,
+//! [`ColumnDiameters`] and a [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its reason.
+//!
+//! From below, and imports point down only: `settings`, `edges` (results), `range_check` → `form`, `sensor` → `edge` (one frame to
+//! edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) → `uncertainty` (budgets) → `ring` (parts seen end-on);
+//! `instrument` is the gauge that all begin with. A file imports others by their own path, not through the `mod.rs` above it.
+//!
+//! One more room is one more folder with a `mod.rs` like these, one line here and one in the order that `tests/architecture.rs` holds.
 
 pub mod calibration;
 pub mod diameter;
@@ -22,17 +31,15 @@ pub use calibration::{
     AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
     MasterMeasurement,
 };
-pub use diameter::ColumnDiameters;
-pub use diameter::StationAverager;
 pub(crate) use diameter::stations::Seen;
+pub use diameter::{ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::MisfitLesson;
 pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::model::systematic_residual::EdgeMisfit;
 pub use edge::parallel::Lanes;
-pub use edges::ShadowsSeen;
-pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean};
+pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
 pub use instrument::Gauge;
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,

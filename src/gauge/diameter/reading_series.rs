@@ -1,7 +1,7 @@
 //! Averaging of successive readings and statistics of a series.
 //!
 //! Gaps pass through and leave the averages untouched: what was refused must not bias a mean. The random uncertainty
-//! shrinks as the average's weights say, and is never less than what the readings averaged scatter says (see `series`); the common one
+//! shrinks as the average's weights say, and is never less than what the readings averaged scatter says (see `reading_scatter`); the common one
 //! does not shrink.
 
 use std::collections::VecDeque;

@@ -8,6 +8,9 @@
 //!
 //! Positions are in pixels, x the column and y the row. A curved edge is located towards the centre of its disc by
 //! (σ² + 1/12)/2R; that is corrected. Valid for blur below 3 px, radii above 8 px, walls above 6 px.
+//!
+//! In: a frame and [`RingSettings`]. Out: [`RingMeasurement`] (`result`) in px, and in mm where a scale or a calibration is given
+//! (`millimetres`). One more figure of a ring is one more field of `result`, computed in `measurement`.
 
 mod coarse;
 mod edge_pixels;

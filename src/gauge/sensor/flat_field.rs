@@ -5,7 +5,7 @@
 //! ```
 //!
 //! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes what its nearest
-//! good neighbours along the shaft show (see `defects`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
+//! good neighbours along the shaft show (see `defect_correction`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
 //! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
 //! while a map of it would carry the noise of the flats that it was made from.
 

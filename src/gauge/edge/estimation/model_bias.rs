@@ -9,7 +9,7 @@
 //! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first
 //!    order; zero where the weights are those of the masters;
 //! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫ w·r·e^{2πiu} du is not to be seen in r_c, which is
-//!    taken over distances from the edges as they were fitted (see `learn`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
+//!    taken over distances from the edges as they were fitted (see `slanted_edge`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
 //!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3 % at 0.8 px, nothing from 1.2 px.
 
 use super::column_fit::ColumnJob;

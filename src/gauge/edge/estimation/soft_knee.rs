@@ -3,7 +3,7 @@
 //! Photons' noise grows with the light, so that a linear sensor's light scatters at least as much as its flanks and its dark. Light that
 //! scatters far less has been compressed. How far down the bend begins the flat pixels do not show: grey values above [`TRUSTED`] of the
 //! contrast are then taken as "at least this much", as clipped ones are. Light that is clipped altogether shows no noise: there the
-//! shape of the flank states it (`clipped`).
+//! shape of the flank states it (`censored_fit`).
 
 use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
 use crate::gauge::edge::image::scan_windows::Windows;
