@@ -3,8 +3,7 @@
 use super::side::SideState;
 use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::noise::NoiseModel;
-use crate::gauge::edge::estimation::rounding::RoundedSide;
-use crate::gauge::edge::estimation::rounding::noise_in_steps;
+use crate::gauge::edge::estimation::rounding::{RoundedSide, noise_in_steps};
 use crate::gauge::edges::FrameEdges;
 
 /// Step of a frame's grey scale and the noise behind its rounded grey values.

@@ -1,26 +1,21 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
-use super::estimation::censored_fit::side_fit;
-use super::estimation::censored_fit::side_fit::ClippedStart;
+use super::estimation::censored_fit::side_fit::{self, ClippedStart};
 use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::EdgeMisfit;
-use super::rejection::neighbour_test;
-use super::rejection::neighbour_test::OutlierScratch;
-use crate::gauge::edge::estimation::blur;
-use crate::gauge::edge::estimation::blur::{BlurContext, BlurEstimate, BlurScratch};
+use super::rejection::neighbour_test::{self, OutlierScratch};
+use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
-use crate::gauge::edge::estimation::grey_ends;
-use crate::gauge::edge::estimation::grey_ends::Elsewhere;
+use crate::gauge::edge::estimation::grey_ends::{self, Elsewhere};
 use crate::gauge::edge::estimation::level_gradient::Falloff;
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
 use crate::gauge::edge::estimation::model_bias::{Expected, MisfitLesson, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
 use crate::gauge::edge::estimation::scoring_table::{FINE, Table};
-use crate::gauge::edge::estimation::slanted_edge;
-use crate::gauge::edge::estimation::slanted_edge::Lesson;
+use crate::gauge::edge::estimation::slanted_edge::{self, Lesson};
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};

@@ -7,8 +7,7 @@
 use glam::DVec2;
 
 use super::certificate::Certificate;
-use super::circle::{Circle, CircleFit};
-use super::circle::{assemble, check, radii, touching};
+use super::circle::{Circle, CircleFit, assemble, check, radii, touching};
 use super::error::FormError;
 
 /// Smallest circle that holds every point. At least two points.

@@ -6,12 +6,10 @@
 
 use glam::DVec2;
 
-use super::certificate::Certificate;
-use super::certificate::origin_depth;
-use super::circle::CircleFit;
-use super::circle::{assemble, check, radii, touching};
+use super::certificate::{Certificate, origin_depth};
+use super::circle::{CircleFit, assemble, check, radii, touching};
 use super::error::FormError;
-use super::least_squares_circle;
+use super::least_squares_circle::least_squares_circle;
 use super::linear_program::{LinearProgram, Row};
 
 /// Largest circle around the least-squares centre with no point inside. At least three points all around.

@@ -8,8 +8,7 @@ use glam::DVec2;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::certificate::Certificate;
-use super::circle::CircleFit;
-use super::circle::{assemble, centroid, check, radii};
+use super::circle::{CircleFit, assemble, centroid, check, radii};
 use super::error::FormError;
 
 /// A least-squares circle with what its residuals say.

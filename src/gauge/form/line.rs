@@ -6,8 +6,7 @@
 
 use glam::DVec2;
 
-use super::certificate::Certificate;
-use super::certificate::convex_hull;
+use super::certificate::{Certificate, convex_hull};
 use super::circle::{centroid, check};
 use super::error::FormError;
 

@@ -7,8 +7,9 @@ use super::circle::Circle;
 use super::circumscribed_circle::minimum_circumscribed_circle;
 use super::error::FormError;
 use super::inscribed_circle::maximum_inscribed_circle;
+use super::least_squares_circle::least_squares_circle;
 use super::line::{Line, least_squares_line, minimum_zone_line};
-use super::{least_squares_circle, minimum_zone_circle};
+use super::minimum_zone_circle::minimum_zone_circle;
 
 /// Reference circle of a roundness.
 #[derive(

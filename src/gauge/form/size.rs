@@ -13,8 +13,7 @@ use std::f64::consts::TAU;
 
 use super::circle::Circle;
 use super::error::FormError;
-use super::least_squares_circle;
-use super::least_squares_circle::LeastSquaresCircle;
+use super::least_squares_circle::{LeastSquaresCircle, least_squares_circle};
 use super::linear_program::{LinearProgram, Row};
 use super::profile_filter::Cutoff;
 use super::silhouette::polar_profile;

@@ -5,8 +5,7 @@ use glam::DVec2;
 use super::super::form::Circle;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::grey_ends;
-use crate::gauge::edge::estimation::grey_ends::Level;
+use crate::gauge::edge::estimation::grey_ends::{self, Level};
 use crate::gauge::edge::estimation::light_field::LightField;
 
 /// One pixel near an edge.

@@ -7,13 +7,12 @@
 //! with + for an outline, − for a bore, o the offset of both edges together. u_common follows by the derivatives of D by the
 //! calibration's six parameters, those by the lens numerically.
 
-use super::result::EdgeMillimetres;
+use super::result::{Concentricity, EdgeCircle, EdgeMillimetres, RingMeasurement};
 use glam::DVec2;
 
 use super::super::form::{FormError, least_squares_circle};
 use super::error::RingError;
 use super::outline::{Outline, Seen, roundness_of};
-use super::result::{Concentricity, EdgeCircle, RingMeasurement};
 use super::settings::RingScale;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};

@@ -7,8 +7,7 @@ use super::levels::LevelCurve;
 use super::scoring::{dot, locate, normalise};
 use super::scoring_table::{COARSE, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::gauge::edge::model::edge_spread::EdgeShape;
-use crate::gauge::edge::model::edge_spread::SIGMA_RANGE;
+use crate::gauge::edge::model::edge_spread::{EdgeShape, SIGMA_RANGE};
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edges::Edge;
 
