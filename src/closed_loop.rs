@@ -19,7 +19,7 @@ mod touches;
 use std::time::Duration;
 
 use crate::cell::{TrueAxis, TurningCell};
-use crate::conformity::DecisionRule;
+use crate::conformity::{DecisionRule, part_verdict};
 pub use error::LoopError;
 pub use evidence::Evidence;
 pub use instrument::Calibrated;
@@ -28,7 +28,7 @@ pub use scan::{FrameReading, Progress, Sample};
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::gauge::Gauge;
 use crate::gauge::axis_line::AxisLine;
-use crate::gauge::turn_form::PartForm;
+use crate::gauge::diameter::sections::PartForm;
 use crate::job::{Job, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
@@ -100,11 +100,11 @@ pub struct ClosedLoop<'a> {
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
-pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<control::conformity::Verdict> {
+pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<part_verdict::Verdict> {
     let (lower_mm, upper_mm) = job.part.tolerance?.limits_mm();
     let rule = DecisionRule::new(job.part.conformance_probability).unwrap_or_default();
-    let limits = control::conformity::Limits { lower_mm, upper_mm, rule };
-    Some(control::conformity::judge(measured, &limits))
+    let limits = part_verdict::Limits { lower_mm, upper_mm, rule };
+    Some(part_verdict::judge(measured, &limits))
 }
 
 impl<'a> ClosedLoop<'a> {

@@ -10,9 +10,10 @@
 //! three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
 //! `tests/architecture.rs` holds the direction of imports.
 
-// -- 0 vocabulary: types, and the rule of conformity
+// -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;
 pub mod frame;
+mod numerics;
 pub mod plan;
 pub mod profile;
 pub mod shaft;

@@ -9,7 +9,7 @@ mod plant;
 
 use plant::{CUTTING, profile};
 use shadowgauge::conformity::DecisionRule;
-use shadowgauge::control::conformity::{self, Conformity, Limits};
+use shadowgauge::conformity::part_verdict::{self, Conformity, Limits};
 use shadowgauge::control::{
     ControlSettings, Controller, ControllerName, NextPass, Origin, PartAndTool, PassContext, build,
 };
@@ -238,7 +238,7 @@ fn remeasurement_judges_with_the_uncertainty() {
     let limits = Limits { lower_mm: 24.987, upper_mm: 25.0, rule: DecisionRule::default() };
     let mut p = profile(4, &[1.0, 2.0, 3.0, 4.0, 5.0], &[24.9935, 24.9868, 24.98, 25.01, 25.0]);
     p.stations[4].reading = Reading::Gap(Reason::OneEdge);
-    let verdict = conformity::judge(&p, &limits);
+    let verdict = part_verdict::judge(&p, &limits);
     let expected = [
         Conformity::Conforms,
         Conformity::Undecided,
@@ -250,7 +250,7 @@ fn remeasurement_judges_with_the_uncertainty() {
     let alarm = verdict.alarm.expect("an alarm");
     assert!(alarm.starts_with("1 of 5 stations undersize (first at z = 3 mm)"), "{alarm}");
     let good = profile(4, &[1.0, 2.0], &[24.99, 24.995]);
-    assert_eq!(conformity::judge(&good, &limits).alarm, None);
+    assert_eq!(part_verdict::judge(&good, &limits).alarm, None);
 }
 
 #[test]

@@ -6,13 +6,13 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use shadowgauge::frame::FrameMeta;
 use shadowgauge::gauge::ColumnDiameters;
+use shadowgauge::gauge::diameter::sections::{PartForm, TurnAverager};
 use shadowgauge::gauge::form::{
     Cutoff, FormError, Origin, Turn, circular_run_out, gaussian_closed, gaussian_transmission, harmonics,
     hull_from_support, hull_limit, least_squares_circle, maximum_inscribed_circle,
     minimum_circumscribed_circle, polar_profile, total_run_out,
 };
 use shadowgauge::gauge::size::{circumscribed, inscribed, turn_sizes};
-use shadowgauge::gauge::turn_form::{PartForm, TurnAverager};
 use shadowgauge::profile::{Diameter, Reading};
 
 const NM: f64 = 1e-6;

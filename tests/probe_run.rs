@@ -4,8 +4,8 @@
 use shadowgauge::cell::{SimulatedCell, TurningCell};
 use shadowgauge::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, part_verdict};
 use shadowgauge::config;
+use shadowgauge::conformity::part_verdict::PartConformity;
 use shadowgauge::control::ControllerName;
-use shadowgauge::control::conformity::PartConformity;
 use shadowgauge::job::Job;
 use shadowgauge::probe::{ProbeSettings, Sides, Stylus};
 use shadowgauge::process::GuidewayPoint;

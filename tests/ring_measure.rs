@@ -9,7 +9,7 @@ use glam::DVec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
-use shadowgauge::gauge::bench::{
+use shadowgauge::gauge::calibration::{
     Adjusted, BenchCalibration, Conditions, CovariancePart, LensModel, Validity,
 };
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};

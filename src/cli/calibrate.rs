@@ -13,7 +13,7 @@ use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;

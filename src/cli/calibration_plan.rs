@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::failure::Failure;
 use crate::cli::input_output::ConfigText;
 use crate::config;
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::studies::calibration::CalibrationPlan;
 
 /// A plan with what its errors and its folders need.

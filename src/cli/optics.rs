@@ -10,7 +10,7 @@ use super::calibration_plan::{self, is_plan};
 use super::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::config;
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::job::NominalEdge;
 use crate::render::settings::{BenchSettings, Esf, Optics};
 

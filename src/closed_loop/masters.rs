@@ -2,7 +2,7 @@
 
 use super::error::LoopError;
 use crate::cell::TurningCell;
-use crate::gauge::bench::Conditions;
+use crate::gauge::calibration::Conditions;
 use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};
 use crate::job::Job;
 

@@ -9,8 +9,8 @@ use super::instrument::Calibrated;
 use super::scan::{FrameReading, Progress, Scanned};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::AxisLine;
+use crate::gauge::diameter::sections::TurnAverager;
 use crate::gauge::form::Cutoff;
-use crate::gauge::turn_form::TurnAverager;
 use crate::probe::{self, ProbeCalibration, ProbeSettings, Touch};
 use crate::profile::{Diameter, Reading, Reason};
 

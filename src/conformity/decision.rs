@@ -12,7 +12,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::judgement::JudgementError;
+use crate::conformity::error::JudgementError;
 use crate::profile::Diameter;
 
 /// Degrees of freedom of an uncertainty that is not estimated from scatter (type B), or from that of very many values.

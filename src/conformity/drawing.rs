@@ -2,35 +2,12 @@
 //!
 //! Nothing that stands there is dropped: what is no part of a tolerance, or of one that silhouettes can judge, is refused with the reason.
 
-use thiserror::Error;
+use std::str::FromStr;
 
 use super::criterion::{SizeCriterion, is_modifier};
+use super::error::ToleranceError;
 use super::iso_286::{is_deviation, shaft_deviations_um, standard_tolerance_um};
 use super::tolerance::Tolerance;
-
-/// Why a text is not judged as a tolerance.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum ToleranceError {
-    /// It is none.
-    #[error(
-        "{text:?} is no tolerance: {why}; right would be \"25 h6\", \"25 ±0.01\", \"25 0/-0.013\" or \"24.987..25\""
-    )]
-    Wrong {
-        /// The text.
-        text: String,
-        /// What is wrong.
-        why: String,
-    },
-    /// It is one that silhouettes of a shaft cannot judge.
-    #[error("{text:?} cannot be judged: {why}")]
-    Unjudged {
-        /// The text.
-        text: String,
-        /// Why.
-        why: String,
-    },
-}
 
 /// What stands in the way, without the text.
 enum Refusal {
@@ -52,8 +29,16 @@ fn unjudged<T>(why: impl Into<String>) -> Result<T, Refusal> {
     Err(Refusal::Unjudged(why.into()))
 }
 
+impl FromStr for Tolerance {
+    type Err = ToleranceError;
+
+    fn from_str(text: &str) -> Result<Self, ToleranceError> {
+        read(text)
+    }
+}
+
 /// Reads a tolerance.
-pub(super) fn read(text: &str) -> Result<Tolerance, ToleranceError> {
+fn read(text: &str) -> Result<Tolerance, ToleranceError> {
     read_plain(&plain(text)).map_err(|refusal| match refusal {
         Refusal::Wrong(why) => ToleranceError::Wrong { text: text.to_owned(), why },
         Refusal::Unjudged(why) => ToleranceError::Unjudged { text: text.to_owned(), why },

@@ -5,11 +5,10 @@
 //! | a tolerance | violation proven | not proven either way, above its middle | conformity proven | not proven, below | violation proven |
 //! | four limits | not proven within ll and hh, above | within them, not proven within lo and hi, above | proven between lo and hi | below | below |
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
 use super::decision::{Decision, DecisionRule, Estimate};
+use super::error::JudgementError;
 use crate::profile::{Diameter, Reading, Reason};
+use serde::{Deserialize, Serialize};
 
 /// What a reading is judged to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -47,37 +46,6 @@ pub enum Limits {
         hi_mm: f64,
         /// Above: HH, mm.
         hh_mm: f64,
-    },
-}
-
-/// Why limits cannot judge.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum JudgementError {
-    /// Limits not in ascending order.
-    #[error("the limits {limits_mm:?} mm are not finite and in ascending order")]
-    Order {
-        /// The limits, lowest first.
-        limits_mm: Vec<f64>,
-    },
-    /// A probability of conformity that is none.
-    #[error("conformance probability {value}: must be at least 0.5 and below 1 (ISO 14253-1: 0.95)")]
-    Probability {
-        /// What stands there.
-        value: f64,
-    },
-    /// The uncertainty leaves nothing to accept.
-    #[error(
-        "an uncertainty of u = {u_mm} mm leaves no acceptance zone in a tolerance of {tolerance_mm} mm: to prove conformity to both \
-         limits it takes {least_mm} mm"
-    )]
-    NoAcceptanceZone {
-        /// Combined standard uncertainty, mm.
-        u_mm: f64,
-        /// Width of the zone, mm.
-        tolerance_mm: f64,
-        /// Least width that accepts anything, mm.
-        least_mm: f64,
     },
 }
 
@@ -177,7 +145,7 @@ impl Judge {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::MANY;
+    use crate::conformity::decision::MANY;
 
     fn reading(d_mm: f64) -> Diameter {
         Diameter { d_mm, u_random_mm: 0.003, u_common_mm: 0.004 }

@@ -1,7 +1,6 @@
 //! A tolerance of a diameter, in tables and as text.
 
 use std::fmt;
-use std::str::FromStr;
 
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
@@ -9,7 +8,6 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use super::criterion::SizeCriterion;
-use super::drawing::{ToleranceError, read};
 use super::judgement::Limits;
 
 /// Diameter tolerance: lower and upper limit deviation from the nominal size (ISO 286-1). In files a table of `nominal_mm`, `upper_mm` and
@@ -43,14 +41,6 @@ impl Tolerance {
     pub fn limits(&self) -> Limits {
         let (lower_mm, upper_mm) = self.limits_mm();
         Limits::Tolerance { lower_mm, upper_mm }
-    }
-}
-
-impl FromStr for Tolerance {
-    type Err = ToleranceError;
-
-    fn from_str(text: &str) -> Result<Self, ToleranceError> {
-        read(text)
     }
 }
 

@@ -12,7 +12,6 @@
 
 mod build;
 mod compensator;
-pub mod conformity;
 mod context;
 mod controller;
 mod controller_name;

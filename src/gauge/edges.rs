@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use super::shadows::ShadowsSeen;
 use crate::profile::Reason;
 
 /// Whether an edge may be used.
@@ -234,4 +233,28 @@ pub struct FrameRefused {
     pub reason: Reason,
     /// What was seen and what would be right.
     pub detail: String,
+}
+
+/// What a frame shows beside the shadow that was measured. Rows and thicknesses are those of the coarse search, known to a few pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ShadowsSeen {
+    /// Shadows with both edges in the field that run along it; bright lines part what they part.
+    pub seen: u16,
+    /// Which of them was measured, counted from the top from 1; the uppermost one where several were measured as one.
+    pub measured: u16,
+    /// Shadows measured together as one part: 1, or the strips beside a bright line.
+    pub joined: u16,
+    /// Thickness of the light between strips measured as one part, px; 0 without any.
+    pub light_inside_px: f64,
+    /// Thickness of the largest shadow left out that is at least half as thick as the one measured, px; 0 without any.
+    pub left_out_px: f64,
+    /// Mean row of that shadow, px.
+    pub left_out_row_px: f64,
+}
+
+impl ShadowsSeen {
+    /// One shadow and nothing beside it.
+    pub(crate) fn one() -> Self {
+        Self { seen: 1, measured: 1, joined: 1, ..Self::default() }
+    }
 }

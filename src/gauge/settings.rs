@@ -4,8 +4,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::plausibility::PlausibilitySettings;
-
 /// Farthest sample of a table, px: twice the half of the longest window.
 const FARTHEST_PX: f64 = 256.0;
 
@@ -383,6 +381,37 @@ pub(super) fn within(
         Ok(())
     } else {
         Err(GaugeSettingsError { key, value, right })
+    }
+}
+
+/// What a station may depart from earlier turns and passes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlausibilitySettings {
+    /// Largest change of a diameter from turn to turn, mm. Nothing is cut meanwhile: 5 µm are 17 K on 25 mm of steel. Above 0.
+    pub turn_limit_mm: f64,
+    /// Largest departure of a diameter's change from pass to pass from the change commanded, mm: by how much more or less than
+    /// before the shaft yields. Above 0.
+    pub pass_limit_mm: f64,
+    /// Standard uncertainties by which a change must also exceed what noise explains. 1 ..= 10.
+    pub coverage: f64,
+}
+
+impl Default for PlausibilitySettings {
+    fn default() -> Self {
+        Self { turn_limit_mm: 0.005, pass_limit_mm: 0.05, coverage: 4.0 }
+    }
+}
+
+impl PlausibilitySettings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the key.
+    pub fn validate(&self) -> Result<(), GaugeSettingsError> {
+        within("plausibility.turn_limit_mm", self.turn_limit_mm, 1e-6, 1e3, "a change above 0, mm")?;
+        within("plausibility.pass_limit_mm", self.pass_limit_mm, 1e-6, 1e3, "a departure above 0, mm")?;
+        within("plausibility.coverage", self.coverage, 1.0, 10.0, "1 to 10")
     }
 }
 

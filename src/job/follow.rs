@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::Job;
 use super::error::{JobError, from_render};
 use super::scan::ScanWhen;
-use crate::gauge::bench::Conditions;
+use crate::gauge::calibration::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;
 use crate::render::motion::Motion;

@@ -5,7 +5,7 @@ use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::EdgeMisfit;
-use crate::gauge::bench::{BenchCalibration, Residual};
+use crate::gauge::calibration::{BenchCalibration, Residual};
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 

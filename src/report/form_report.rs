@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use crate::gauge::turn_form::PartForm;
+use crate::gauge::diameter::sections::PartForm;
 use crate::run_folder::{FormRow, PartFormRow};
 
 /// Adds the section.

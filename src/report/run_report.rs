@@ -12,7 +12,7 @@ use crate::closed_loop::{Sample, part_verdict};
 use crate::control::ControllerName;
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Contribution, Shape, Share, WidthReading};
-use crate::gauge::turn_form::PartForm;
+use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::run_folder::{PassRow, RunFolder, StationRow, profile_of};
 

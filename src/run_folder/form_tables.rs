@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::folder::{RunFolder, RunFolderError};
-use crate::gauge::turn_form::{PartForm, SectionForm};
+use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::profile::Station;
 
 /// A row of `form.csv`: sizes and form of a section of the silhouette's hull over the angles of a pass.

@@ -5,8 +5,8 @@
 use serde::Serialize;
 
 use crate::gauge::Calibration;
-use crate::gauge::bench::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
 use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
+use crate::gauge::calibration::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,

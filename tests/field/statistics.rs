@@ -5,8 +5,8 @@ use rand_distr::{Distribution, Normal, Uniform};
 use rand_pcg::Pcg64;
 use serde_json::Value;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat, Pixels};
-use shadowgauge::gauge::bench::Conditions;
 use shadowgauge::gauge::budget::WidthReading;
+use shadowgauge::gauge::calibration::Conditions;
 use shadowgauge::gauge::{Calibration, Gauge, GaugeSettings, LEAST_STRETCH};
 use shadowgauge::profile::Reason;
 

@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use shadowgauge::gauge::bench::{
+use shadowgauge::gauge::calibration::{
     Adjustment, Along, CertificateShare, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
     Thermometer, Unstated,
 };
@@ -241,7 +241,7 @@ fn a_wrong_edge_model_is_not_the_lens() {
         let mut adjustment = adjust(seen, vec![master("A", 16.0, 2e-4), master("B", 26.0, 2e-4)]).unwrap();
         adjustment.fit().unwrap()
     };
-    let row = |found: &shadowgauge::gauge::bench::Adjusted, source: &str| {
+    let row = |found: &shadowgauge::gauge::calibration::Adjusted, source: &str| {
         let by: [f64; PARAMETERS] = [1300.0, 1.0, 50.0, 300.0, 100.0, 0.5 * 20.0];
         found.parts.iter().filter(|p| p.source.contains(source)).map(|p| p.variance(&by).sqrt()).sum::<f64>()
     };
@@ -250,7 +250,7 @@ fn a_wrong_edge_model_is_not_the_lens() {
         println!("{k}: {:e} {:e}", right.parameters[k], wrong.parameters[k]);
     }
     // The telecentricity is told by the two diameters at one place, to 1.2e-6/mm under this noise: 0.06 px of difference would be 7e-6.
-    let t = |found: &shadowgauge::gauge::bench::Adjusted| found.lens.telecentricity_per_mm;
+    let t = |found: &shadowgauge::gauge::calibration::Adjusted| found.lens.telecentricity_per_mm;
     assert!((t(&wrong) - world().lens.telecentricity_per_mm).abs() < 3e-6, "{:e}", t(&wrong));
     assert!((wrong.parameters[1] - right.parameters[1]).abs() < 1e-4);
     for source in ["distortion and keystone", "telecentricity of the lens"] {

@@ -9,11 +9,11 @@ use super::turn::{axis_json, scatter_word, turn_json};
 use crate::cli::failure::Failure;
 use crate::conformity::{Judge, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
-use crate::gauge::bench::Conditions;
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::calibration::Conditions;
+use crate::gauge::diameter::reading_series::{Average, Averaging, Capability, RunningStatistics};
 use crate::gauge::form::Cutoff;
 use crate::gauge::plausibility::{Jump, PlausibilitySettings, TurnHistory};
-use crate::gauge::statistics::{Average, Averaging, Capability, RunningStatistics};
 use crate::gauge::{
     Calibration, ColumnDiameters, FrameEdges, LEAST_STRETCH, LargestCaliper, largest_caliper_over,
 };

@@ -39,9 +39,10 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
 use crate::files::OutputFile;
 use crate::frame::{Frame, FrameMeta, FrameView};
-use crate::gauge::bench::{Conditions, Date, GivenConditions, ShaftRuns};
 use crate::gauge::budget::WidthReading;
+use crate::gauge::calibration::{Conditions, Date, GivenConditions};
 use crate::gauge::ring::RingSettings;
+use crate::gauge::sensor::ShaftRuns;
 use crate::gauge::{
     Calibration, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings, LargestCaliper, Polarity,
     largest_caliper_over,

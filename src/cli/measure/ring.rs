@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::frame::Frame;
 use crate::gauge::Calibration;
-use crate::gauge::bench::Conditions;
+use crate::gauge::calibration::Conditions;
 use crate::gauge::ring::{EdgeCircle, RingSettings, measure_ring};
 use crate::gauge::stated::stated;
 

@@ -6,8 +6,8 @@ use crate::cli::failure::Failure;
 use crate::conformity::{Decision, DecisionRule, Estimate, Judgement, MANY, SizeCriterion, Tolerance};
 use crate::frame::FrameMeta;
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
+use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
 use crate::gauge::form::Cutoff;
-use crate::gauge::turn_form::{Envelope, PartForm, TurnAverager};
 use crate::gauge::{Calibration, ColumnDiameters};
 
 /// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single columns' noise is not.

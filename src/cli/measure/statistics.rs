@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::gauge::series::{ScatterTest, SeriesMean};
+use crate::gauge::diameter::reading_scatter::{ScatterTest, SeriesMean};
+use crate::gauge::diameter::reading_series::RunningStatistics;
 use crate::gauge::stated::stated;
-use crate::gauge::statistics::RunningStatistics;
 use crate::profile::Diameter;
 
 /// Mean diameters of the frames in their order.

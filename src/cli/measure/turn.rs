@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
+use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::gauge::stated::stated;
-use crate::gauge::turn_form::{PartForm, SectionForm};
 
 /// A turn as the JSON document has it; `common_mm` gives the common standard uncertainty of a section's sizes.
 pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>) -> Value {

@@ -12,7 +12,7 @@ use crate::cli::calibration_plan::{self, LoadedPlan};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::files::OutputFolder;
 use crate::frame::Frame;
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::render::Renderer;
 use crate::studies::calibration::{CalibrationPlan, Recordings, SimulatedRecordings};
 use crate::truth;

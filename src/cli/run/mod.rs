@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::config;
-use crate::control::conformity::{PartConformity, Verdict};
+use crate::conformity::part_verdict::{PartConformity, Verdict};
 use crate::control::{ControllerName, OnAlarm};
 use crate::job::Job;
 use crate::render::{BackendChoice, Renderer};

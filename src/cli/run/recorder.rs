@@ -4,9 +4,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cell::SimulatedCell;
 use crate::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, Sample, part_verdict};
+use crate::conformity::part_verdict::Verdict;
 use crate::control::OnAlarm;
-use crate::control::conformity::Verdict;
-use crate::gauge::turn_form::PartForm;
+use crate::gauge::diameter::sections::PartForm;
 use crate::job::Job;
 use crate::plan::Decision;
 use crate::process::bending::axis_at;

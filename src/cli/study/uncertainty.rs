@@ -7,7 +7,7 @@ use crate::cli::calibrate::make;
 use crate::cli::calibration_plan::{self, LoadedPlan};
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::{ConfigText, StudyFolder, json_text};
-use crate::gauge::bench::Date;
+use crate::gauge::calibration::Date;
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::{Certificate, FormError};
+use super::certificate::Certificate;
+use super::error::FormError;
 
 /// A circle in the plane of a section, in the unit of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]

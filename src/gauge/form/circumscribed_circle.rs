@@ -6,8 +6,9 @@
 
 use glam::DVec2;
 
-use super::circle::{assemble, check, radii, touching};
-use super::{Certificate, Circle, CircleFit, FormError};
+use super::certificate::Certificate;
+use super::circle::{Circle, CircleFit, assemble, check, radii, touching};
+use super::error::FormError;
 
 /// Smallest circle that holds every point. At least two points.
 ///

@@ -10,7 +10,8 @@
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
-use super::{FormError, LinearProgram, Row};
+use super::error::FormError;
+use super::linear_program::{LinearProgram, Row};
 
 /// A cylinder with its axis near z, in the points' unit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::Turn;
+use super::turn::Turn;
 
 /// What a harmonic of a turn of silhouettes is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

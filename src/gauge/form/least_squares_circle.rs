@@ -7,8 +7,9 @@
 use glam::DVec2;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use super::circle::{assemble, centroid, check, radii};
-use super::{Certificate, CircleFit, FormError};
+use super::certificate::Certificate;
+use super::circle::{CircleFit, assemble, centroid, check, radii};
+use super::error::FormError;
 
 /// A least-squares circle with what its residuals say.
 #[derive(Clone, Debug, PartialEq)]

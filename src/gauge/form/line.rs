@@ -6,9 +6,9 @@
 
 use glam::DVec2;
 
-use super::certificate::convex_hull;
+use super::certificate::{Certificate, convex_hull};
 use super::circle::{centroid, check};
-use super::{Certificate, FormError};
+use super::error::FormError;
 
 /// A straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]

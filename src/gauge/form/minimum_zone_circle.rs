@@ -6,9 +6,11 @@
 
 use glam::DVec2;
 
-use super::certificate::origin_depth;
-use super::circle::{assemble, check, radii, touching};
-use super::{Certificate, CircleFit, FormError, LinearProgram, Row, least_squares_circle};
+use super::certificate::{Certificate, origin_depth};
+use super::circle::{CircleFit, assemble, check, radii, touching};
+use super::error::FormError;
+use super::least_squares_circle::least_squares_circle;
+use super::linear_program::{LinearProgram, Row};
 
 /// The pair of concentric circles with the least distance; the circle returned is their mean. At least four points
 /// all around.

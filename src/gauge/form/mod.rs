@@ -3,7 +3,9 @@
 //! Everything here is a pure function over points or readings; units are those of the input (mm or px), and a
 //! result in mm follows from points in mm. Reference features follow ISO 12181 (roundness), ISO 12780
 //! (straightness) and ISO 12180 (cylindricity); each minimax feature comes with a [`Certificate`] that is computed
-//! from the points and the answer alone, not by the solver.
+//! from the points and the answer alone, not by the solver. Sizes of a section by the same features (ISO 14405-1) are in [`size`].
+//!
+//! One more feature is one more file: the fit, its certificate, and a test that spoils the answer and must be caught.
 
 mod certificate;
 mod circle;
@@ -20,6 +22,7 @@ mod profile_filter;
 mod roundness;
 mod run_out;
 mod silhouette;
+pub mod size;
 mod taper;
 mod turn;
 
@@ -34,7 +37,6 @@ pub use harmonics::{Harmonic, Origin, TurnHarmonics, harmonics};
 pub use inscribed_circle::{certify_inscribed, maximum_inscribed_circle};
 pub use least_squares_circle::{LeastSquaresCircle, certify_least_squares, least_squares_circle};
 pub use line::{Line, LineFit, certify_minimum_zone_line, least_squares_line, minimum_zone_line};
-pub(crate) use linear_program::{LinearProgram, Row};
 pub use minimum_zone_circle::{certify_minimum_zone, minimum_zone_circle};
 pub use profile_filter::{Cutoff, gaussian_closed, gaussian_transmission};
 pub use roundness::{Reference, Roundness, Straightness, StraightnessReference, roundness, straightness};

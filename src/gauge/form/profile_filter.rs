@@ -7,7 +7,7 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::FormError;
+use super::error::FormError;
 
 /// Cutoff of the filter.
 #[derive(

@@ -2,10 +2,14 @@
 
 use glam::DVec2;
 
-use super::{
-    Certificate, Circle, FormError, Line, least_squares_circle, least_squares_line, maximum_inscribed_circle,
-    minimum_circumscribed_circle, minimum_zone_circle, minimum_zone_line,
-};
+use super::certificate::Certificate;
+use super::circle::Circle;
+use super::circumscribed_circle::minimum_circumscribed_circle;
+use super::error::FormError;
+use super::inscribed_circle::maximum_inscribed_circle;
+use super::least_squares_circle::least_squares_circle;
+use super::line::{Line, least_squares_line, minimum_zone_line};
+use super::minimum_zone_circle::minimum_zone_circle;
 
 /// Reference circle of a roundness.
 #[derive(

@@ -17,8 +17,9 @@ use glam::DVec2;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
+use super::error::FormError;
 use super::harmonics::spectrum;
-use super::{Cutoff, FormError, gaussian_closed};
+use super::profile_filter::{Cutoff, gaussian_closed};
 
 /// A point of the hull's boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]

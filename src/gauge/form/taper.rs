@@ -5,7 +5,7 @@
 
 use crate::profile::DiameterProfile;
 
-use super::FormError;
+use super::error::FormError;
 
 /// Taper of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]

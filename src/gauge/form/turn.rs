@@ -13,7 +13,7 @@
 //! Averaging several turns removes only asynchronous motion. φ is the spindle angle: a lobe with its peak at φ_k stands
 //! at the body angle θ = −φ_k.
 
-use super::FormError;
+use super::error::FormError;
 
 /// Edge heights over one turn at even spindle angles, mm.
 #[derive(Clone, Debug, PartialEq)]

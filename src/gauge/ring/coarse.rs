@@ -6,10 +6,11 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 use std::f64::consts::TAU;
 
 use super::super::form::Circle;
-use super::super::median::median_of as median;
-use super::super::valleys::{Bridged, Valleys, median_down};
-use super::{RingError, RingSettings};
+use super::error::RingError;
+use super::settings::RingSettings;
 use crate::frame::FrameView;
+use crate::gauge::edge::image::valleys::{Bridged, Valleys, median_down};
+use crate::numerics::robust::median_of as median;
 
 /// What the coarse search found, to a pixel or so.
 #[derive(Clone, Copy, Debug)]

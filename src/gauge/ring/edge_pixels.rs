@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-use super::super::censored::Ends;
 use super::super::form::Circle;
-use super::super::grey_ends::{self, Level};
-use super::super::light_field::LightField;
 use crate::frame::FrameView;
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::grey_ends::{self, Level};
+use crate::gauge::edge::estimation::light_field::LightField;
 
 /// One pixel near an edge.
 #[derive(Clone, Copy, Debug)]

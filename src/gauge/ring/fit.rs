@@ -8,14 +8,14 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::super::censored::{Censored, Ends};
-use super::super::grey_ends::robust_mean;
-use super::super::median::median_of as median;
-use super::super::model::phi_pdf;
-use super::super::rounding::{noise_behind, repeated_variance};
-use super::super::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
 use super::edge_pixels::{Band, EdgePixel};
 use super::model::square_edge;
+use crate::gauge::edge::estimation::censored::{Censored, Ends};
+use crate::gauge::edge::estimation::grey_ends::robust_mean;
+use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
+use crate::gauge::edge::model::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
+use crate::numerics::distributions::phi_pdf;
+use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};
 
 /// B0, B1, B2, A0, A1, A2, σ.
 const POOLED: usize = 7;
@@ -360,7 +360,7 @@ impl<const P: usize> State<P> {
             |f: fn(&(f64, f64)) -> f64| median(judged.iter().map(f).filter(|c| c.is_finite()).collect());
         let departure = departures(&self.shifts);
         // Along a slope most calipers are their own neighbourhood's median: the departures' scatter alone would be 0.
-        let scale = (1.4826 * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
+        let scale = (MEDIAN_TO_SD * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
         let level = usual(|j| j.0).max(1e-3) * CHI2_GATE;
         for k in 0..judged.len() {
             let settled = self.steps[k].abs() < 1e-2;

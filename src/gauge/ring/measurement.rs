@@ -1,84 +1,25 @@
 //! The measurement: coarse circles, fitted edges, circles and form, millimetres.
 
+use super::result::{Concentricity, EdgeCircle, RingMeasurement};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
 use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
-use super::super::light_field::{LightField, Lit};
-use super::super::median::median_of;
 use super::coarse::{self, Coarse};
 use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
+use super::error::RingError;
 use super::fit::{EdgeFit, fit_edge};
-use super::millimetres::EdgeMillimetres;
 use super::outline::{Outline, least_ratio_to_stylus};
-use super::{RingError, RingSettings};
+use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
+use crate::gauge::edge::estimation::light_field::{LightField, Lit};
+use crate::numerics::robust::median_of;
 
 /// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.
 const FIELD_PX: f64 = 16.0;
 const LEFT_OF_LIGHT: f64 = 0.1;
-
-/// One edge of a ring, in pixels unless named otherwise.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct EdgeCircle {
-    /// Centre: x the column, y the row, px.
-    pub centre_px: [f64; 2],
-    /// Least-squares diameter of the 50 % edge, curvature bias corrected, px.
-    pub diameter_px: f64,
-    /// Its standard uncertainty from noise, levels, blur and the form that refused calipers hide, px.
-    pub u_diameter_px: f64,
-    /// Standard uncertainty of either coordinate of the centre, px.
-    pub u_centre_px: f64,
-    /// Roundness RONt about the least-squares circle after the Gaussian filter, px.
-    pub roundness_px: f64,
-    /// Diameter of the minimum circumscribed circle of the good calipers, px.
-    pub circumscribed_px: f64,
-    /// Diameter of the maximum inscribed circle of the good calipers, px.
-    pub inscribed_px: f64,
-    /// Least-squares diameter that a ball of [`Self::stylus_radius_px`] would feel, burrs included, px.
-    pub stylus_diameter_px: f64,
-    /// Radius of that ball, px.
-    pub stylus_radius_px: f64,
-    /// Blur of the edge, px.
-    pub sigma_px: f64,
-    /// Shadow and light, counts; the light's level is extrapolated where it is clipped.
-    pub levels: [f64; 2],
-    /// Median χ² per degree of freedom of the good calipers.
-    pub reduced_chi2: f64,
-    /// Calipers.
-    pub calipers: usize,
-    /// Calipers that dirt, burrs or a poor fit made useless; they are not in the circle.
-    pub refused: usize,
-    /// The edge caliper by caliper, in even steps of the angle.
-    #[serde(skip)]
-    pub outline: Outline,
-    /// The same in millimetres, where a scale was given.
-    pub mm: Option<EdgeMillimetres>,
-}
-
-/// Coaxiality of bore and outline.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Concentricity {
-    /// Diameter of the zone around the outline's centre that holds the bore's centre (ISO 1101): twice their distance, px.
-    pub px: f64,
-    /// Its standard uncertainty, px.
-    pub u_px: f64,
-    /// The same in mm, where a scale was given.
-    pub mm: Option<f64>,
-}
-
-/// A ring or disc seen end-on.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct RingMeasurement {
-    /// Outline.
-    pub outer: EdgeCircle,
-    /// Bore; `None` for a disc.
-    pub inner: Option<EdgeCircle>,
-    /// Of bore and outline; `None` for a disc.
-    pub concentricity: Option<Concentricity>,
-}
 
 /// Measures the largest ring or disc that lies wholly in the frame.
 ///

@@ -7,30 +7,16 @@
 //! with + for an outline, − for a bore, o the offset of both edges together. u_common follows by the derivatives of D by the
 //! calibration's six parameters, those by the lens numerically.
 
+use super::result::{Concentricity, EdgeCircle, EdgeMillimetres, RingMeasurement};
 use glam::DVec2;
 
-use super::super::bench::{Conditions, LensModel, PARAMETERS};
-use super::super::budget::{Budget, add_conditions, common};
-use super::super::calibration::Calibration;
 use super::super::form::{FormError, least_squares_circle};
-use super::measurement::{Concentricity, EdgeCircle, RingMeasurement};
+use super::error::RingError;
 use super::outline::{Outline, Seen, roundness_of};
-use super::{RingError, RingScale};
-
-/// An edge in millimetres, edge offset applied.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct EdgeMillimetres {
-    /// Diameter, mm.
-    pub diameter_mm: f64,
-    /// Its standard uncertainty: random part, scale and edge offset together, mm.
-    pub u_diameter_mm: f64,
-    /// The part of it that all parts measured at this scale share, mm.
-    pub u_common_mm: f64,
-    /// Diameter that the stylus would feel, mm.
-    pub stylus_diameter_mm: f64,
-    /// Roundness, mm.
-    pub roundness_mm: f64,
-}
+use super::settings::RingScale;
+use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
+use crate::gauge::uncertainty::budget::{Budget, add_conditions, common};
 
 impl RingScale {
     /// Diameters (of the edge, as felt), u and roundness in mm.

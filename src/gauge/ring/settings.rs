@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::RingError;
+use super::error::RingError;
 
 /// Settings of `measure --shape ring`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,8 +1,8 @@
 //! A finished calibration, with what people read beside it.
 
 use crate::gauge::Calibration;
-use crate::gauge::bench::Adjustment;
 use crate::gauge::budget::{Budget, WidthReading};
+use crate::gauge::calibration::Adjustment;
 
 /// A finished calibration.
 #[derive(Clone, Debug)]

@@ -4,8 +4,8 @@ use thiserror::Error;
 
 use super::plan::PlanError;
 use crate::frame::Encoding;
-use crate::gauge::bench::{FlatFieldError, NoResponse};
 use crate::gauge::photon_transfer::PhotonTransferError;
+use crate::gauge::sensor::{FlatFieldError, NoResponse};
 use crate::gauge::{CalibrationError, GaugeSettingsError};
 use crate::render::RenderError;
 

@@ -18,12 +18,13 @@ pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Frame, FrameView};
-use crate::gauge::bench::{
-    Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, FlatField, FlatFieldError, LensModel,
-    MasterPrior, NoResponse, Observation, Response, Thermometer, Validity, observe, response, shared_source,
-};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::calibration::{
+    Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
+    Thermometer, Validity, observe, shared_source,
+};
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
+use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
     Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
     LEAST_TRAVEL, MasterFigure, MisfitLesson,

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gauge::bench::{CertificateShare, Conditions, Date, LensLimits, SettingError, Thermometer};
+use crate::gauge::calibration::SettingError;
+use crate::gauge::calibration::{CertificateShare, Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
 use crate::job::{Job, MasterPin, NominalEdge};
 use crate::render::contamination::Contamination;

@@ -10,7 +10,7 @@ use super::plan::{CalibrationPlan, PinPlan, Position, SimulatedPlan};
 use super::recordings::Recordings;
 use crate::frame::{Buffer, Frame, Roi};
 use crate::gauge::MasterCertificate;
-use crate::gauge::bench::{LensLimits, Thermometer};
+use crate::gauge::calibration::{LensLimits, Thermometer};
 use crate::render::optics::lens::Distortion;
 use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};

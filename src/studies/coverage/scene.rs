@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::frame::{Frame, FrameMeta};
-use crate::gauge::bench::{Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
+use crate::gauge::calibration::{Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::{
     Calibration, Edge, EsfModel, EsfSamples, FrameEdges, Gauge, GaugeSettings, StationAverager,
 };

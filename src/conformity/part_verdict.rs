@@ -1,0 +1,119 @@
+//! Re-measurement after the finishing pass and the alarm (paper 000): is the part within its limits?
+//!
+//! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a limit, with the stated probability; else it
+//! is undecided.
+
+use super::decision::{Decision, DecisionRule, Estimate, MANY};
+use crate::profile::{DiameterProfile, Station};
+
+/// Limits of size and the decision rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Lower limit of the diameter, mm.
+    pub lower_mm: f64,
+    /// Upper limit of the diameter, mm.
+    pub upper_mm: f64,
+    /// The rule, with its probability.
+    pub rule: DecisionRule,
+}
+
+/// What is known of a station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Conformity {
+    /// Proven within the limits.
+    Conforms,
+    /// Proven below the lower limit: scrap.
+    Undersize,
+    /// Proven above the upper limit: another pass can mend it.
+    Oversize,
+    /// Too close to a limit for its uncertainty.
+    Undecided,
+    /// No reading.
+    Unmeasured,
+}
+
+/// Verdict on a part.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Verdict {
+    /// Every station, in the profile's order.
+    pub stations: Vec<Conformity>,
+    /// Stations conforming.
+    pub conforming: usize,
+    /// Text of the alarm; `None` where every station conforms.
+    pub alarm: Option<String>,
+}
+
+/// What is known of a whole part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartConformity {
+    /// Proven within the limits at every station.
+    Conforms,
+    /// Nowhere proven outside, but not proven inside everywhere: too close to a limit, or not measured.
+    NotProven,
+    /// Proven outside at a station.
+    Violates,
+}
+
+impl Verdict {
+    /// The verdict in one word.
+    pub fn part(&self) -> PartConformity {
+        let any = |what: Conformity| self.stations.contains(&what);
+        if any(Conformity::Undersize) || any(Conformity::Oversize) {
+            PartConformity::Violates
+        } else if self.alarm.is_some() || self.stations.is_empty() {
+            PartConformity::NotProven
+        } else {
+            PartConformity::Conforms
+        }
+    }
+
+    /// The verdict for people.
+    pub fn words(&self) -> String {
+        let why = self.alarm.as_deref().unwrap_or("there is no station");
+        match self.part() {
+            PartConformity::Conforms => {
+                "in tolerance at every station, proven with its uncertainty".to_owned()
+            }
+            PartConformity::NotProven => format!("NOT PROVEN IN TOLERANCE: {why}"),
+            PartConformity::Violates => format!("OUT OF TOLERANCE: {why}"),
+        }
+    }
+}
+
+/// Judges a re-measured part.
+pub fn judge(measured: &DiameterProfile, limits: &Limits) -> Verdict {
+    let stations: Vec<Conformity> = measured.stations.iter().map(|s| judge_station(s, limits)).collect();
+    let count = |what: Conformity| stations.iter().filter(|s| **s == what).count();
+    let conforming = count(Conformity::Conforms);
+    let worst = [
+        (Conformity::Undersize, "undersize"),
+        (Conformity::Oversize, "oversize"),
+        (Conformity::Unmeasured, "not measured"),
+        (Conformity::Undecided, "too close to a limit for its uncertainty"),
+    ];
+    let parts: Vec<String> = worst
+        .iter()
+        .filter(|(what, _)| count(*what) > 0)
+        .map(|(what, text)| {
+            let first =
+                stations.iter().position(|s| s == what).map_or(f64::NAN, |i| measured.stations[i].z_mm);
+            format!("{} of {} stations {text} (first at z = {first} mm)", count(*what), stations.len())
+        })
+        .collect();
+    Verdict { conforming, alarm: (!parts.is_empty()).then(|| parts.join("; ")), stations }
+}
+
+fn judge_station(station: &Station, limits: &Limits) -> Conformity {
+    let Some(d) = station.reading.value() else {
+        return Conformity::Unmeasured;
+    };
+    let estimate = Estimate::of(&d, station.freedom.unwrap_or(MANY));
+    match limits.rule.decide(&estimate, limits.lower_mm, limits.upper_mm) {
+        Decision::Conforms => Conformity::Conforms,
+        Decision::TooSmall => Conformity::Undersize,
+        Decision::TooLarge => Conformity::Oversize,
+        Decision::NotProven => Conformity::Undecided,
+    }
+}

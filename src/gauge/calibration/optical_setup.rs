@@ -1,0 +1,232 @@
+//! What `calibrate` adds to scale and offset: the lens, every source's share, the sensor, validity and the check.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::adjustment::{Adjusted, CovariancePart, Residual};
+use super::conditions::Conditions;
+use super::date::Date;
+use super::imaging_model::{Along, LensModel, PARAMETERS};
+use super::verification::CheckResult;
+use crate::gauge::sensor::FlatField;
+use crate::gauge::sensor::photon_transfer::PhotonTransfer;
+
+/// When a calibration was made and how long it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Validity {
+    /// Day of the calibration.
+    pub date: Date,
+    /// Days it is valid.
+    pub valid_days: u32,
+}
+
+impl Validity {
+    /// Last day on which it holds.
+    pub fn expires(&self) -> Date {
+        self.date.plus_days(self.valid_days)
+    }
+}
+
+/// Why a calibration does not fit what it is used for.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum BenchError {
+    /// Its time is over.
+    #[error(
+        "the calibration expired on {expired} ({days} days ago); calibrate anew, or consent with --accept-expired"
+    )]
+    Expired {
+        /// Last valid day.
+        expired: Date,
+        /// Days since.
+        days: i64,
+    },
+    /// It was made after the day it is used on.
+    #[error(
+        "the calibration is dated {date}, after the day it is used on, {today}; one of the clocks is wrong"
+    )]
+    FromTheFuture {
+        /// Its date.
+        date: Date,
+        /// The day it is used on.
+        today: Date,
+    },
+    /// Edges of another blur than the masters'.
+    #[error(
+        "the edges are blurred by {found_px:.2} px, those of the masters by {calibrated_px:.2} px: out of focus, moving, other optics, or an edge model that does not fit (--esf learnt, --esf FILE, as when the masters were measured)"
+    )]
+    OutOfFocus {
+        /// Blur of the frame, px.
+        found_px: f64,
+        /// Blur of the masters, px.
+        calibrated_px: f64,
+    },
+    /// Frames of another size.
+    #[error(
+        "the calibration is of frames of {rows} rows x {columns} columns, this frame has {found_rows} x {found_columns}; \
+         take frames as calibrated or calibrate this window"
+    )]
+    OtherSize {
+        /// Rows calibrated.
+        rows: usize,
+        /// Columns calibrated.
+        columns: usize,
+        /// Rows of the frame.
+        found_rows: usize,
+        /// Columns of the frame.
+        found_columns: usize,
+    },
+}
+
+/// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or a fifth less.
+pub const FOCUS: f64 = 0.223;
+
+/// The bench behind a calibration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BenchCalibration {
+    /// Rows of the frames calibrated.
+    pub rows: usize,
+    /// Columns of the frames calibrated.
+    pub columns: usize,
+    /// When it was made and how long it holds.
+    pub validity: Validity,
+    /// The lens.
+    pub lens: LensModel,
+    /// Covariance of s, o, a, q, g, t by source.
+    pub parts: Vec<CovariancePart>,
+    /// Blur of the masters' edges, px: what a part in focus shows.
+    pub sigma_px: f64,
+    /// Growth of the blur with the distance y from the masters' plane, σ² = σ₀² + (c·y)², px/mm; 0 where all lay in it.
+    #[serde(default)]
+    pub defocus_px_per_mm: f64,
+    /// √(χ²/ν) of the fit.
+    pub birge_ratio: f64,
+    /// What the fit left.
+    pub residuals: Vec<Residual>,
+    /// Conditions of use, unless a measurement says otherwise.
+    #[serde(default)]
+    pub conditions: Conditions,
+    /// Sensor by photon transfer, where flat fields were recorded.
+    #[serde(default)]
+    pub sensor: Option<PhotonTransfer>,
+    /// Pixels and light to be corrected for, where flat fields were recorded.
+    #[serde(default)]
+    pub flat_field: Option<FlatField>,
+    /// The check pin's verdict.
+    #[serde(default)]
+    pub check: Option<CheckResult>,
+}
+
+impl BenchCalibration {
+    /// A bench from its adjustment.
+    pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
+        Self {
+            rows: size.0,
+            columns: size.1,
+            validity,
+            lens: adjusted.lens,
+            parts: adjusted.parts.clone(),
+            sigma_px,
+            defocus_px_per_mm: 0.0,
+            birge_ratio: adjusted.birge_ratio,
+            residuals: adjusted.residuals.clone(),
+            conditions: Conditions::default(),
+            sensor: None,
+            flat_field: None,
+            check: None,
+        }
+    }
+
+    /// The bench as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
+    /// other's place. What a decentred lens does differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]):
+    /// a share of its own. The flat field stays that of the sensor.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        const Q: usize = 3;
+        const G: usize = 4;
+        let mut turned =
+            Self { rows: self.columns, columns: self.rows, lens: self.lens.transposed(), ..self.clone() };
+        for part in &mut turned.parts {
+            part.matrix.swap(Q, G);
+            part.matrix.iter_mut().for_each(|row| row.swap(Q, G));
+        }
+        let limit = self.lens.keystone_across.abs() + self.lens.keystone_along.abs();
+        let mut matrix = [[0.0; PARAMETERS]; PARAMETERS];
+        (matrix[Q][Q], matrix[G][G]) = (limit * limit / 3.0, limit * limit / 3.0);
+        turned
+            .parts
+            .push(CovariancePart { source: "distortion across the other direction".to_owned(), matrix });
+        turned
+    }
+
+    /// Whether it holds on a day.
+    ///
+    /// # Errors
+    /// Expired, or from the future.
+    pub fn check_date(&self, today: Date) -> Result<(), BenchError> {
+        let expired = self.validity.expires();
+        if today > expired {
+            return Err(BenchError::Expired { expired, days: today.days_since(expired) });
+        }
+        // A day's grace for the time zones.
+        if self.validity.date > today.plus_days(1) {
+            return Err(BenchError::FromTheFuture { date: self.validity.date, today });
+        }
+        Ok(())
+    }
+
+    /// Whether it is of frames of this size.
+    ///
+    /// # Errors
+    /// Another size.
+    pub fn check_size(&self, rows: usize, columns: usize) -> Result<(), BenchError> {
+        if (rows, columns) == (self.rows, self.columns) {
+            return Ok(());
+        }
+        Err(BenchError::OtherSize {
+            rows: self.rows,
+            columns: self.columns,
+            found_rows: rows,
+            found_columns: columns,
+        })
+    }
+
+    /// Whether a frame is as sharp as the masters say of a part in these conditions, within [`FOCUS`].
+    ///
+    /// # Errors
+    /// The blur that is not the calibrated one.
+    pub fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
+        let farthest = conditions.axis_y_mm.abs() + conditions.limit_axis_y_mm;
+        let (low, high) = (self.sigma_px, self.sigma_px.hypot(self.defocus_px_per_mm * farthest));
+        let inside = |s: f64| (s / low).ln() >= -FOCUS && (s / high).ln() <= FOCUS;
+        match sigma_px.into_iter().find(|s| !inside(*s)) {
+            Some(found_px) => Err(BenchError::OutOfFocus { found_px, calibrated_px: self.sigma_px }),
+            None => Ok(()),
+        }
+    }
+
+    /// Derivatives of D_T by s, o, a, q, g, t for edges at these (mean) rows over these columns of the frame, scale s, chord factor χ, axis at y.
+    pub fn diameter_by(
+        &self,
+        scale: f64,
+        columns: Along,
+        rows_px: (f64, f64),
+        chord: f64,
+        axis_y_mm: f64,
+    ) -> [f64; PARAMETERS] {
+        let lens = &self.lens;
+        let u = Along { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
+        let (top, bottom) = (rows_px.0 - lens.centre_row_px, rows_px.1 - lens.centre_row_px);
+        let near = 1.0 + lens.telecentricity_per_mm * axis_y_mm;
+        let width = (lens.ideal_mean(u, bottom) - lens.ideal_mean(u, top)) * chord;
+        let by = lens.width_by(u, top, bottom).map(|b| scale * near * chord * b);
+        [near * width, 1.0, by[0], by[1], by[2], scale * axis_y_mm * width]
+    }
+
+    /// Standard uncertainty of the telecentricity t, 1/mm.
+    pub fn u_telecentricity_per_mm(&self) -> f64 {
+        self.parts.iter().map(|p| p.matrix[5][5]).sum::<f64>().max(0.0).sqrt()
+    }
+}

@@ -1,0 +1,429 @@
+//! Form and size of sections over a turn, from the frames of a scan.
+//!
+//! For every station the diameters and middles of its columns are averaged angle by angle; the angles either divide a whole turn
+//! evenly, or half a turn. Half a turn shows every tangent once: with the spindle's axis taken as still, bottom edges stand for the
+//! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis, and the unknown m is in the u of the odd lobes. Either way odd
+//! lobes and odd spindle motion cannot be separated. Every u is at least what the readings scatter by that the form does not explain
+//! (`turn_scatter`).
+//!
+//! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+use super::column_diameters::ColumnDiameters;
+use super::reading_scatter::ScatterTest;
+use super::stations::variance_of_mean;
+use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
+use crate::frame::FrameMeta;
+use crate::gauge::form::size::turn_sizes;
+use crate::gauge::form::{
+    Cutoff, FormError, Reference, StraightnessReference, Turn, TurnHarmonics, circular_run_out,
+    circumscribed_cylinder, harmonics, least_squares_circle, polar_profile, roundness, silhouette_cylinder,
+    straightness, total_run_out,
+};
+use crate::profile::Reading;
+
+/// Most harmonics reported.
+const MOST_LOBES: usize = 50;
+/// Fewest columns of a station at one angle.
+const LEAST_COLUMNS: usize = 4;
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    n: f64,
+    d_mm: f64,
+    middle_mm: f64,
+    /// Σ own variance, mm².
+    own: f64,
+    /// Σ shared variance, mm².
+    shared: f64,
+    length: f64,
+}
+
+/// Gathers a scan's frames by station and angle.
+#[derive(Clone, Debug)]
+pub struct TurnAverager {
+    z_mm: Vec<f64>,
+    station_mm: f64,
+    /// Per station: sums by angle in microdegrees.
+    sums: Vec<BTreeMap<i64, Sums>>,
+}
+
+/// Form and size of one section.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SectionForm {
+    /// Middle of the station, mm.
+    pub z_mm: f64,
+    /// Angles seen.
+    pub angles: usize,
+    /// Whether they span half a turn only, so that the spindle is taken as still.
+    pub half_turn: bool,
+    /// Least-squares size GG of the hull, mm.
+    pub gg_mm: f64,
+    /// Its random standard uncertainty, mm: the larger one of what the edges state and what the readings scatter by beyond the form.
+    pub u_gg_random_mm: f64,
+    /// Minimum circumscribed size GN, mm.
+    pub gn_mm: f64,
+    /// Maximum inscribed size GX of the hull, mm.
+    pub gx_mm: f64,
+    /// Mean caliper diameter, mm.
+    pub mean_caliper_mm: f64,
+    /// Least caliper diameter, mm.
+    pub min_caliper_mm: f64,
+    /// Greatest caliper diameter, mm.
+    pub max_caliper_mm: f64,
+    /// Circular radial run-out against the spindle, mm.
+    pub run_out_mm: f64,
+    /// Roundness RONt about LSCI, MZCI, MICI, MCCI, mm.
+    pub roundness_mm: [f64; 4],
+    /// Gaussian filter, undulations per revolution.
+    pub cutoff_upr: f64,
+    /// Standard uncertainty of one edge of a station at one angle, mm, stated or scattered, whichever is larger.
+    pub u_edge_mm: f64,
+    /// Standard uncertainty of the height of the spindle's axis, which half a turn must adjust, mm; it is in the u of the odd lobes.
+    pub u_axis_mm: Option<f64>,
+    /// χ² of what the form does not explain against the edges' own statements; `None` from too few angles.
+    pub scatter: Option<ScatterTest>,
+    /// Harmonics.
+    pub harmonics: TurnHarmonics,
+    /// Hull's profile over the polar angle, mm from the least-squares centre.
+    #[serde(skip)]
+    pub profile_mm: Vec<f64>,
+}
+
+/// Form of the part over all its sections.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PartForm {
+    /// Sections that could be evaluated.
+    pub sections: Vec<SectionForm>,
+    /// Total radial run-out, mm.
+    pub total_run_out_mm: Option<f64>,
+    /// Straightness of the line of centres (minimum zone, the worse of two planes), mm.
+    pub axis_straightness_mm: Option<f64>,
+    /// Straightness of the straightest-seen flanks: the worst generatrix over all angles (minimum zone), mm.
+    pub generatrix_straightness_mm: Option<f64>,
+    /// Cylindricity CYLt about the least-squares cylinder, mm.
+    pub cylindricity_mm: Option<f64>,
+    /// Rate of taper dD/dz of the sections' least-squares sizes, mm/mm.
+    pub taper: Option<f64>,
+    /// Sections left out, with the reason.
+    pub refused: Vec<(f64, String)>,
+}
+
+/// The least circumscribed cylinder over all sections: the envelope of a shaft (ISO 14405-1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Envelope {
+    /// Its diameter, mm.
+    pub diameter_mm: f64,
+    /// Random standard uncertainty, mm: the tangents it rests on balance, so that none has more than half the weight, u(2R) ≤ √2·u(edge).
+    pub u_random_mm: f64,
+    /// Sections it was taken over.
+    pub sections: usize,
+}
+
+struct Section {
+    z_mm: f64,
+    turn: Turn,
+    form: SectionForm,
+}
+
+impl TurnAverager {
+    /// Stations by their middles, ascending, and their common length.
+    pub fn new(z_mm: Vec<f64>, station_mm: f64) -> Self {
+        let sums = vec![BTreeMap::new(); z_mm.len()];
+        Self { z_mm, station_mm, sums }
+    }
+
+    /// Adds a frame's diameters.
+    pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+        let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
+        let half = 0.5 * self.station_mm;
+        for (column, reading) in diameters.readings.iter().enumerate() {
+            let Reading::Value(d) = reading else { continue };
+            let z_mm = diameters.z_mm(meta, column);
+            let after = self.z_mm.partition_point(|middle| *middle + half <= z_mm);
+            if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
+                continue;
+            }
+            let sums = self.sums[after].entry(angle).or_default();
+            sums.n += 1.0;
+            sums.d_mm += d.d_mm;
+            sums.middle_mm += diameters.middle_mm[column];
+            let shared = diameters.shared_mm[column].powi(2);
+            sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
+            sums.shared += shared;
+            sums.length = diameters.shared_length;
+        }
+    }
+
+    /// The envelope over all sections, after the filter around each.
+    ///
+    /// # Errors
+    /// The first section that makes no turn, with its place; fewer than three sections.
+    pub fn envelope(&self, cutoff: Cutoff) -> Result<Envelope, String> {
+        let mut samples = Vec::new();
+        let mut u_edge_mm: f64 = 0.0;
+        for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
+            let (turn, seen) = section_turn(sums).map_err(|e| format!("at z = {z_mm:.3} mm {e}"))?;
+            let support = crate::gauge::form::gaussian_closed(&turn.support_mm(), cutoff);
+            let n = support.len() as f64;
+            samples.extend(support.iter().enumerate().map(|(i, h)| [*z_mm, TAU * i as f64 / n, *h]));
+            u_edge_mm = u_edge_mm.max(seen.stated_mm);
+        }
+        if self.z_mm.len() < 3 {
+            return Err(format!("{} sections are seen, and three at least show an axis", self.z_mm.len()));
+        }
+        let cylinder = circumscribed_cylinder(&samples).map_err(|e| e.to_string())?;
+        Ok(Envelope {
+            diameter_mm: 2.0 * cylinder.radius,
+            u_random_mm: std::f64::consts::SQRT_2 * u_edge_mm,
+            sections: self.z_mm.len(),
+        })
+    }
+
+    /// Ends the scan.
+    pub fn finish(&self, cutoff: Cutoff) -> PartForm {
+        let mut part = PartForm::default();
+        let mut sections = Vec::new();
+        for (z_mm, sums) in self.z_mm.iter().zip(&self.sums) {
+            match section(*z_mm, sums, cutoff) {
+                Ok(section) => sections.push(section),
+                Err(error) => part.refused.push((*z_mm, error.to_string())),
+            }
+        }
+        over_all(&mut part, &sections, cutoff);
+        part.sections = sections.into_iter().map(|s| s.form).collect();
+        part
+    }
+}
+
+fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Section, FormError> {
+    let (turn, seen) = section_turn(sums)?;
+    let widths: Vec<f64> = turn.widths_mm();
+    let u_width_mm = std::f64::consts::SQRT_2 * seen.stated_mm;
+    let scatter = match seen.u_axis_mm {
+        Some(_) => of_half_turn(&widths[..seen.angles], cutoff.undulations(), u_width_mm),
+        None => Some(of_whole_turn(&widths, u_width_mm)),
+    };
+    let form = section_form(z_mm, &turn, &Seen { scatter, ..seen }, cutoff)?;
+    Ok(Section { z_mm, turn, form })
+}
+
+/// A section's turn and what was seen of it, its scatter left open.
+fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, Seen), FormError> {
+    let good: Vec<(f64, &Sums)> = sums
+        .iter()
+        .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
+        .map(|(angle, s)| (*angle as f64 * 1e-6, s))
+        .collect();
+    let readings: Vec<[f64; 3]> = good
+        .iter()
+        .map(|(angle, s)| {
+            let (d, m) = (s.d_mm / s.n, s.middle_mm / s.n);
+            [*angle, m + 0.5 * d, m - 0.5 * d]
+        })
+        .collect();
+    let variance = good.iter().map(|(_, s)| variance_of_mean(s.n, s.own, s.shared, s.length)).sum::<f64>()
+        / good.len() as f64;
+    let stated_mm = (0.5 * variance).sqrt();
+    let (turn, u_axis_mm) = turn_of(&readings, stated_mm)?;
+    Ok((turn, Seen { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))
+}
+
+/// What was seen of a section.
+struct Seen {
+    angles: usize,
+    /// Standard uncertainty of one edge by the edges' own statements, mm.
+    stated_mm: f64,
+    /// That of the spindle's axis; `None` over a whole turn.
+    u_axis_mm: Option<f64>,
+    scatter: Option<TurnScatter>,
+}
+
+/// The turn, and where only half of it was seen the standard uncertainty of the spindle's axis, mm.
+fn turn_of(readings: &[[f64; 3]], u_edge_mm: f64) -> Result<(Turn, Option<f64>), FormError> {
+    match Turn::from_readings(readings) {
+        Err(FormError::UnevenAngles { .. } | FormError::TooFew { .. } | FormError::Argument { .. })
+            if readings.len() >= 4 && readings.iter().all(|r| r[0] < 180.0) =>
+        {
+            let middles: Vec<(f64, f64)> = readings.iter().map(|r| (r[0], 0.5 * (r[1] + r[2]))).collect();
+            let u_middle_mm = u_edge_mm * std::f64::consts::FRAC_1_SQRT_2;
+            let (middle, u_axis_mm) = axis_of_half_turn(&middles, u_middle_mm).ok_or(FormError::TooFew {
+                feature: "half a turn",
+                found: readings.len(),
+                needed: 4,
+            })?;
+            let other = readings.iter().map(|r| [r[0] + 180.0, 2.0 * middle - r[2], 2.0 * middle - r[1]]);
+            let whole: Vec<[f64; 3]> = readings.iter().copied().chain(other).collect();
+            Ok((Turn::from_readings(&whole)?, Some(u_axis_mm)))
+        }
+        turn => Ok((turn?, None)),
+    }
+}
+
+fn section_form(z_mm: f64, turn: &Turn, seen: &Seen, cutoff: Cutoff) -> Result<SectionForm, FormError> {
+    let half_turn = seen.u_axis_mm.is_some();
+    let scattered_mm = seen.scatter.map_or(0.0, |s| s.sd_width_mm * std::f64::consts::FRAC_1_SQRT_2);
+    let u_edge_mm = seen.stated_mm.max(scattered_mm);
+    // Over half a turn every edge stands in two places: the turn holds each reading twice.
+    let u_reading_mm = if half_turn { u_edge_mm * std::f64::consts::SQRT_2 } else { u_edge_mm };
+    let sizes = turn_sizes(turn, cutoff, u_reading_mm)?;
+    let profile = polar_profile(&turn.support_mm(), cutoff)?;
+    let points = polar(&profile);
+    let centre = least_squares_circle(&points)?.fit.circle.centre;
+    let references = [
+        Reference::LeastSquares,
+        Reference::MinimumZone,
+        Reference::MaximumInscribed,
+        Reference::MinimumCircumscribed,
+    ];
+    let mut roundness_mm = [0.0; 4];
+    for (value, reference) in roundness_mm.iter_mut().zip(references) {
+        *value = roundness(&points, reference)?.ron_t;
+    }
+    Ok(SectionForm {
+        z_mm,
+        angles: seen.angles,
+        half_turn,
+        gg_mm: sizes.gg_mm,
+        u_gg_random_mm: sizes.u_gg_mm.max(seen.scatter.map_or(0.0, |s| s.u_mean_mm)),
+        gn_mm: sizes.gn_mm,
+        gx_mm: sizes.gx_mm,
+        mean_caliper_mm: sizes.mean_caliper_mm,
+        min_caliper_mm: sizes.min_caliper_mm,
+        max_caliper_mm: sizes.max_caliper_mm,
+        run_out_mm: circular_run_out(turn.top_mm()).unwrap_or(0.0),
+        roundness_mm,
+        cutoff_upr: cutoff.undulations(),
+        u_edge_mm,
+        u_axis_mm: seen.u_axis_mm,
+        scatter: seen.scatter.and_then(|s| s.test),
+        harmonics: harmonics(turn, MOST_LOBES, u_reading_mm).with_axis(seen.u_axis_mm.unwrap_or(0.0)),
+        profile_mm: points.iter().map(|p| p.distance(centre)).collect(),
+    })
+}
+
+fn polar(radii: &[f64]) -> Vec<DVec2> {
+    let n = radii.len() as f64;
+    radii.iter().enumerate().map(|(i, r)| DVec2::from_angle(TAU * i as f64 / n) * *r).collect()
+}
+
+fn over_all(part: &mut PartForm, sections: &[Section], cutoff: Cutoff) {
+    let heights: Vec<&[f64]> = sections.iter().map(|s| s.turn.top_mm()).collect();
+    part.total_run_out_mm = total_run_out(&heights);
+    if sections.len() < 3 {
+        return;
+    }
+    let support: Vec<Vec<f64>> =
+        sections.iter().map(|s| crate::gauge::form::gaussian_closed(&s.turn.support_mm(), cutoff)).collect();
+    let angles = support.iter().map(Vec::len).min().unwrap_or(0);
+    if support.iter().any(|s| s.len() != angles) {
+        return;
+    }
+    let zone =
+        |points: &[DVec2]| straightness(points, StraightnessReference::MinimumZone).ok().map(|s| s.str_t);
+    let worst = |lines: &mut dyn Iterator<Item = Vec<DVec2>>| {
+        lines.filter_map(|l| zone(&l)).fold(None, |w: Option<f64>, v| Some(w.map_or(v, |w| w.max(v))))
+    };
+    part.generatrix_straightness_mm = worst(
+        &mut (0..angles)
+            .map(|k| sections.iter().zip(&support).map(|(s, h)| DVec2::new(s.z_mm, h[k])).collect()),
+    );
+    let centre = |h: &Vec<f64>, x: bool| {
+        let n = h.len() as f64;
+        let wave = |i: usize| {
+            let a = TAU * i as f64 / n;
+            if x { a.cos() } else { a.sin() }
+        };
+        h.iter().enumerate().map(|(i, v)| 2.0 / n * v * wave(i)).sum::<f64>()
+    };
+    part.axis_straightness_mm = worst(
+        &mut [true, false]
+            .into_iter()
+            .map(|x| sections.iter().zip(&support).map(|(s, h)| DVec2::new(s.z_mm, centre(h, x))).collect()),
+    );
+    let samples: Vec<[f64; 3]> = sections
+        .iter()
+        .zip(&support)
+        .flat_map(|(s, h)| {
+            h.iter()
+                .enumerate()
+                .map(|(i, v)| [s.z_mm, TAU * i as f64 / h.len() as f64, *v])
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    part.cylindricity_mm = silhouette_cylinder(&samples).ok().map(|c| c.cyl_t);
+    let n = sections.len() as f64;
+    let mean = |f: &dyn Fn(&Section) -> f64| sections.iter().map(f).sum::<f64>() / n;
+    let (z, d) = (mean(&|s| s.z_mm), mean(&|s| s.form.gg_mm));
+    let square = mean(&|s| (s.z_mm - z).powi(2));
+    part.taper = (square > 0.0).then(|| mean(&|s| (s.z_mm - z) * (s.form.gg_mm - d)) / square);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::Diameter;
+
+    /// A section with two and three lobes and eccentricity, at n angles over a span.
+    fn scan(n: usize, span_deg: f64, stations: &[f64]) -> TurnAverager {
+        let mut averager = TurnAverager::new(stations.to_vec(), 1.0);
+        for z_mm in stations {
+            for i in 0..n {
+                let angle_deg = span_deg * i as f64 / n as f64;
+                let phi = angle_deg.to_radians();
+                let h = |a: f64| {
+                    10.0 + 1e-4 * z_mm
+                        + 2e-3 * (2.0 * a).cos()
+                        + 1e-3 * (3.0 * a + 0.4).cos()
+                        + 5e-3 * (a - 1.0).cos()
+                };
+                let (top, bottom) = (3.0 + h(phi), 3.0 - h(phi + std::f64::consts::PI));
+                let value =
+                    Reading::Value(Diameter { d_mm: top - bottom, u_random_mm: 1e-5, u_common_mm: 0.0 });
+                let diameters = ColumnDiameters {
+                    readings: vec![value; 11],
+                    shared_mm: vec![0.0; 11],
+                    shared_length: 1.0,
+                    pitch_mm: 0.05,
+                    width_px: vec![1.0; 11],
+                    middle_mm: vec![0.5 * (top + bottom); 11],
+                    u_middle_common_mm: vec![0.0; 11],
+                };
+                averager.add(&FrameMeta { angle_deg, z_mm: *z_mm, ..FrameMeta::default() }, &diameters);
+            }
+        }
+        averager
+    }
+
+    #[test]
+    fn whole_and_half_turn_of_a_still_spindle_agree() {
+        for (n, span, half) in [(72, 360.0, false), (36, 180.0, true)] {
+            let part = scan(n, span, &[5.0, 15.0, 25.0]).finish(Cutoff::UPR_50);
+            let s = &part.sections[1];
+            assert_eq!((s.half_turn, s.angles), (half, n));
+            // Filter at 50 upr passes lobe 2 by .9989 and 3 by .9975.
+            let lobe = |k: usize| s.harmonics.section[k - 1].amplitude_mm;
+            assert!((lobe(2) - 2e-3).abs() < 1e-9 && (lobe(3) - 1e-3).abs() < 1e-9, "{}", lobe(3));
+            assert!((s.gg_mm - 20.003).abs() < 2e-5, "{}", s.gg_mm);
+            assert!(s.gn_mm > s.gg_mm && s.gx_mm < s.gg_mm && s.gn_mm < s.gg_mm + 6e-3);
+            assert!(s.roundness_mm[1] <= s.roundness_mm[0] && s.roundness_mm[0] < 6e-3);
+            assert!((part.taper.unwrap() - 2e-4).abs() < 1e-9);
+            assert!(
+                part.axis_straightness_mm.unwrap() < 1e-9 && part.generatrix_straightness_mm.unwrap() < 1e-8
+            );
+            // Cylindricity of a cone of 2e-4 over 20 mm and lobes.
+            assert!((4e-3..9e-3).contains(&part.cylindricity_mm.unwrap()));
+        }
+    }
+
+    #[test]
+    fn too_few_or_uneven_angles_are_said_so() {
+        let part = scan(3, 180.0, &[5.0]).finish(Cutoff::UPR_50);
+        assert!(part.sections.is_empty() && part.refused.len() == 1);
+    }
+}

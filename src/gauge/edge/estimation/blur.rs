@@ -1,0 +1,335 @@
+//! The blur of a frame, from the frame: the edge-spread function's width by pooled scoring over many columns.
+//!
+//! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
+//! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
+
+use super::levels::LevelCurve;
+use super::scoring::{dot, locate, normalise};
+use super::scoring_table::{COARSE, Table};
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::model::edge_spread::{EdgeShape, SIGMA_RANGE};
+use crate::gauge::edge::model::gaussian::column_sigma;
+use crate::gauge::edges::Edge;
+
+/// Blocks along the shaft.
+pub(crate) const BLOCKS: usize = 8;
+/// Columns looked at per block.
+const PER_BLOCK: usize = 32;
+/// Columns of a block from which its blur is known.
+const LEAST_COUNT: f64 = 6.0;
+/// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
+/// 4:1 over a field leave more, a second edge leaves less.
+const LEAST_AT_ENDS: f32 = 0.7;
+
+/// Sums for the blur of one block.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlurSums {
+    pub(crate) score: f64,
+    pub(crate) information: f64,
+    residual: f64,
+    pub(crate) count: f64,
+}
+
+/// Place of a block's middle along the field, −½ to ½.
+pub(crate) fn middle(block: usize) -> f64 {
+    (block as f64 + 0.5) / BLOCKS as f64 - 0.5
+}
+
+/// Blur of one side in each block, px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BlurEstimate {
+    pub(crate) sigma: [f64; BLOCKS],
+}
+
+impl BlurEstimate {
+    pub(crate) fn uniform(sigma: f64) -> Self {
+        Self { sigma: [sigma; BLOCKS] }
+    }
+
+    /// Block of a column.
+    pub(crate) fn block(column: usize, columns: usize) -> usize {
+        (column * BLOCKS / columns.max(1)).min(BLOCKS - 1)
+    }
+
+    /// End of the columns from `from` on that have the same blur.
+    pub(crate) fn end_of_run(&self, from: usize, columns: usize) -> usize {
+        let block = Self::block(from, columns);
+        let own = self.sigma[block].to_bits();
+        let other = (block..BLOCKS).find(|b| self.sigma[*b].to_bits() != own);
+        // The first column of a block: the least c with c·BLOCKS/columns ≥ block.
+        other.map_or(columns, |b| (b * columns).div_ceil(BLOCKS)).max(from + 1)
+    }
+
+    /// Keeps the blur of all blocks within its bounds.
+    pub(crate) fn limit(&mut self, least: f64) {
+        self.sigma.iter_mut().for_each(|s| *s = s.clamp(least, SIGMA_RANGE.1));
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.sigma.iter().sum::<f64>() / BLOCKS as f64
+    }
+}
+
+/// Columns of a block that are looked at.
+pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+    let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
+    let step = (to - from).div_ceil(PER_BLOCK).max(1);
+    (from..to).step_by(step)
+}
+
+/// Columns of all blocks that are looked at.
+pub(crate) fn samples(columns: usize) -> impl Iterator<Item = usize> {
+    (0..BLOCKS).flat_map(move |block| sample(block, columns))
+}
+
+/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast. The windows are
+/// those of the columns looked at, one after the other.
+pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
+    pool.clear();
+    for place in 0..windows.centre.len() {
+        if windows.centre[place].is_err() {
+            continue;
+        }
+        let (dark, light) = (windows.dark[place], windows.light[place]);
+        let window = windows.of(place);
+        let flat = windows.flat;
+        let n = |m: &f32| (m - dark) / (light - dark);
+        let spread = |part: &[f32]| part.iter().map(|m| n(m) * (1.0 - n(m))).sum::<f32>();
+        let used = window.len() - 1;
+        // What the flat ends sum to is noise (−σ_n² a pixel): scaled to the window, it is taken off.
+        let ends = spread(&window[..flat]) + spread(&window[used - flat..used]);
+        let middle = spread(&window[flat..used - flat]);
+        pool.push(middle - ends * (used - 2 * flat) as f32 / (2 * flat) as f32);
+    }
+    if pool.len() < 4 {
+        return None;
+    }
+    let middle = pool.len() / 2;
+    let (_, median, _) = pool.select_nth_unstable_by(middle, f32::total_cmp);
+    let total = f64::from(*median) * std::f64::consts::PI.sqrt();
+    Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
+}
+
+/// Whether most windows see one edge alone: their outermost pixels hold most of the contrast that there is in the window. Where one
+/// reaches another shadow, or the part's other edge, they do not.
+pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
+    let (mut alone, mut seen) = (0_usize, 0_usize);
+    for place in (0..windows.centre.len()).filter(|place| windows.centre[*place].is_ok()) {
+        let window = windows.of(place);
+        let used = &window[..window.len() - 1];
+        let mean = |three: &[f32]| three.iter().sum::<f32>() / 3.0;
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for value in used.windows(3).map(mean) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        let ends = mean(&used[used.len() - 3..]) - mean(&used[..3]);
+        seen += 1;
+        alone += usize::from(ends > LEAST_AT_ENDS * (high - low));
+    }
+    2 * alone > seen
+}
+
+/// What a refinement needs beside the windows.
+pub(crate) struct BlurContext<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) shape: &'a EdgeShape,
+    pub(crate) dark: &'a LevelCurve,
+    pub(crate) light: &'a LevelCurve,
+    pub(crate) slope: &'a [f32],
+    /// Edges found with an earlier blur: what was refused there is not looked at.
+    pub(crate) line: Option<&'a [Edge]>,
+    pub(crate) kappa: f64,
+    /// Noise variance at mid-edge over contrast².
+    pub(crate) relative_variance: f64,
+}
+
+/// Memory of [`refine`].
+#[derive(Clone, Debug)]
+pub(crate) struct BlurScratch {
+    table: Table,
+    normalised: Vec<f32>,
+}
+
+impl BlurScratch {
+    pub(crate) fn new() -> Self {
+        Self { table: Table::empty(), normalised: Vec::new() }
+    }
+}
+
+/// Refines the blur of one side from `start`, px.
+pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> BlurEstimate {
+    let columns = context.windows.centre.len();
+    let mut sigma = if context.shape.is_ringed() { best_of_rings(context, start, scratch) } else { start };
+    let mut sums = [BlurSums::default(); BLOCKS];
+    let BlurScratch { table, normalised } = scratch;
+    normalised.resize(context.windows.width, 0.0);
+    for _ in 0..8 {
+        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        for (block, sum) in sums.iter_mut().enumerate() {
+            *sum = block_sums(context, table, sample(block, columns), normalised);
+        }
+        let score: f64 = sums.iter().map(|s| s.score).sum();
+        let information: f64 = sums.iter().map(|s| s.information).sum();
+        if !(information > 0.0) {
+            return BlurEstimate::uniform(sigma);
+        }
+        let step = (score / information).clamp(-0.3 * sigma, 0.5 * sigma);
+        let last = sigma;
+        sigma = (sigma + step).clamp(context.shape.least_sigma(), context.shape.most_sigma());
+        if (sigma - last).abs() < 5e-4 * sigma {
+            break;
+        }
+    }
+    join(context, sigma, &sums)
+}
+
+/// Share by which the width of a ringed pattern may differ from its nominal one, either way.
+const RINGED_SEARCH: f64 = 0.15;
+/// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring converges from half of it.
+const RING_PHASE: f64 = 1.0;
+
+/// The width that leaves least of rings among some around `start`: their phase, πv²/2 at v units √(λz/2) from the edge, goes with the
+/// square of it, so that scoring from afar would settle on a neighbouring ring.
+fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> f64 {
+    let columns = context.windows.centre.len();
+    let BlurScratch { table, normalised } = scratch;
+    normalised.resize(context.windows.width, 0.0);
+    // σ₀ is half a unit: the steepest slope of the pattern is 0.8 a unit.
+    let v = context.shape.reach(start) / (2.0 * start);
+    let step = RING_PHASE / (std::f64::consts::PI * v * v).max(1.0);
+    let steps = (RINGED_SEARCH / step).ceil() as i32;
+    let mut best = (f64::INFINITY, start);
+    for k in -steps..=steps {
+        let sigma = start * (1.0 + f64::from(k) * step);
+        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        // Few columns show: a pattern is shared by all of them.
+        let sums = block_sums(context, table, samples(columns).step_by(8), normalised);
+        let left = sums.residual / sums.count;
+        if left < best.0 {
+            best = (left, sigma);
+        }
+    }
+    best.1
+}
+
+fn block_sums(
+    context: &BlurContext<'_>,
+    table: &Table,
+    columns: impl Iterator<Item = usize>,
+    normalised: &mut [f32],
+) -> BlurSums {
+    let mut sums = BlurSums::default();
+    for column in columns {
+        let refused = context.line.is_some_and(|line| !line[column].is_usable());
+        if context.windows.centre[column].is_err() || context.slope[column].abs() > 0.3 || refused {
+            continue;
+        }
+        let (dark, light) = (context.dark.level[column], context.light.level[column]);
+        let start = normalise(context.windows.of(column), dark, light - dark, normalised) - table.centroid;
+        let Some(found) = locate(normalised, table, start) else { continue };
+        let (scalars, blur) = (found.phase.scalars, found.phase.blur);
+        let score = dot(found.phase.blur_scores, normalised) - blur.offset - found.step * blur.position;
+        sums.score += f64::from(score);
+        sums.information += f64::from(blur.information(scalars));
+        sums.residual += f64::from(found.residual) / f64::from(scalars.freedom);
+        sums.count += 1.0;
+    }
+    sums
+}
+
+/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them, or a line where few
+/// of them are known. Smaller differences count where a line or a parabola explains them ([`trend`]).
+fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
+    let slope2 = mean_square_slope(context);
+    let least = context.shape.least_sigma();
+    let plain = |s: f64| ((s * s - slope2 / 12.0).max(least * least) / (1.0 + slope2)).sqrt();
+    let residual: f64 =
+        sums.iter().map(|s| s.residual).sum::<f64>() / sums.iter().map(|s| s.count).sum::<f64>().max(1.0);
+    let variance = residual.max(context.relative_variance).max(1e-12);
+    let good = |s: &&BlurSums| s.information > 0.0;
+    let chi2: f64 = sums.iter().filter(good).map(|s| s.score * s.score / s.information / variance).sum();
+    let spread = sums.iter().filter(good).map(|s| (s.score / s.information).abs()).fold(0.0, f64::max);
+    let far = chi2 >= 26.0 && spread >= 0.01 * sigma;
+    let Some(parabola) = (if far { parabola(sums, true) } else { trend(sums, variance, sigma) }) else {
+        return BlurEstimate::uniform(plain(sigma));
+    };
+    let mut estimate = BlurEstimate::uniform(plain(sigma));
+    for (block, value) in estimate.sigma.iter_mut().enumerate() {
+        let t = middle(block);
+        let delta = parabola[0] + parabola[1] * t + parabola[2] * t * t;
+        *value = plain((sigma + delta).clamp(0.5 * sigma, 2.0 * sigma)).max(least);
+    }
+    estimate
+}
+
+fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
+    let columns = context.windows.centre.len();
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for column in samples(columns) {
+        let slope = f64::from(context.slope[column]);
+        if slope.is_finite() && slope.abs() <= 0.3 {
+            sum += slope * slope;
+            count += 1.0;
+        }
+    }
+    sum / count.max(1.0)
+}
+
+/// χ² by which a line explains the blocks' blurs better than one value, or a parabola better than a line (one degree of freedom, 1 %), and
+/// the most that the rest may have, each of its degrees of freedom: what is no smooth course along the field is dirt.
+const TREND: f64 = 6.6;
+const ROUGH: f64 = 3.0;
+/// Least difference along the field, as a share of the blur: moves an edge by a thousandth of a pixel.
+const LEAST_TREND: f64 = 0.002;
+
+/// The line or parabola that a shaft's distance from the focal plane draws along the field, where it is significant.
+fn trend(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
+    let explained = |p: &nalgebra::Vector3<f64>| {
+        let at = |(block, s): (usize, &BlurSums)| {
+            let t = middle(block);
+            s.score * (p[0] + p[1] * t + p[2] * t * t)
+        };
+        sums.iter().enumerate().map(at).sum::<f64>() / variance
+    };
+    let known = sums.iter().filter(|s| s.information > 0.0);
+    let total: f64 = known.clone().map(|s| s.score * s.score / s.information / variance).sum();
+    let (score, information) = known.clone().fold((0.0, 0.0), |(a, b), s| (a + s.score, b + s.information));
+    let level = score * score / information / variance;
+    let (line, bent) = (parabola(sums, false)?, parabola(sums, true)?);
+    let (by_line, by_bent) = (explained(&line), explained(&bent));
+    let (chosen, by, terms) = match (by_bent - by_line > TREND, by_line - level > TREND) {
+        (true, _) => (bent, by_bent, 3.0),
+        (false, true) => (line, by_line, 2.0),
+        (false, false) => return None,
+    };
+    let freedom = (known.count() as f64 - terms).max(1.0);
+    let smooth = total - by < ROUGH * freedom;
+    let spread = (0.5 * chosen[1]).abs() + (0.25 * chosen[2]).abs();
+    (smooth && spread > LEAST_TREND * sigma).then_some(chosen)
+}
+
+fn parabola(sums: &[BlurSums; BLOCKS], bent: bool) -> Option<nalgebra::Vector3<f64>> {
+    let known = sums.iter().filter(|s| s.count >= LEAST_COUNT).count();
+    if known < 3 {
+        return None;
+    }
+    let bent = if known < 6 || !bent { 0.0 } else { 1.0 };
+    let mut normal = nalgebra::Matrix3::<f64>::zeros();
+    let mut right = nalgebra::Vector3::<f64>::zeros();
+    for (block, sum) in sums.iter().enumerate() {
+        let t = middle(block);
+        let basis = nalgebra::Vector3::new(1.0, t, bent * t * t);
+        normal += basis * basis.transpose() * sum.information;
+        right += basis * sum.score;
+    }
+    normal[(2, 2)] += 1.0 - bent;
+    normal.try_inverse().map(|inverse| inverse * right)
+}
+
+/// Slope below which the blur along the column is that across the edge, to 0.2 %.
+pub(crate) const LEVEL: f32 = 0.05;
+
+/// Blur along a column of slope `slope` in a block.
+pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
+    if slope.abs() < LEVEL { sigma } else { column_sigma(sigma, f64::from(slope)) }
+}

@@ -1,0 +1,192 @@
+//! The blur of a frame that a stream follows: a shaft that sags towards the camera, or turns out of the centre, is out of focus otherwise in
+//! every frame.
+//!
+//! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ moves an edge by −δ·I_xσ/I_xx: both edges
+//! outwards or both inwards. The score for σ at the edges just placed costs a tenth of placing them. Summed over blocks along the shaft it
+//! gives the change of a parabola σ(t); where it is no more than noise it is averaged with the frames before (recursive least squares
+//! with forgetting) for the next frame, where it is more it is the frame's own, and the edges just placed are moved by it to first order,
+//! or placed anew.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::blur::{BLOCKS, BlurEstimate, BlurSums, middle, sample};
+use super::column_fit::ColumnJob;
+use super::scoring::{dot, normalise};
+use super::scoring_table::Table;
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::image::window_layout::PHASE_REACH;
+use crate::gauge::edges::Edge;
+
+/// Share of the frames before that is kept a frame: an average over three or four.
+const KEPT: f64 = 0.7;
+/// χ² of the change, three degrees of freedom, from which it is the frame's own: one frame in nine of a blur that stays. Below it a change
+/// is smaller than twice its standard uncertainty, which the budget's row of the blur states once.
+const CALM: f64 = 6.0;
+/// Standard deviation of trend and bend of the blur along the field that are taken for possible without a frame that shows them, as a
+/// share of the blur.
+const LIKELY_TREND: f64 = 0.01;
+/// Largest change of the blur by which edges are moved to first order; what that leaves is its square, below 1e-4 px.
+const FIRST_ORDER: f64 = 0.01;
+/// Times that edges are placed anew for a change of the blur.
+pub(crate) const MOST_REFITS: usize = 2;
+/// Change beyond which the frame is searched anew.
+const LOST: f64 = 0.15;
+
+/// What a followed frame does to a side's blur.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Change {
+    /// No more than noise, or nothing to show it from.
+    Calm,
+    /// The edges were moved by it.
+    Moved,
+    /// The edges are to be placed anew.
+    Refit,
+    /// More than a stream follows.
+    Lost,
+}
+
+/// What a stream carries of a side's blur from frame to frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlurTrack {
+    /// Whether the frame's blur is to be followed.
+    follows: bool,
+    /// Information on the parabola's coefficients, 1/px²; none after a search.
+    information: Option<Matrix3<f64>>,
+    /// Sums of the frame just fitted, over the blur of its tables.
+    sums: [BlurSums; BLOCKS],
+}
+
+fn basis(block: usize) -> Vector3<f64> {
+    let t = middle(block);
+    Vector3::new(1.0, t, t * t - 1.0 / 12.0)
+}
+
+impl BlurTrack {
+    /// Begins a frame of a stream; `follows`: its blur is not given.
+    pub(crate) fn begin(&mut self, follows: bool) {
+        self.follows = follows;
+    }
+
+    /// Begins a fit.
+    pub(crate) fn start(&mut self) {
+        self.sums = [BlurSums::default(); BLOCKS];
+    }
+
+    /// Adds the edges of columns that share a table.
+    pub(crate) fn add(
+        &mut self,
+        job: &ColumnJob<'_>,
+        columns: std::ops::Range<usize>,
+        slope: &[f32],
+        line: &[Edge],
+        normalised: &mut [f32],
+    ) {
+        if !self.follows || columns.is_empty() {
+            return;
+        }
+        let count = job.windows.centre.len();
+        let blocks = BlurEstimate::block(columns.start, count)..=BlurEstimate::block(columns.end - 1, count);
+        for block in blocks {
+            let sum = &mut self.sums[block];
+            for column in sample(block, count).filter(|c| columns.contains(c)) {
+                let edge = &line[column];
+                if edge.is_usable() && slope[column].abs() <= 0.3 {
+                    add_column(sum, job, column, edge, normalised);
+                }
+            }
+        }
+    }
+
+    /// What the frame just fitted says of the blur: moves its edges where that is needed, and keeps it for the next frame.
+    pub(crate) fn follow(
+        &mut self,
+        blur: &mut BlurEstimate,
+        relative_variance: f64,
+        view: &TrackView<'_>,
+        line: &mut [Edge],
+    ) -> Change {
+        let (mut normal, mut score) = (Matrix3::zeros(), Vector3::zeros());
+        for (block, sum) in self.sums.iter().enumerate().filter(|(_, s)| s.information > 0.0) {
+            let (phi, information) = (basis(block), sum.information / relative_variance);
+            normal += phi * phi.transpose() * information;
+            score += phi * (sum.score / relative_variance);
+        }
+        if !(normal[(0, 0)] > 0.0 && normal[(0, 0)].is_finite()) {
+            return Change::Calm;
+        }
+        let sigma = blur.mean();
+        let trend = (LIKELY_TREND * sigma).powi(-2);
+        let likely = Matrix3::from_diagonal(&Vector3::new(0.0, trend, trend));
+        let Some(own) = (normal + likely).try_inverse().map(|inverse| inverse * score) else {
+            return Change::Calm;
+        };
+        let calm = own.dot(&score) < CALM;
+        let before = if calm { KEPT * self.information.unwrap_or(normal) } else { Matrix3::zeros() };
+        let Some(change) = (normal + likely + before).try_inverse().map(|inverse| inverse * score) else {
+            return Change::Calm;
+        };
+        let mut delta = [0.0; BLOCKS];
+        for (block, value) in delta.iter_mut().enumerate() {
+            *value = basis(block).dot(&change);
+        }
+        let largest = delta.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+        if !(largest < LOST * sigma) {
+            return Change::Lost;
+        }
+        self.information = Some(normal + before);
+        blur.sigma.iter_mut().zip(&delta).for_each(|(s, d)| *s += d);
+        if calm {
+            return Change::Calm;
+        }
+        if largest > FIRST_ORDER * sigma {
+            return Change::Refit;
+        }
+        view.move_edges(&delta, line);
+        Change::Moved
+    }
+}
+
+fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edge, normalised: &mut [f32]) {
+    let (windows, table) = (job.windows, job.table);
+    let Ok(centre) = windows.centre[column] else { return };
+    let x = f64::from(windows.side.sign()) * (edge.row_px - f64::from(centre));
+    // An edge that has moved since the last frame stands in another part of its window.
+    let whole = if x.abs() > f64::from(PHASE_REACH) { x.round() } else { 0.0 };
+    let x = (x - whole) as f32;
+    let (dark, light) = (job.dark.level[column], job.light.level[column]);
+    // What lies outside the core has no weight.
+    let (first, length) = table.core();
+    let Ok(moved) = usize::try_from(first as i64 + whole as i64) else { return };
+    let Some(window) = windows.of(column).get(moved..moved + length) else { return };
+    let core = &mut normalised[..length];
+    normalise(window, dark, light - dark, core);
+    let phase = table.phase(x);
+    let of_core = |weights: &[f32]| dot(core, &weights[first..first + length]);
+    let step = of_core(phase.weights) - phase.scalars.offset;
+    let score = of_core(phase.blur_scores) - phase.blur.offset - step * phase.blur.position;
+    let information = phase.blur.information(phase.scalars);
+    sum.score += f64::from(score - information * job.blur_shift);
+    sum.information += f64::from(information);
+    sum.count += 1.0;
+}
+
+/// What moves the edges of a side.
+pub(crate) struct TrackView<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) table: &'a Table,
+}
+
+impl TrackView<'_> {
+    /// Moves edges by what a change of the blur of every block does to them.
+    fn move_edges(&self, delta: &[f64; BLOCKS], line: &mut [Edge]) {
+        let columns = line.len();
+        let sign = f64::from(self.windows.side.sign());
+        for (column, edge) in line.iter_mut().enumerate() {
+            let Ok(centre) = self.windows.centre[column] else { continue };
+            let x = sign * (edge.row_px - f64::from(centre));
+            let phase = if x.abs() > f64::from(PHASE_REACH) { x - x.round() } else { x };
+            let lever = f64::from(self.table.scalars(self.table.index(phase as f32)).lever);
+            edge.row_px -= sign * lever * delta[BlurEstimate::block(column, columns)];
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Edges beside light or shadow that is clipped at an end of the grey scale: censored maximum likelihood.
+//!
+//! Levels along the shaft, blur and two shape terms of the edge-spread function are estimated once a side from many columns, the place of
+//! each column with them (`score`, `joint`). A level may lie on either side of the end: where noise reaches the end it is
+//! found from the pixels that do not, where all of it is clipped from the flank. What the flank leaves open of it enters the shared
+//! uncertainty with the joint covariance; the part by the shape of the edge, which is the same lens at both edges, adds up in a width:
+//! each side states √2 of its own.
+
+use super::joint::{BRIGHTEST, Joint, Settled};
+use super::level::Level;
+use super::score::{Column, Likelihood, Noise, Score};
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::levels::LevelCurve;
+use crate::gauge::edge::estimation::soft_knee;
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edges::{Edge, EdgeState};
+use crate::profile::Reason;
+
+/// Most columns that levels, blur and shape are estimated from.
+const TEACHERS: usize = 512;
+/// Most columns that the number of knots is chosen from.
+const SCOUTS: usize = 128;
+/// Numbers of knots of a clipped level.
+const KNOTS: [usize; 4] = [2, 3, 5, 9];
+/// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
+const KNOT_PRICE: f64 = 4.0;
+/// Steepest edges that take part in learning, rows per column.
+const MOST_SLOPE: f32 = 0.2;
+/// Share of the largest contrast looked for from which on the flank does not state it.
+const AT_THE_BOUND: f64 = 0.98;
+/// Excess of χ² over its expectation from which on a misfit has moved the levels.
+const EXPLAINED: f64 = 1.2;
+/// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
+const MOST_SHOWN_PX: f64 = 1.0;
+/// χ² over its expectation beyond which no edge-spread function of the family fits.
+const MISFITTING: f64 = 2.0;
+/// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
+const HELD: (f64, f64) = (0.05, 0.5);
+/// Times what is presumed of the shape terms from which on the whole flank is not taken: Gaussian edges under clipped light stay below 1,
+/// knees of video cameras reach 2 to 4.
+const BENT: f64 = 1.5;
+/// Relative standard uncertainty of a blur that is given.
+const GIVEN_TO: f64 = 1e-3;
+
+/// What a side's frame states before the fit.
+#[derive(Clone, Debug)]
+pub(crate) struct ClippedStart<'a> {
+    /// The edge-spread function.
+    pub(crate) shape: &'a EdgeShape,
+    /// Levels as the flat pixels show them, clipped or not.
+    pub(crate) levels: [&'a LevelCurve; 2],
+    /// Blur, px, and whether it is given.
+    pub(crate) sigma: f64,
+    pub(crate) sigma_is_given: bool,
+    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and the least that is taken seriously.
+    pub(crate) variance: [f64; 2],
+    pub(crate) floor: f64,
+    /// Ends of the grey scale.
+    pub(crate) ends: Ends,
+}
+
+/// What the fit of a side gives beside its edges.
+#[derive(Clone, Debug)]
+pub(crate) struct ClippedSide {
+    /// Degrees of freedom to test the columns' residuals with.
+    pub(crate) freedom: f64,
+    /// Blur, px.
+    pub(crate) sigma: f64,
+    /// Levels of dark and light, counts.
+    pub(crate) levels: [Vec<f32>; 2],
+    /// Standard uncertainty of an edge by the shape of what is clipped, √2 for both edges included, px.
+    pub(crate) u_px: f64,
+}
+
+/// Fits all columns of a side; `None`, all of them gaps, where the flank does not state the levels beyond the ends.
+pub(crate) fn fit_side(
+    windows: &Windows,
+    slope: &[f32],
+    start: &ClippedStart<'_>,
+    line: &mut Vec<Edge>,
+) -> Option<ClippedSide> {
+    let columns = windows.centre.len();
+    let mut fitted = fit_joint(windows, slope, start);
+    if let Some(lower) = fitted.as_ref().and_then(|fitted| lower_ends(start, fitted)) {
+        fitted = fit_joint(windows, slope, &ClippedStart { ends: lower, ..start.clone() });
+    }
+    let Some((joint, settled, held)) = fitted else {
+        let gap = |column: usize| windows.centre[column].err().unwrap_or(Reason::Saturated);
+        line.extend((0..columns).map(|column| Edge::gap(gap(column))));
+        return None;
+    };
+    // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
+    let hidden = if held > 0.0 { 0.0 } else { (settled.misfit - EXPLAINED).max(0.0) / settled.misfit };
+    let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
+    for (column, slope) in slope.iter().enumerate().take(columns) {
+        let (edge, model) = match windows.centre[column] {
+            Ok(_) => fit_column(windows, &joint, &settled, (column, *slope, last_row), (hidden, held)),
+            Err(reason) => (Edge::gap(reason), 0.0),
+        };
+        last_row = edge.is_usable().then_some(edge.row_px);
+        if edge.is_usable() {
+            (variance, usable) = (variance + model, usable + 1.0);
+        }
+        line.push(edge);
+    }
+    let curve = |level: &Level| (0..columns).map(|column| level.at(column) as f32).collect();
+    Some(ClippedSide {
+        freedom: (settled.telling - 1.0).max(1.0),
+        sigma: joint.sigma,
+        levels: [curve(&joint.dark), curve(&joint.light)],
+        u_px: (variance / f64::max(usable, 1.0)).sqrt(),
+    })
+}
+
+/// Lower ends where the whole flank asks for an edge-spread function beyond what was presumed of any: the response bends before it ends, or
+/// the edge-spread function departs. The lower part of the flank, which is free of the bend, is then taken alone.
+fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, f64)) -> Option<Ends> {
+    let ends = start.ends;
+    if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
+        return None;
+    }
+    let dark = joint.dark.at(joint.columns[joint.columns.len() / 2]);
+    Some(Ends { high: soft_knee::trusted([dark, ends.high], ends.step), ..ends })
+}
+
+fn fit_joint<'a>(
+    windows: &Windows,
+    slope: &[f32],
+    start: &ClippedStart<'a>,
+) -> Option<(Joint<'a>, Settled, f64)> {
+    let able: Vec<usize> = (0..windows.centre.len())
+        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
+        .collect();
+    let some = |most: usize| -> Vec<usize> {
+        able.iter().copied().step_by(able.len().div_ceil(most).max(1)).collect()
+    };
+    if able.len() < 8 {
+        return None;
+    }
+    let ends = start.ends;
+    let [dark, light] = start.levels;
+    let low = if ends.low.is_finite() { ends.low } else { dark.mean };
+    let high = if ends.high.is_finite() { ends.high } else { light.mean };
+    let seen = high - low;
+    let known = |curve: &LevelCurve, clipped: bool, knots: usize, beyond: f64| match clipped {
+        true => {
+            let from: Vec<f32> = curve.level.iter().map(|l| l + beyond as f32).collect();
+            Level::free(&from, (able[0], able[able.len() - 1]), knots)
+        }
+        false => Level::known(&curve.level, f64::from(mean(&curve.uncertainty))),
+    };
+    // The noise's line hangs on the level that is not clipped, and the flank gives its slope.
+    let (level, variance) = match ends.low.is_finite() && ends.high.is_infinite() {
+        true => (light.mean, start.variance[1]),
+        false => (dark.mean.max(low), start.variance[0]),
+    };
+    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, misfit: 0.0 };
+    let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
+    let scouts = some(SCOUTS);
+    let mut best = Joint {
+        likelihood: Likelihood::new(start.shape, ends, noise),
+        dark: known(dark, ends.low.is_finite(), KNOTS[0], -0.02 * seen),
+        light: known(light, ends.high.is_finite(), KNOTS[0], 0.02 * seen),
+        sigma: start.sigma,
+        sigma_prior: start.sigma_is_given.then_some((start.sigma, GIVEN_TO * start.sigma)),
+        places: places(&scouts),
+        columns: scouts,
+    };
+    let mut least = price(&best.settle(windows, slope, seen)?, KNOTS[0]);
+    let mut last = best.clone();
+    for knots in KNOTS.into_iter().skip(1).take_while(|knots| 8 * knots <= able.len()) {
+        let mut finer = last.clone();
+        for level in [&mut finer.dark, &mut finer.light] {
+            if level.prior.is_none() {
+                *level = level.with_knots(knots);
+            }
+        }
+        let Some(settled) = finer.settle(windows, slope, seen) else { break };
+        last = finer.clone();
+        let dearer = price(&settled, knots);
+        if dearer < least {
+            (least, best) = (dearer, finer);
+        }
+    }
+    let teachers = some(TEACHERS);
+    best.places = places(&teachers);
+    best.columns = teachers;
+    for (column, place) in best.columns.iter().zip(&mut best.places) {
+        let at = best.likelihood.place(
+            windows.of(*column),
+            *place,
+            Column::of(&best.dark, &best.light, *column, best.sigma),
+        );
+        *place = at.unwrap_or(*place);
+    }
+    best.leave_out_strays(windows, slope);
+    let settled = best.settle(windows, slope, seen)?;
+    if settled.misfit > MISFITTING {
+        return hold(&best, windows, slope, seen);
+    }
+    let bound = |level: &Level, end: f64| {
+        level.prior.is_none()
+            && level.knots.iter().any(|knot| (knot - end).abs() > AT_THE_BOUND * (BRIGHTEST - 1.0) * seen)
+    };
+    let beyond = bound(&best.dark, ends.low) || bound(&best.light, ends.high);
+    (!beyond).then_some((best, settled, 0.0))
+}
+
+/// Where no edge-spread function of the family fits, the flank does not state the light: it is held a little beyond the end, and what the
+/// edges move by farther beyond is their common uncertainty, px (the value taken stands at one end of a rectangle; √2 for both edges).
+fn hold<'a>(
+    joint: &Joint<'a>,
+    windows: &Windows,
+    slope: &[f32],
+    seen: f64,
+) -> Option<(Joint<'a>, Settled, f64)> {
+    let ends = joint.likelihood.ends;
+    let at = |beyond: f64| -> Option<(Joint<'a>, Settled)> {
+        let mut held = joint.clone();
+        held.likelihood.terms = Default::default();
+        for (level, end, sign) in [(&mut held.dark, ends.low, -1.0), (&mut held.light, ends.high, 1.0)] {
+            if level.prior.is_none() {
+                *level = level.held(end + sign * beyond * seen);
+            }
+        }
+        let settled = held.settle(windows, slope, seen)?;
+        Some((held, settled))
+    };
+    let (near, settled) = at(HELD.0)?;
+    let (far, _) = at(HELD.1)?;
+    let mean = |places: &[f64]| places.iter().sum::<f64>() / places.len().max(1) as f64;
+    let moved = (mean(&far.places) - mean(&near.places)).abs();
+    Some((near, settled, moved * (2.0_f64 / 3.0).sqrt()))
+}
+
+fn price(settled: &Settled, knots: usize) -> f64 {
+    KNOT_PRICE * knots as f64 - 2.0 * settled.log_likelihood
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len().max(1) as f32
+}
+
+impl Column {
+    fn of(dark: &Level, light: &Level, column: usize, sigma: f64) -> Self {
+        Self { dark: dark.at(column), light: light.at(column), sigma }
+    }
+}
+
+/// A column's edge, and the variance of it by the shape of what is clipped, px².
+fn fit_column(
+    windows: &Windows,
+    joint: &Joint<'_>,
+    settled: &Settled,
+    (column, slope, last_row): (usize, f32, Option<f64>),
+    (hidden, held): (f64, f64),
+) -> (Edge, f64) {
+    let at = joint.column(column, slope);
+    // The edge of the column before is nearer than the windows' own first estimate, which noise and clipped light have moved.
+    let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < NEIGHBOUR_PX);
+    let start = start.unwrap_or_else(|| windows.first_place(column));
+    let Some(x) = joint.likelihood.place(windows.of(column), start, at) else {
+        return (Edge::gap(Reason::Residual), 0.0);
+    };
+    let score = joint.likelihood.score(windows.of(column), x, at);
+    let Score { chi2, telling, stray, .. } = score;
+    // Fewer than two pixels that state a grey value: nothing but the ends is seen.
+    let own = score.information[(0, 0)];
+    if !(own > 0.0) || telling < 2.0 {
+        return (Edge::gap(Reason::Saturated), 0.0);
+    }
+    if stray > MOST_STRAY {
+        return (Edge::gap(Reason::Residual), 0.0);
+    }
+    let (all, known_shape) = joint.shared(settled, column, &score);
+    let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
+    let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
+    let model = if held > 0.0 { held * held } else { model };
+    // Where no model fits, columns are judged by what the model leaves of all of them, which is in their own u.
+    let expected = if held > 0.0 { settled.misfit.max(1.0) } else { 1.0 };
+    let edge = Edge {
+        row_px: windows.row(column, x as f32),
+        u_own_px: (1.0 / own).sqrt() as f32,
+        u_shared_px: (known_shape + model + 2.0 * shown).sqrt() as f32,
+        chi2: (chi2 / ((telling - 1.0).max(1.0) * expected)) as f32,
+        state: EdgeState::Impaired(Reason::Clipped),
+    };
+    (edge, model + 2.0 * shown)
+}
+
+/// Farthest from a window's central pixel that the edge of the column before is started from, px.
+const NEIGHBOUR_PX: f64 = 3.0;
+/// Most stray pixels of a column that is fitted.
+const MOST_STRAY: usize = 2;

@@ -1,0 +1,150 @@
+//! Light that is not even around a small part: the logarithm of the contrast as a quadratic over the frame.
+//!
+//! ```text
+//! ln C(x, y) = p0 + p1 x + p2 y + p3 x² + p4 xy + p5 y²        exact for light that falls exponentially and for Gaussian spots
+//! ```
+//!
+//! Least squares on the light beside the part, residuals beyond three standard deviations counting by their size only (Huber). A wire's or
+//! a disc's own pixels are divided by it: their edges are then those of even light.
+
+use nalgebra::{Matrix6, Vector6};
+
+use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
+
+/// Fewest pixels of light that show a field.
+const LEAST: usize = 200;
+/// Contrast below which a pixel is no light but dirt or another part, as a share of the median.
+const LEAST_CONTRAST: f64 = 0.15;
+/// Residuals beyond so many standard deviations count by their size only.
+const HUBER: f64 = 3.0;
+const ROUNDS: usize = 4;
+/// Scatter of the field over the pixels from which light is uneven: in standard deviations of what noise makes of even light, and at
+/// least. A light even to half a percent moves an edge by some thousandths of a pixel.
+const PLAIN: f64 = 6.0;
+const LEAST_SPREAD: f64 = 0.005;
+/// Scatter about the field over that of neighbouring pixels, and share of the contrast beside it, up to which the light is smooth.
+const SMOOTH: f64 = 1.5;
+const SMOOTH_SHARE: f64 = 0.01;
+
+/// A pixel of light: its place and its grey value above the shadow's, counts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lit {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) contrast: f64,
+}
+
+/// A light that is not even.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightField {
+    centre: (f64, f64),
+    scale: f64,
+    by: Vector6<f64>,
+}
+
+impl LightField {
+    /// From pixels of light in the order of lines; `None` where the light is even, or not smooth.
+    pub(crate) fn fit(points: &[Lit]) -> Option<Self> {
+        let usual = median_of(points.iter().map(|p| p.contrast).collect());
+        if !(usual > 0.0) {
+            return None;
+        }
+        let points: Vec<Lit> =
+            points.iter().copied().filter(|p| p.contrast > LEAST_CONTRAST * usual).collect();
+        if points.len() < LEAST {
+            return None;
+        }
+        let n = points.len() as f64;
+        let mean = |of: &dyn Fn(&Lit) -> f64| points.iter().map(of).sum::<f64>() / n;
+        let centre = (mean(&|p| p.x), mean(&|p| p.y));
+        let scale = mean(&|p| (p.x - centre.0).powi(2) + (p.y - centre.1).powi(2)).sqrt().max(1.0);
+        let mut field = Self { centre, scale, by: Vector6::zeros() };
+        field.by[0] = usual.ln();
+        let mut noise = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+            for p in &points {
+                let (terms, residual) = (field.terms(p.x, p.y), field.residual(p));
+                // A residual of the logarithm weighs by the contrast's square, near the field's own.
+                let expected = field.terms(p.x, p.y).dot(&field.by).exp();
+                let weight = expected.powi(2) * (HUBER * noise / residual.abs().max(1e-12)).min(1.0);
+                normal += terms * terms.transpose() * weight;
+                right += terms * (weight * p.contrast.ln());
+            }
+            field.by = normal.cholesky()?.solve(&right);
+            noise = MEDIAN_TO_SD * median_of(points.iter().map(|p| field.residual(p).abs()).collect());
+        }
+        (field.is_uneven(&points, noise) && is_smooth(&points, noise, usual)).then_some(field)
+    }
+
+    fn terms(&self, x: f64, y: f64) -> Vector6<f64> {
+        let (x, y) = ((x - self.centre.0) / self.scale, (y - self.centre.1) / self.scale);
+        Vector6::new(1.0, x, y, x * x, x * y, y * y)
+    }
+
+    /// What a pixel departs from the field, counts.
+    fn residual(&self, p: &Lit) -> f64 {
+        let log = self.terms(p.x, p.y).dot(&self.by);
+        (p.contrast.ln() - log) * log.exp()
+    }
+
+    fn is_uneven(&self, points: &[Lit], noise: f64) -> bool {
+        let n = points.len() as f64;
+        let logs: Vec<f64> = points.iter().map(|p| self.terms(p.x, p.y).dot(&self.by)).collect();
+        let mean = logs.iter().sum::<f64>() / n;
+        let spread = (logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / n).sqrt();
+        spread > (PLAIN * noise / mean.exp() * (5.0 / n).sqrt()).max(LEAST_SPREAD)
+    }
+
+    /// Light at a place over that at the field's centre.
+    pub(crate) fn relative(&self, x: f64, y: f64) -> f64 {
+        (self.terms(x, y).dot(&self.by) - self.by[0]).exp()
+    }
+}
+
+/// Whether the field leaves little more than the scatter of neighbouring pixels.
+fn is_smooth(points: &[Lit], noise: f64, usual: f64) -> bool {
+    let beside = points.windows(2).filter(|w| (w[0].x - w[1].x).hypot(w[0].y - w[1].y) < 1.5);
+    let scatter = median_of(beside.map(|w| (w[0].contrast - w[1].contrast).abs()).collect());
+    let scatter = if scatter.is_nan() { 0.0 } else { MEDIAN_TO_SD * scatter / std::f64::consts::SQRT_2 };
+    noise <= SMOOTH * scatter + SMOOTH_SHARE * usual
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(of: impl Fn(f64, f64) -> f64) -> Vec<Lit> {
+        let all = (0..60).flat_map(|y| (0..80).map(move |x| (f64::from(x), f64::from(y))));
+        // Pseudo-random noise of ± 1 count.
+        let noise = |x: f64, y: f64| 2.0 * (0.618_034 * (x * 37.0 + y * 101.0)).fract() - 1.0;
+        let beside = all.filter(|(_, y)| !(20.0..40.0).contains(y));
+        beside.map(|(x, y)| Lit { x, y, contrast: of(x, y) + noise(x, y) }).collect()
+    }
+
+    #[test]
+    fn spots_and_exponential_light_are_met_between_the_pixels_seen() {
+        type Field = fn(f64, f64) -> f64;
+        let fields: [Field; 3] = [
+            |_, y| 180.0 * (-y / 50.0).exp(),
+            |x, y| 150.0 * (-((x - 30.0).powi(2) + (y - 25.0).powi(2)) / 2500.0).exp(),
+            |x, y| 170.0 - 1.2 * x - 0.7 * y,
+        ];
+        for (k, of) in fields.into_iter().enumerate() {
+            let field = LightField::fit(&light(of)).unwrap();
+            for (x, y) in [(40.0, 24.0), (10.0, 30.0), (70.0, 36.0)] {
+                let (found, right) =
+                    (field.relative(x, y) / field.relative(40.0, 15.0), of(x, y) / of(40.0, 15.0));
+                let most = if k == 2 { 0.02 } else { 0.003 };
+                assert!((found / right - 1.0).abs() < most, "field {k} at {x}, {y}: {found} {right}");
+            }
+        }
+    }
+
+    #[test]
+    fn even_light_and_light_with_structure_are_no_field() {
+        assert!(LightField::fit(&light(|_, _| 150.0)).is_none());
+        let striped = |x: f64, y: f64| 150.0 - 0.5 * x + 25.0 * (0.7 * y).sin() + 25.0 * (0.5 * x).cos();
+        assert!(LightField::fit(&light(striped)).is_none());
+    }
+}

@@ -1,0 +1,26 @@
+//! What windows of grey values state: levels, noise, blur, and the place of every edge by maximum likelihood.
+//!
+//! In: `scan_windows::Windows` of one side. Out: level curves along the shaft (`levels`), the noise (`noise`), the blur and its
+//! uncertainty (`blur`, `blur_track`), edges with u and χ² (`column_fit` by the tables of `scoring_table`; `censored_fit` where light is
+//! clipped), and what rounding or the model's own misfit adds to u. Counts and px throughout.
+//!
+//! One more estimate is one more file: a function of windows and what was estimated before it, called by `side`. Nothing here refuses
+//! an edge for where it lies; that is `rejection`.
+
+pub(crate) mod blur;
+pub(crate) mod blur_track;
+pub(crate) mod censored;
+pub(crate) mod censored_fit;
+pub(crate) mod column_fit;
+pub(crate) mod grey_ends;
+pub(crate) mod level_gradient;
+pub(crate) mod levels;
+pub(crate) mod light_field;
+pub(crate) mod model_bias;
+pub(crate) mod noise;
+pub(crate) mod rounding;
+pub(crate) mod scoring;
+pub(crate) mod scoring_table;
+pub(crate) mod slanted_edge;
+pub(crate) mod soft_knee;
+pub(crate) mod survey;

@@ -1,0 +1,296 @@
+//! What the masters' edges leave of the edge model, and what a part's edges leave beyond it.
+//!
+//! An edge model that is not the light's own places every edge wrongly by b. Where calibration and use share model, optics and light, b is the
+//! same in both and the masters' offset has swallowed it (GUM 5.2: a systematic effect common to both cancels in their difference). What a
+//! residual r may hide, u = ‖r‖/√J with the edge's information J, must then not be stated in full, but only what may have changed:
+//!
+//! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over the distance d from the edge, χ² is taken of
+//!    r − r_c. A part that leaves what the masters left has χ² = 1; one that leaves anything else, or nothing, has not;
+//! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first
+//!    order; zero where the weights are those of the masters;
+//! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫ w·r·e^{2πiu} du is not to be seen in r_c, which is
+//!    taken over distances from the edges as they were fitted (see `slanted_edge`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
+//!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3 % at 0.8 px, nothing from 1.2 px.
+
+use super::column_fit::ColumnJob;
+use super::levels::LevelCurve;
+use super::scoring::normalise;
+use super::scoring_table::FINE;
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::image::window_layout::half;
+use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
+use crate::gauge::edges::Edge;
+use crate::numerics::smoothing_spline::SplineFit;
+
+/// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area lets through), and in blurs, whose optics
+/// pass nothing finer than a few of these.
+const KNOT_PX: f64 = 0.25;
+const KNOT_IN_BLURS: f64 = 0.4;
+/// Weight of a second difference of the spline's coefficients, in units of a knot's mean weight: bridges the phases that no master stood
+/// at, and takes 1 % of a ring as wide as two and a half blurs.
+const SMOOTHING: f64 = 1e-2;
+/// Distance of the values kept, px.
+const STEP_PX: f64 = 0.125;
+/// Mean excess of χ² over its expectation from which the masters' edges have a misfit: the noise of a few frames is known to 2 %.
+const LEAST_EXCESS: f64 = 0.05;
+/// Fewest edges a side that teach.
+const LEAST_EDGES: u32 = 128;
+/// Slope above which a column does not teach.
+const STEEPEST: f32 = 0.3;
+
+/// Gathers residuals from the masters' frames.
+#[derive(Debug, Default)]
+pub struct MisfitLesson {
+    sides: [Option<SideLesson>; 2],
+    chi2: f64,
+    edges: f64,
+}
+
+#[derive(Debug)]
+struct SideLesson {
+    reach: f64,
+    fit: SplineFit,
+    edges: u32,
+}
+
+/// A side's frame as a lesson sees it.
+pub(crate) struct SideView<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) shape: &'a EdgeShape,
+    pub(crate) dark: &'a LevelCurve,
+    pub(crate) light: &'a LevelCurve,
+    pub(crate) slope: &'a [f32],
+}
+
+impl MisfitLesson {
+    /// Adds the residuals of a side's edges; `sigma` is the blur at a column.
+    pub(crate) fn add(
+        &mut self,
+        side: usize,
+        view: &SideView<'_>,
+        line: &[Edge],
+        sigma: impl Fn(usize) -> f64,
+    ) {
+        let windows = view.windows;
+        let reach = half(windows.width) as f64 - 1.0;
+        let knot = (KNOT_IN_BLURS * sigma(line.len() / 2)).max(KNOT_PX);
+        let segments = (2.0 * reach / knot).ceil() as usize;
+        let lesson = self.sides[side].get_or_insert_with(|| SideLesson {
+            reach,
+            fit: SplineFit::new(-reach, reach, segments),
+            edges: 0,
+        });
+        let sign = f64::from(windows.side.sign());
+        let first = -(half(windows.width) as f64);
+        let mut samples = vec![EdgeSample::default(); windows.width - 1];
+        for (column, edge) in line.iter().enumerate().filter(|(_, e)| e.is_usable()) {
+            let (Ok(centre), true) = (windows.centre[column], view.slope[column].abs() < STEEPEST) else {
+                continue;
+            };
+            let x = sign * (edge.row_px - f64::from(centre));
+            view.shape.samples(first, x, sigma(column), &mut samples);
+            let dark = f64::from(view.dark.level[column]);
+            let contrast = f64::from(view.light.level[column]) - dark;
+            for (k, (m, sample)) in windows.of(column).iter().zip(&samples).enumerate() {
+                lesson.fit.add(first + k as f64 - x, (f64::from(*m) - dark) / contrast - sample.value);
+            }
+            lesson.edges += 1;
+            self.chi2 += f64::from(edge.chi2);
+            self.edges += 1.0;
+        }
+    }
+
+    /// What the edges leave; `None` where the model fits them as well as their noise lets it be told.
+    pub fn finish(self) -> Option<EdgeMisfit> {
+        let chi2 = self.chi2 / self.edges.max(1.0);
+        if !(chi2 > 1.0 + LEAST_EXCESS) {
+            return None;
+        }
+        let [top, bottom] = self.sides.map(|side| side.and_then(SideLesson::finish));
+        Some(EdgeMisfit { step_px: STEP_PX, residual: [top?, bottom?], chi2 })
+    }
+}
+
+impl SideLesson {
+    fn finish(self) -> Option<Vec<f64>> {
+        if self.edges < LEAST_EDGES {
+            return None;
+        }
+        let half = (self.reach / STEP_PX).ceil() as i32;
+        let spline = self.fit.solve(SMOOTHING, false)?;
+        Some((-half..=half).map(|k| spline.at(f64::from(k) * STEP_PX).0).collect())
+    }
+}
+
+/// Largest share of a misfit's norm that the place of an edge takes from its phase: the envelope of a(σ) over the edge's derivatives of
+/// orders 3 to 5 (module's heading).
+fn aliased(sigma: f64) -> f64 {
+    (3.5 * (-7.5 * sigma * sigma).exp()).min(0.4)
+}
+
+/// A side's expected residual, ready for use.
+#[derive(Clone, Debug)]
+pub(crate) struct Expected {
+    /// Values every 1/[`FINE`] px; the middle one at the edge.
+    values: Vec<f32>,
+    /// What remains of frames judged so far: Σ of squares by weights and phase, px², and edges.
+    left: (f64, f64),
+}
+
+impl Expected {
+    pub(crate) fn new(misfit: &EdgeMisfit, side: usize) -> Self {
+        let kept = &misfit.residual[side];
+        let middle = (kept.len() / 2) as f64;
+        let fine = f64::from(FINE);
+        let reach = (middle * misfit.step_px * fine) as i32;
+        let at = |k: i32| {
+            let place = middle + f64::from(k) / fine / misfit.step_px;
+            let (low, share) = (place as usize, place.fract());
+            let value = |k: usize| kept.get(k).copied().unwrap_or(0.0);
+            (value(low) + share * (value(low + 1) - value(low))) as f32
+        };
+        Self { values: (-reach..=reach).map(at).collect(), left: (0.0, 0.0) }
+    }
+
+    pub(crate) fn start(&mut self) {
+        self.left = (0.0, 0.0);
+    }
+
+    /// Standard uncertainty of an edge by other weights and phases than the masters', px.
+    pub(crate) fn left_px(&self) -> f64 {
+        (self.left.0 / f64::max(self.left.1, 1.0)).sqrt()
+    }
+
+    /// Takes χ² of the usable edges of `columns` against the expected residual instead of none.
+    pub(crate) fn judge(
+        &mut self,
+        job: &ColumnJob<'_>,
+        columns: std::ops::Range<usize>,
+        normalised: &mut [f32],
+        line: &mut [Edge],
+    ) {
+        let sign = f64::from(job.windows.side.sign());
+        for column in columns {
+            let edge = &mut line[column];
+            let (true, Ok(centre)) = (edge.is_usable(), job.windows.centre[column]) else { continue };
+            let x = (sign * (edge.row_px - f64::from(centre))) as f32;
+            let phase = job.table.phase(x);
+            let step = x - phase.scalars.phase;
+            // An edge beyond the tabulated phases keeps its χ².
+            if !(step.abs() < 0.25) {
+                continue;
+            }
+            let (dark, contrast) = (job.dark.level[column], job.light.level[column] - job.dark.level[column]);
+            normalise(job.windows.of(column), dark, contrast, normalised);
+            let mut sums = Sums::default();
+            for (k, n) in normalised.iter().enumerate() {
+                let expected = self.at(k as i32 - half(job.windows.width) as i32, phase.scalars.phase);
+                sums.add(n - phase.values[k], expected, phase.inverse_variances[k], phase.weights[k]);
+            }
+            let information = phase.scalars.information;
+            let square = sums.square
+                - step * step * information
+                - 2.0 * (sums.product - step * sums.moved * information)
+                + sums.expected;
+            let variance = job.noise.variance(f64::from(dark + 0.5 * contrast)) as f32;
+            edge.chi2 = square.max(0.0) / (variance / (contrast * contrast) * phase.scalars.freedom);
+            let by_phase = aliased(job.table.sigma).powi(2) * f64::from(sums.expected / information);
+            self.left.0 += f64::from(sums.moved).powi(2) + by_phase;
+            self.left.1 += 1.0;
+        }
+    }
+
+    /// Value at a pixel from the central one, for an edge at a phase.
+    fn at(&self, pixel: i32, phase: f32) -> f32 {
+        let middle = (self.values.len() / 2) as i32;
+        let index = middle + pixel * FINE as i32 - (phase * FINE as f32).round() as i32;
+        usize::try_from(index).ok().and_then(|k| self.values.get(k)).copied().unwrap_or(0.0)
+    }
+}
+
+/// Sums over the pixels of one edge: of the residual r and the expected one e, with the weights v_mid/v.
+#[derive(Default)]
+struct Sums {
+    /// Σ r²·v_mid/v.
+    square: f32,
+    /// Σ r·e·v_mid/v.
+    product: f32,
+    /// Σ e²·v_mid/v.
+    expected: f32,
+    /// Σ w·e, px.
+    moved: f32,
+}
+
+impl Sums {
+    fn add(&mut self, residual: f32, expected: f32, inverse_variance: f32, weight: f32) {
+        self.square += residual * residual * inverse_variance;
+        self.product += residual * expected * inverse_variance;
+        self.expected += expected * expected * inverse_variance;
+        self.moved += weight * expected;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::edge::model::gaussian::edge_samples;
+    use crate::numerics::distributions::phi_pdf;
+
+    /// |B₁| of the residual E⁽³⁾ … E⁽⁵⁾, freed of ∂E/∂x and ∂E/∂σ, by sums over a fine grid.
+    fn aliased_by_sums(sigma: f64, order: usize) -> f64 {
+        const PER_PX: i32 = 64;
+        let hermite = |n: usize, t: f64| match n {
+            1 => t,
+            2 => t * t - 1.0,
+            _ => t * t * t - 3.0 * t,
+        };
+        // E⁽ⁿ⁾ is the difference of the (n − 2)th derivative of the Gaussian density over a pixel.
+        let n = order - 2;
+        let density =
+            |u: f64| (-1.0 / sigma).powi(n as i32) * hermite(n, u / sigma) * phi_pdf(u / sigma) / sigma;
+        let grid: Vec<f64> = (-12 * PER_PX..=12 * PER_PX).map(|k| f64::from(k) / f64::from(PER_PX)).collect();
+        let mut sample = [EdgeSample::default()];
+        let (mut by_x, mut by_sigma, mut g) = (Vec::new(), Vec::new(), Vec::new());
+        for u in &grid {
+            edge_samples(*u, 0.0, sigma, &mut sample);
+            by_x.push(sample[0].by_position);
+            by_sigma.push(sample[0].by_sigma);
+            g.push(density(u + 0.5) - density(u - 0.5));
+        }
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / f64::from(PER_PX);
+        // ∂E/∂x is even and ∂E/∂σ odd about the edge: they are orthogonal.
+        for by in [&by_x, &by_sigma] {
+            let share = dot(&g, by) / dot(by, by);
+            g.iter_mut().zip(by).for_each(|(g, b)| *g -= share * b);
+        }
+        let wave = |f: fn(f64) -> f64| -> Vec<f64> {
+            grid.iter().zip(&by_x).map(|(u, e)| e * f(2.0 * std::f64::consts::PI * u)).collect()
+        };
+        let harmonic = dot(&wave(f64::cos), &g).hypot(dot(&wave(f64::sin), &g));
+        2.0_f64.sqrt() * harmonic / (dot(&by_x, &by_x) * dot(&g, &g)).sqrt()
+    }
+
+    #[test]
+    fn what_the_phase_takes_of_a_misfit_is_not_more_than_said() {
+        for sigma in [0.3, 0.36, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2] {
+            let most = (3..=5).map(|order| aliased_by_sums(sigma, order)).fold(0.0, f64::max);
+            let said = aliased(sigma);
+            assert!(most <= 1.05 * said && said < 2.0 * most + 1e-4, "sigma {sigma}: {most} {said}");
+        }
+    }
+
+    #[test]
+    fn impossible_files_are_named() {
+        let good = EdgeMisfit { step_px: 0.125, residual: [vec![0.0; 9], vec![0.01; 9]], chi2: 2.0 };
+        assert!(good.impossible().is_none());
+        assert!((good.norm(1) - 0.01 * (9.0_f64 * 0.125).sqrt()).abs() < 1e-12);
+        let step = EdgeMisfit { step_px: f64::NAN, ..good.clone() };
+        assert_eq!(step.impossible().unwrap().0, "misfit.step_px");
+        let even = EdgeMisfit { residual: [vec![0.0; 8], vec![0.0; 9]], ..good.clone() };
+        assert_eq!(even.impossible().unwrap().0, "misfit.residual");
+        let loud = EdgeMisfit { residual: [vec![0.0; 9], vec![f64::INFINITY; 9]], ..good };
+        assert_eq!(loud.impossible().unwrap().1, f64::INFINITY);
+    }
+}

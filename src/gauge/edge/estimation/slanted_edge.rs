@@ -1,0 +1,135 @@
+//! The edge-spread function learnt from the frame itself, as with a slanted edge (after ISO 12233).
+//!
+//! An edge that is not parallel to the rows passes through all sub-pixel phases along the shaft. A smooth curve through the places of many
+//! columns is freer of phase errors than any one of them; the grey values of all columns over their distance from that curve sample the
+//! pixel-integrated edge E(u) many times a pixel. E minus the Gaussian fitted before is a cubic spline, by least squares.
+//!
+//! Places of single columns would not do: a grey value at distance u always stems from the same phase, so that
+//! an error b(phase) of the places and a shape E(u + b) explain each other. The curve breaks that tie; it needs an edge that
+//! travels at least [`LEAST_TRAVEL`] pixels over the frame, and leaves the zero of the distance open.
+
+use super::levels::LevelCurve;
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::edge::image::window_layout::half;
+use crate::gauge::edge::model::edge_spread::StepTable;
+use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
+use crate::gauge::edges::Edge;
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
+use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::smoothing_spline::{Spline, SplineFit};
+
+/// Rows that an edge must travel over the frame for all phases to be seen often enough.
+pub const LEAST_TRAVEL: f64 = 1.5;
+/// Distance of the spline's knots, px: a quarter of the finest detail that a pixel's area lets through.
+const KNOT_PX: f64 = 0.25;
+/// Rows travelled over a segment of the smooth curve: two whole turns of the phase.
+const TRAVEL_PER_SEGMENT: f64 = 2.0;
+/// Most segments of the smooth curve.
+const MOST_SEGMENTS: usize = 16;
+/// Weight of a second difference of the spline's coefficients: settles coefficients without data.
+const SMOOTHING: f64 = 1e-5;
+/// Knots of the table per pixel.
+const TABLE_PER_PX: f64 = 32.0;
+/// Slope above which a column does not teach.
+const STEEPEST: f32 = 0.3;
+
+/// What a side knows of its frame.
+pub(crate) struct Lesson<'a> {
+    pub(crate) windows: &'a Windows,
+    pub(crate) dark: &'a LevelCurve,
+    pub(crate) light: &'a LevelCurve,
+    pub(crate) slope: &'a [f32],
+    /// Blur of the Gaussian fitted before, px.
+    pub(crate) sigma: f64,
+}
+
+/// Learns the edge of a side from its columns' places in `line`; `None` where the edge travels too little or too few columns have one.
+pub(crate) fn learn(lesson: &Lesson<'_>, line: &[Edge]) -> Option<StepTable> {
+    let sign = f64::from(lesson.windows.side.sign());
+    let able = |c: usize| line[c].is_usable() && lesson.slope[c].abs() < STEEPEST;
+    let places: Vec<(usize, f64)> =
+        (0..line.len()).filter(|c| able(*c)).map(|c| (c, sign * line[c].row_px)).collect();
+    if places.len() < 128 {
+        return None;
+    }
+    let curve = smooth_curve(&places)?;
+    let reach = half(lesson.windows.width) as f64 - 1.0;
+    let deviation = deviation(lesson, &places, &curve, reach)?;
+    Some(tabulate(&deviation, lesson.sigma, reach))
+}
+
+/// The smooth curve through the places, outliers left out.
+fn smooth_curve(places: &[(usize, f64)]) -> Option<Spline> {
+    let blocks = places.chunks(places.len().div_ceil(32));
+    let middles: Vec<f64> = blocks.map(|b| b.iter().map(|p| p.1).sum::<f64>() / b.len() as f64).collect();
+    let travel: f64 = middles.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
+    if travel < LEAST_TRAVEL {
+        return None;
+    }
+    let segments = ((travel / TRAVEL_PER_SEGMENT) as usize).clamp(1, MOST_SEGMENTS);
+    let (from, to) = (places[0].0 as f64, places[places.len() - 1].0 as f64);
+    let mut limit = f64::INFINITY;
+    let mut curve: Option<Spline> = None;
+    for _ in 0..3 {
+        let mut fit = SplineFit::new(from, to, segments);
+        let away = |c: usize, p: f64| curve.as_ref().map_or(0.0, |s| (p - s.at(c as f64).0).abs());
+        for (c, p) in places.iter().filter(|(c, p)| away(*c, *p) <= limit) {
+            fit.add(*c as f64, *p);
+        }
+        let next = fit.solve(SMOOTHING, false)?;
+        let mut sizes: Vec<f64> = places.iter().map(|(c, p)| (p - next.at(*c as f64).0).abs()).collect();
+        let middle = sizes.len() / 2;
+        let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+        limit = (4.0 * MEDIAN_TO_SD * *median).max(1e-6);
+        curve = Some(next);
+    }
+    curve
+}
+
+/// The pixel-integrated edge minus the Gaussian one over the distance from the curve.
+fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach: f64) -> Option<Spline> {
+    let windows = lesson.windows;
+    let segments = (2.0 * reach / KNOT_PX).ceil() as usize;
+    let mut fit = SplineFit::new(-reach, reach, segments);
+    let mut samples = vec![EdgeSample::default(); windows.width - 1];
+    let sign = windows.side.sign();
+    for (column, _) in places {
+        let Ok(centre) = windows.centre[*column] else { continue };
+        let x0 = curve.at(*column as f64).0 - f64::from(sign * centre);
+        let first = -(half(windows.width) as f64);
+        edge_samples(first, x0, lesson.sigma, &mut samples);
+        let dark = f64::from(lesson.dark.level[*column]);
+        let contrast = f64::from(lesson.light.level[*column]) - dark;
+        for (k, (m, sample)) in windows.of(*column).iter().zip(&samples).enumerate() {
+            let n = (f64::from(*m) - dark) / contrast;
+            fit.add(first + k as f64 - x0, n - sample.value);
+        }
+    }
+    let seen = fit.counts.iter().skip(8).rev().skip(8).all(|count| *count >= 4);
+    if seen { fit.solve(SMOOTHING, true) } else { None }
+}
+
+/// F and its integral from E by telescoping: I(v) = Σ E(v − 1/2 − j), F(v) = Σ E′(v − 1/2 − j) over j ≥ 0.
+fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> StepTable {
+    let far = reach.ceil() + 4.0;
+    let count = (2.0 * far * TABLE_PER_PX) as usize;
+    let (mut integral, mut value) = (Vec::with_capacity(count + 1), Vec::with_capacity(count + 1));
+    for k in 0..=count {
+        let v = -far + k as f64 / TABLE_PER_PX;
+        let (mut i, mut f) = (v * phi_cdf(v / sigma) + sigma * phi_pdf(v / sigma), phi_cdf(v / sigma));
+        let mut at = v - 0.5;
+        while at >= -reach {
+            let (s, slope) = deviation.at(at);
+            (i, f) = (i + s, f + slope);
+            at -= 1.0;
+        }
+        integral.push(i);
+        value.push(f);
+    }
+    let area: f64 = deviation.coefficients.iter().sum::<f64>() * deviation.step;
+    let far_from_ends = (0..deviation.coefficients.len())
+        .map(|k| -reach + k as f64 * deviation.step)
+        .filter(|u| deviation.at(*u).0.abs() > 2e-3)
+        .fold(0.0, |far: f64, u| far.max(u.abs()));
+    StepTable::learnt(far, integral, value, sigma, -area, far_from_ends)
+}

@@ -1,0 +1,74 @@
+//! A response that bends before it ends (a soft knee, the flat top of a gamma curve): found by its noise.
+//!
+//! Photons' noise grows with the light, so that a linear sensor's light scatters at least as much as its flanks and its dark. Light that
+//! scatters far less has been compressed. How far down the bend begins the flat pixels do not show: grey values above [`TRUSTED`] of the
+//! contrast are then taken as "at least this much", as clipped ones are. Light that is clipped altogether shows no noise: there the
+//! shape of the flank states it (`censored_fit`).
+
+use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
+use crate::gauge::edge::image::scan_windows::Windows;
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
+
+/// Share of the variance expected of the light below which it is compressed: a slope of .55. A linear sensor's is 1 or more, known to some
+/// per cent; gentler bends move an edge by less than what the misfit of the edge model then states.
+const COMPRESSED: f64 = 0.3;
+/// Least variance expected, squared steps of the grey scale, that rounding leaves comparable.
+const LEAST_EXPECTED: f64 = 0.25;
+/// Noise in the dark, as a share of the contrast, below which nothing scatters that could be compressed (what is left is the part's own drift
+/// through the pixels), and above which the flank, found among it, is no fair sample of it.
+const NOISE: (f64, f64) = (1e-3, 0.1);
+/// Share of the contrast up to which grey values are taken as they stand: knees of video cameras begin at 80 to 95 % of full scale.
+const TRUSTED: f64 = 0.65;
+
+/// The grey value from which on the light may be compressed, and the distance of two grey values; `None` where its noise is a linear sensor's. `hard` is the end at which the light
+/// was found to be clipped, if it was; `elsewhere` holds levels and noise, `squares` is scratch.
+pub(crate) fn find(
+    windows: &Windows,
+    hard: Option<f32>,
+    elsewhere: &Elsewhere,
+    squares: &mut Vec<f32>,
+) -> Option<(f32, f64)> {
+    let step = elsewhere.step;
+    let rounding = step * step / 12.0;
+    let noise = elsewhere.noise[0] / (elsewhere.levels[1] - elsewhere.levels[0]);
+    if noise < NOISE.0 || noise > NOISE.1 {
+        return None;
+    }
+    let (seen, at_end) = light_scatter(windows, hard, squares)?;
+    let seen = (seen - rounding).max(0.0);
+    if hard.is_none() && !(seen + rounding < elsewhere.noise[0].powi(2)) {
+        return None;
+    }
+    let flank = (flank_noise(windows, elsewhere, squares)?.powi(2) - rounding).max(0.0);
+    let expected = flank * clipped_variance(at_end);
+    let compressed = expected > LEAST_EXPECTED * step * step && seen < COMPRESSED * expected;
+    compressed.then(|| (trusted(elsewhere.levels, step) as f32, step))
+}
+
+/// Grey value, a whole number of steps, up to which a response that may bend is taken as it stands; `levels` of dark and light, counts.
+pub(crate) fn trusted([dark, light]: [f64; 2], step: f64) -> f64 {
+    let end = dark + TRUSTED * (light - dark);
+    if step > 0.0 { (end / step).ceil() * step } else { end }
+}
+
+/// Variance of a normal deviate of variance 1 whose share `at_end` is clipped at an upper end: with z the end's distance above the mean
+/// and d what a deviate lies below it, E[d] = zΦ + φ and E[d²] = (z² + 1)Φ + zφ.
+fn clipped_variance(at_end: f64) -> f64 {
+    let z = super::grey_ends::inverse_tail(at_end.clamp(1e-9, 1.0 - 1e-9));
+    let (cdf, pdf) = (phi_cdf(z), phi_pdf(z));
+    let mean = z * cdf + pdf;
+    (z * z + 1.0) * cdf + z * pdf - mean * mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clipped_deviate_keeps_its_textbook_variance() {
+        // Half of it clipped: d is half-normal with probability 1/2, E[d] = φ(0), E[d²] = 1/2.
+        let half = 0.5 - 1.0 / (2.0 * std::f64::consts::PI);
+        assert!((clipped_variance(0.5) - half).abs() < 1e-9);
+        assert!((clipped_variance(0.0) - 1.0).abs() < 1e-6 && clipped_variance(1.0) < 1e-6);
+    }
+}

@@ -1,0 +1,94 @@
+//! What a side shows before the other one is known: levels, noise, and where its grey values end.
+
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
+use crate::gauge::edge::image::scan_windows::LevelSums;
+
+/// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
+const AT_THE_END: f64 = 2.0;
+
+/// What is known of the sensor before a frame is looked at.
+#[derive(Clone, Copy)]
+pub(crate) struct Scale {
+    /// Variance of quantisation, counts²; 0 for frames that are not quantised.
+    pub(crate) floor: f64,
+}
+
+impl Scale {
+    /// Smallest variance of a pixel that is taken seriously, counts².
+    pub(crate) fn floor(self, contrast: f64) -> f64 {
+        self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
+    }
+
+    /// That of grey values that come in steps, counts.
+    pub(crate) fn of_step(step: f64) -> Self {
+        Self { floor: step * step / 12.0 }
+    }
+
+    /// Smallest scale of differences that is taken seriously, counts.
+    pub(crate) fn least(self, contrast: f64) -> f32 {
+        self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
+    }
+
+    /// Step of the grey scale, counts; 0 where there is none.
+    pub(crate) fn step(self) -> f64 {
+        (12.0 * self.floor).sqrt()
+    }
+}
+
+/// What a side says of itself before the other one is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Survey {
+    pub(crate) levels: LevelSums,
+    /// Where the side's grey values are clipped, in the dark and in the light; none where they are not.
+    pub(crate) ends: Option<Ends>,
+    /// Noise in the shadow and in the light.
+    pub(crate) spread: [Spread; 2],
+}
+
+impl Survey {
+    /// Takes over an end that the other side shows, where this side's level stands at it: both edges are one camera's, and a side alone may
+    /// be too short to show it.
+    pub(crate) fn share_ends(&mut self, other: Option<Ends>) {
+        let (Some(other), count) = (other, self.levels.count) else { return };
+        if count == 0.0 {
+            return;
+        }
+        let own = self.ends.unwrap_or(Ends { step: other.step, ..Ends::NONE });
+        let LevelSums { dark, light, .. } = self.levels;
+        let scatter = self.spread[1].variance().unwrap_or(0.0).sqrt();
+        let low = if own.low.is_infinite() && dark / count <= other.low + AT_THE_END * scatter {
+            other.low
+        } else {
+            own.low
+        };
+        let high = if own.high.is_infinite() && light / count >= other.high - AT_THE_END * scatter {
+            other.high
+        } else {
+            own.high
+        };
+        if (low, high) != (own.low, own.high) {
+            self.ends = Some(Ends { low, high, ..own });
+            for (end, spread) in [low, high].into_iter().zip(&mut self.spread) {
+                if end.is_finite() {
+                    *spread = Spread::default();
+                }
+            }
+        }
+    }
+
+    /// The noise that two sides show together, from the mean levels of shadow and light and the least variance, counts²; `None` of too
+    /// few pixels.
+    pub(crate) fn noise_with(
+        &self,
+        other: &Self,
+        (dark, light): (f64, f64),
+        floor: f64,
+    ) -> Option<NoiseModel> {
+        let [top, bottom] = [&self.spread, &other.spread];
+        // Crushed shadow states no noise of its own.
+        let in_dark = top[0].with(bottom[0]).variance().or_else(|| top[1].with(bottom[1]).variance())?;
+        let in_light = top[1].with(bottom[1]).variance().unwrap_or(in_dark);
+        Some(NoiseModel::through((dark, in_dark.max(floor)), (light, in_light.max(floor)), floor))
+    }
+}

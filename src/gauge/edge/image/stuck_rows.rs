@@ -1,0 +1,116 @@
+//! Stuck rows of the sensor beside an edge: the windows that they cross are not looked at.
+//!
+//! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a fifth of the contrast
+//! (an edge is monotone, a fringe's crest wider than a pixel), or where it has one value all along and neither neighbour has.
+
+use super::plane::{Plane, Sample};
+use super::scan_windows::Windows;
+use super::window_layout::half;
+use crate::profile::Reason;
+
+/// Departure from both neighbours, as a share of the contrast.
+const DEPARTURE: f32 = 0.2;
+/// Share of the columns that must depart to the same side, and share that has one value in a stuck row and in a live one.
+const NEARLY_ALL: f64 = 0.9;
+const ALIKE: f64 = 0.95;
+const ALIVE: f64 = 0.6;
+/// Least range of a live row's grey values, counts: less may be one level and its rounding.
+const LEAST_RANGE: f32 = 3.0;
+/// Columns looked at, at most, and the fewest that show a row.
+const SAMPLES: usize = 64;
+const LEAST: usize = 8;
+
+/// A stuck row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StuckRow {
+    pub(crate) row: usize,
+    /// Grey value in the first column looked at, counts; negative for a lit part's frame.
+    pub(crate) level: f32,
+    /// Share of the side's columns whose windows it crosses.
+    pub(crate) share: f64,
+}
+
+/// What a stuck row shows in the first column looked at, counts.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    counts: f32,
+    /// By how much it stands above or below both neighbours.
+    departure: f32,
+}
+
+/// Takes the windows that stuck rows cross out of a side; gives the row that crosses most of them.
+pub(crate) fn leave_out<T: Sample>(
+    plane: &Plane<'_, T>,
+    windows: &mut Windows,
+    contrast: f32,
+) -> Option<StuckRow> {
+    let reach = half(windows.width) as i32 + 1;
+    let known = || windows.centre.iter().flatten();
+    let (low, high) = (known().min()? - reach, known().max()? + reach);
+    let last = plane.rows as i32 - 2;
+    let stuck: Vec<(usize, Level)> = (low.max(1)..=high.min(last))
+        .filter_map(|row| Some((row as usize, level_if_stuck(plane, windows, row, (reach, contrast))?)))
+        .collect();
+    // A row beside a stuck one may stand apart from it and from the edge: of neighbours the one that departs by more is stuck.
+    let outdone =
+        |row: usize, by: f32| stuck.iter().any(|(other, l)| other.abs_diff(row) == 1 && l.departure > by);
+    let mut most: Option<StuckRow> = None;
+    for (row, Level { counts: level, departure }) in stuck.iter().copied() {
+        if outdone(row, departure) {
+            continue;
+        }
+        let crosses = |c: i32| (row as i32 - c).abs() <= reach;
+        let crossed: Vec<usize> =
+            (0..windows.centre.len()).filter(|k| windows.centre[*k].is_ok_and(crosses)).collect();
+        let share = crossed.len() as f64 / windows.centre.len() as f64;
+        for column in crossed {
+            windows.centre[column] = Err(Reason::Residual);
+            (windows.dark[column], windows.light[column]) = (f32::NAN, f32::NAN);
+        }
+        if most.is_none_or(|m| share > m.share) {
+            most = Some(StuckRow { row, level, share });
+        }
+    }
+    most
+}
+
+/// Level of a row in the windows that reach it, where it is stuck.
+fn level_if_stuck<T: Sample>(
+    plane: &Plane<'_, T>,
+    windows: &Windows,
+    row: i32,
+    (reach, contrast): (i32, f32),
+) -> Option<Level> {
+    let step = windows.centre.len().div_ceil(SAMPLES).max(1);
+    let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
+    let (mut above, mut below, mut count) = (0, 0, 0);
+    let mut equal = [0; 3];
+    let mut range = [(f32::INFINITY, f32::NEG_INFINITY); 3];
+    let mut first: Option<[f32; 3]> = None;
+    for column in (0..windows.centre.len()).step_by(step).filter(in_reach) {
+        let values = [-1, 0, 1].map(|k| plane.at((row + k) as usize, column));
+        let [upper, own, lower] = values;
+        above += usize::from(own > upper.max(lower) + DEPARTURE * contrast);
+        below += usize::from(own < upper.min(lower) - DEPARTURE * contrast);
+        let first = first.get_or_insert(values);
+        for ((equal, value), first) in equal.iter_mut().zip(values).zip(first) {
+            *equal += usize::from(value.to_bits() == first.to_bits());
+        }
+        for ((low, high), value) in range.iter_mut().zip(values) {
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+        count += 1;
+    }
+    let scatters = |k: usize| range[k].1 - range[k].0 >= LEAST_RANGE && share_of(equal[k], count) <= ALIVE;
+    let departs = share_of(above.max(below), count) >= NEARLY_ALL;
+    let dead = share_of(equal[1], count) >= ALIKE && scatters(0) && scatters(2);
+    let level = |[upper, own, lower]: [f32; 3]| Level {
+        counts: own,
+        departure: (own - upper.max(lower)).max(upper.min(lower) - own).max(0.0),
+    };
+    first.filter(|_| count >= LEAST && (departs || dead)).map(level)
+}
+
+fn share_of(part: usize, all: usize) -> f64 {
+    part as f64 / all.max(1) as f64
+}

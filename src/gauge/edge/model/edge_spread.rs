@@ -1,0 +1,320 @@
+//! The edge-spread function that is fitted: the Gaussian, one given as a table, or one learnt from the frame.
+//!
+//! Every one is a location-scale family. With the integral I(t) = ∫F over t = u·σ₀/σ, a step at x0 reads in pixel k
+//!
+//! ```text
+//! E_k(x0) = (σ/σ₀)·[I(t(k + 1/2 − x0)) − I(t(k − 1/2 − x0))]
+//! ∂E/∂x0  = F(t(k − 1/2 − x0)) − F(t(k + 1/2 − x0))
+//! ∂E/∂σ   = [(I − tF)(k + 1/2 − x0) − (I − tF)(k − 1/2 − x0)]/σ₀
+//! ```
+//!
+//! so that the pixel's own area is integrated whatever the family. σ₀ = 1/(√2π·max F′) is the standard deviation of the
+//! Gaussian that is as steep; it makes the blur of all families comparable.
+
+use std::sync::Arc;
+
+use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
+
+/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
+pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
+
+/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
+const KNOTS_PER_PX: f64 = 64.0;
+/// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends by more than [`TAIL`], its tails are
+/// left out of the fit: they would need windows as long as the field is high.
+const FARTHEST: f64 = 12.0;
+/// Light beyond which a table is the shadow of coherent light without a lens: its first ring has 1.37 of the bright field, that of the
+/// sharpest lens in coherent light 1.18.
+const RINGED: f64 = 1.25;
+/// Pixels either side of the edge that carry information in a pattern of rings: what the longest windows hold beside their flat ends.
+const RINGED_REACH: f64 = 96.0;
+/// Difference from 0 or 1 that counts as flat.
+const TAIL: f64 = 2e-3;
+/// Pixels either side of the edge that carry information on its place, in σ, for the Gaussian.
+const GAUSSIAN_REACH: f64 = 3.6;
+
+/// An edge-spread function as a table of its values and their integral over ±`reach` px; 0 and 1 beyond.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct StepTable {
+    reach: f64,
+    integral: Vec<f64>,
+    value: Vec<f64>,
+    /// σ₀, px.
+    sigma: f64,
+    /// Mean of the line-spread function, px.
+    centroid: f64,
+    /// Distance from the edge up to which the function differs from its ends, in σ₀.
+    tail: f64,
+    /// Whether it has the rings of coherent light without a lens.
+    ringed: bool,
+}
+
+impl StepTable {
+    /// Tabulates a function that is 0 before −`reach` px and 1 after `reach` px.
+    pub(crate) fn new(reach: f64, f: impl Fn(f64) -> f64) -> Self {
+        let count = (2.0 * reach * KNOTS_PER_PX).ceil() as usize;
+        let step = 2.0 * reach / count as f64;
+        let at = |k: f64| f(-reach + k * step);
+        let value: Vec<f64> = (0..=count).map(|k| at(k as f64)).collect();
+        let mut integral = vec![0.0; count + 1];
+        for k in 0..count {
+            let middle = at(k as f64 + 0.5);
+            integral[k + 1] = integral[k] + step / 6.0 * (value[k] + 4.0 * middle + value[k + 1]);
+        }
+        Self::from_knots(reach, integral, value)
+    }
+
+    /// From values and integrals at equidistant knots over ±`reach` px.
+    pub(crate) fn from_knots(reach: f64, integral: Vec<f64>, value: Vec<f64>) -> Self {
+        let count = value.len() - 1;
+        let step = 2.0 * reach / count as f64;
+        let steepest = value.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) / step;
+        let ringed = value.iter().any(|v| *v > RINGED);
+        let sigma = 1.0 / (steepest * (2.0 * std::f64::consts::PI).sqrt()).clamp(1e-2, 8.0);
+        let centroid = reach - integral[count];
+        let away = |k: usize| (-reach + k as f64 * step).abs();
+        let far = |k: &usize| {
+            let end = if 2 * k < count { 0.0 } else { 1.0 };
+            (value[*k] - end).abs() > TAIL
+        };
+        let tail = (0..=count).filter(far).map(away).fold(0.0, f64::max) / sigma;
+        Self { reach, integral, value, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
+    }
+
+    /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up to `far_px`.
+    pub(crate) fn learnt(
+        reach: f64,
+        integral: Vec<f64>,
+        value: Vec<f64>,
+        sigma: f64,
+        centroid: f64,
+        far_px: f64,
+    ) -> Self {
+        let tail = (far_px / sigma).clamp(GAUSSIAN_REACH, FARTHEST);
+        Self { reach, integral, value, sigma, centroid, tail, ringed: false }
+    }
+
+    /// I and F at `t` px.
+    fn at(&self, t: f64) -> (f64, f64) {
+        let count = self.value.len() - 1;
+        if t <= -self.reach {
+            return (0.0, 0.0);
+        }
+        if t >= self.reach {
+            return (self.integral[count] + t - self.reach, 1.0);
+        }
+        let step = 2.0 * self.reach / count as f64;
+        let place = (t + self.reach) / step;
+        let k = (place as usize).min(count - 1);
+        let s = place - k as f64;
+        let (a, b) = (self.integral[k], self.integral[k + 1]);
+        let (da, db) = (step * self.value[k], step * self.value[k + 1]);
+        let (c2, c3) = (3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db);
+        (a + s * (da + s * (c2 + s * c3)), (da + s * (2.0 * c2 + 3.0 * s * c3)) / step)
+    }
+
+    /// G, F and ∂G/∂σ at a border of pixels `u` px from the edge.
+    fn border(&self, u: f64, sigma: f64) -> [f64; 3] {
+        let scale = sigma / self.sigma;
+        let t = u / scale;
+        let (integral, value) = self.at(t);
+        [scale * integral, value, (integral - t * value) / self.sigma]
+    }
+
+    /// Distance from a quarter of the light to half of it at a blur, px.
+    fn quarter_to_half(&self, sigma: f64) -> f64 {
+        let crossing = |level: f64| {
+            let (mut low, mut high) = (-self.reach, self.reach);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if self.at(middle).1 < level { low = middle } else { high = middle }
+            }
+            low
+        };
+        (crossing(0.5) - crossing(0.25)) * sigma / self.sigma
+    }
+
+    /// σ₀, px.
+    pub(crate) fn sigma(&self) -> f64 {
+        self.sigma
+    }
+}
+
+/// The family that is fitted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) enum EdgeShape {
+    /// Gaussian blur.
+    #[default]
+    Gaussian,
+    /// Any other, as a table.
+    Table(Arc<StepTable>),
+}
+
+impl EdgeShape {
+    /// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`.
+    pub(crate) fn samples(&self, first: f64, x0: f64, sigma: f64, out: &mut [EdgeSample]) {
+        let Self::Table(table) = self else { return edge_samples(first, x0, sigma, out) };
+        let mut left = table.border(first - 0.5 - x0, sigma);
+        for (k, sample) in out.iter_mut().enumerate() {
+            let right = table.border(first + k as f64 + 0.5 - x0, sigma);
+            *sample = EdgeSample::between(&left, &right);
+            left = right;
+        }
+    }
+
+    /// G, F and ∂G/∂σ at a border of pixels `u` px from the edge, with Φ and φ at u/σ.
+    #[inline]
+    pub(crate) fn border(&self, u: f64, sigma: f64, [cdf, pdf]: [f64; 2]) -> [f64; 3] {
+        match self {
+            Self::Gaussian => [u * cdf + sigma * pdf, cdf, pdf],
+            Self::Table(table) => table.border(u, sigma),
+        }
+    }
+
+    /// G, F and ∂G/∂σ at `count` equidistant borders of pixels, `per_px` to the pixel, the middle one of them on the edge.
+    pub(crate) fn borders(&self, sigma: f64, per_px: u32, count: usize, out: &mut Vec<[f64; 3]>) {
+        out.clear();
+        let middle = count / 2;
+        let u = |k: usize| (k as f64 - middle as f64) / f64::from(per_px);
+        match self {
+            Self::Table(table) => out.extend((0..count).map(|k| table.border(u(k), sigma))),
+            // Symmetric: one half follows from the other.
+            Self::Gaussian => {
+                out.resize(count, [0.0; 3]);
+                for k in middle..count {
+                    let [integral, value, by_sigma] = gaussian_border(u(k), sigma);
+                    out[k] = [integral, value, by_sigma];
+                    if let Some(mirrored) = (2 * middle).checked_sub(k) {
+                        out[mirrored] = [integral - u(k), 1.0 - value, by_sigma];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Pixels either side of the edge that carry information on its place.
+    pub(crate) fn reach(&self, sigma: f64) -> f64 {
+        match self {
+            Self::Gaussian => GAUSSIAN_REACH * sigma + 1.25,
+            Self::Table(table) if table.ringed => (table.tail * sigma + 1.25).min(RINGED_REACH),
+            Self::Table(table) => table.tail * sigma + 1.25,
+        }
+    }
+
+    /// Whether it has the rings of coherent light without a lens.
+    pub(crate) fn is_ringed(&self) -> bool {
+        matches!(self, Self::Table(table) if table.ringed)
+    }
+
+    /// Least blur that is believed, px: a sharp edge that is given as a table may be sharper than any that is found.
+    pub(crate) fn least_sigma(&self) -> f64 {
+        match self {
+            Self::Gaussian => SIGMA_RANGE.0,
+            Self::Table(table) => SIGMA_RANGE.0.min(0.5 * table.sigma),
+        }
+    }
+
+    /// Largest blur that is accepted, px.
+    pub(crate) fn most_sigma(&self) -> f64 {
+        match self {
+            Self::Table(table) if table.ringed => 2.0 * table.sigma,
+            _ => SIGMA_RANGE.1,
+        }
+    }
+
+    /// Where the area of the light puts the edge, px into the light from where it is.
+    pub(crate) fn centroid(&self, sigma: f64) -> f64 {
+        match self {
+            Self::Gaussian => 0.0,
+            Self::Table(table) => table.centroid * sigma / table.sigma,
+        }
+    }
+
+    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): what the area of the light goes by where rings
+    /// reach beyond the window.
+    pub(crate) fn window_sum(&self, sigma: f64, width: usize, half: usize) -> f64 {
+        let mut samples = vec![EdgeSample::default(); width];
+        self.samples(-(half as f64), 0.0, sigma, &mut samples);
+        samples.iter().map(|s| s.value).sum()
+    }
+
+    /// Means of E over the flat ends of a window (`flat` pixels each, `width` in all) over the phases: 0 and 1 but for the tails.
+    pub(crate) fn flat_ends(&self, sigma: f64, width: usize, flat: usize, half: usize) -> (f64, f64) {
+        const PHASES: u32 = 8;
+        if *self == Self::Gaussian {
+            return (0.0, 1.0);
+        }
+        let mut samples = vec![EdgeSample::default(); width - 1];
+        let (mut dark, mut light) = (0.0, 0.0);
+        for phase in 0..PHASES {
+            let x0 = (f64::from(phase) + 0.5) / f64::from(PHASES) - 0.5;
+            self.samples(-(half as f64), x0, sigma, &mut samples);
+            let sum = |part: &[EdgeSample]| part.iter().map(|s| s.value).sum::<f64>();
+            dark += sum(&samples[..flat]);
+            light += sum(&samples[width - 1 - flat..]);
+        }
+        let count = f64::from(PHASES) * flat as f64;
+        (dark / count, light / count)
+    }
+
+    /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
+    /// light under incoherent light and at a quarter of it (half the amplitude) under coherent light, and a frame does not tell which.
+    pub(crate) fn unknown_place(&self, sigma: f64) -> f64 {
+        match self {
+            Self::Gaussian => 0.0,
+            Self::Table(table) => table.quarter_to_half(sigma),
+        }
+    }
+
+    /// σ₀ of a table.
+    pub(crate) fn own_sigma(&self) -> Option<f64> {
+        match self {
+            Self::Gaussian => None,
+            Self::Table(table) => Some(table.sigma()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::distributions::phi_cdf;
+
+    #[test]
+    fn a_tabulated_gaussian_is_the_gaussian() {
+        let shape = EdgeShape::Table(Arc::new(StepTable::new(8.0, |d| phi_cdf(d / 0.8))));
+        let sigma = shape.own_sigma().unwrap();
+        assert!((sigma - 0.8).abs() < 5e-4, "{sigma}");
+        for (x0, scale) in [(0.13, 1.0), (-0.4, 1.1)] {
+            let (mut a, mut b) = ([EdgeSample::default(); 13], [EdgeSample::default(); 13]);
+            shape.samples(-6.0, x0, sigma * scale, &mut a);
+            edge_samples(-6.0, x0, 0.8 * scale, &mut b);
+            for (a, b) in a.iter().zip(&b) {
+                assert!((a.value - b.value).abs() < 2e-4, "{a:?} {b:?}");
+                assert!((a.by_position - b.by_position).abs() < 5e-4, "{a:?} {b:?}");
+                assert!((a.by_sigma - b.by_sigma).abs() < 5e-4, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_values() {
+        // A one-sided exponential: asymmetric, centroid 0.7 px in the light.
+        let f = |d: f64| if d <= 0.0 { 0.0 } else { 1.0 - (-d / 0.7).exp() };
+        let shape = EdgeShape::Table(Arc::new(StepTable::new(12.0, f)));
+        let sigma = shape.own_sigma().unwrap();
+        assert!((shape.centroid(sigma) - 0.7).abs() < 1e-3);
+        let at = |x0: f64, sigma: f64| {
+            let mut out = [EdgeSample::default(); 15];
+            shape.samples(-7.0, x0, sigma, &mut out);
+            out
+        };
+        let (x0, h) = (0.21, 1e-4);
+        let (up, down) = (at(x0 + h, sigma), at(x0 - h, sigma));
+        let (wide, narrow) = (at(x0, sigma + h), at(x0, sigma - h));
+        for (k, sample) in at(x0, sigma).iter().enumerate() {
+            assert!((sample.by_position - (up[k].value - down[k].value) / (2.0 * h)).abs() < 1e-4);
+            assert!((sample.by_sigma - (wide[k].value - narrow[k].value) / (2.0 * h)).abs() < 1e-4);
+        }
+    }
+}

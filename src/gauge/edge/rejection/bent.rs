@@ -1,0 +1,71 @@
+//! A bent shaft: its middles follow a smooth curve and its widths do not change with it.
+//!
+//! What adheres to one side widens the shadow by twice what it moves the middle; an axis that bends widens it not at all.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::centreline::CALM_PX;
+use super::departures::Block;
+
+/// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
+const TERMS: usize = 6;
+/// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what contamination shows.
+const MOST_WIDENING: f64 = 0.5;
+/// Fewest blocks that show such a curve.
+const LEAST_BLOCKS: usize = 4 * TERMS;
+
+/// Whether every block's middle lies on a smooth curve while the widths stay on a line.
+pub(super) fn is_bent(blocks: &[Block]) -> bool {
+    if blocks.len() < LEAST_BLOCKS {
+        return false;
+    }
+    let Some(off_curve) = largest(blocks, |b| b.middle, TERMS) else { return false };
+    let Some(off_line) = largest(blocks, |b| b.middle, 2) else { return false };
+    let Some(widening) = largest(blocks, |b| b.width, 2) else { return false };
+    off_curve < CALM_PX && widening < MOST_WIDENING * off_line
+}
+
+/// Largest departure from the least-squares polynomial of so many terms; `None` where a value is missing.
+fn largest(blocks: &[Block], value: impl Fn(&Block) -> f64, terms: usize) -> Option<f64> {
+    let mut normal = SMatrix::<f64, TERMS, TERMS>::identity();
+    normal.view_mut((0, 0), (terms, terms)).fill(0.0);
+    let mut right = SVector::<f64, TERMS>::zeros();
+    let basis =
+        |b: &Block| SVector::<f64, TERMS>::from_fn(|k, _| if k < terms { b.x.powi(k as i32) } else { 0.0 });
+    for block in blocks {
+        let phi = basis(block);
+        normal += phi * phi.transpose();
+        right += phi * value(block);
+    }
+    let found = normal.try_inverse()? * right;
+    let mut off = blocks.iter().map(|b| (value(b) - found.dot(&basis(b))).abs());
+    off.try_fold(0.0_f64, |most, d| d.is_finite().then(|| most.max(d)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blocks(middle: impl Fn(f64) -> f64, width: impl Fn(f64) -> f64) -> Vec<Block> {
+        (0..80)
+            .map(|index| {
+                let x = 2.0 * (index as f64 + 0.5) / 80.0 - 1.0;
+                Block { index, x, middle: middle(x), width: width(x) }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_bent_axis_is_no_matter_and_matter_is_no_bent_axis() {
+        let bend = |x: f64| 3.0 * (1.2 * x + 0.4).sin();
+        assert!(is_bent(&blocks(bend, |_| 0.0)) && is_bent(&blocks(bend, |x| 0.3 * x)));
+        // A long protrusion on one side: the middle moves by half of what the width grows by.
+        let hill = |x: f64| (-4.0 * x * x).exp();
+        assert!(!is_bent(&blocks(|x| 0.5 * hill(x), hill)));
+        assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * hill(x), |x| 2.0 * hill(x))));
+        // A short chip leaves the curve.
+        let chip = |x: f64| if x.abs() < 0.05 { 0.4 } else { 0.0 };
+        assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * chip(x), chip)));
+        assert!(!is_bent(&blocks(bend, |_| f64::NAN)) && !is_bent(&blocks(bend, |_| 0.0)[..10]));
+    }
+}

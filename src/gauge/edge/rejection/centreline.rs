@@ -1,0 +1,203 @@
+//! The axis that most blocks of a frame agree with: a parabola over the field, robust where they disagree.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::departures::{AGREEING, AxisScratch, Block, FLOOR_PX, basis};
+use crate::numerics::robust::MEDIAN_TO_SD;
+
+/// Trial axes of the robust fit.
+const TRIALS: usize = 160;
+/// Bend of an axis that is taken for the part's own, px.
+const BEND_OF_WANDER_PX: f64 = 0.03;
+/// Departures from the plain parabola up to which no other axis is looked for, px.
+pub(super) const CALM_PX: f64 = 0.05;
+/// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
+const BETTER: f64 = 0.35;
+const BEND_OF_PART_PX: f64 = 0.3;
+/// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
+pub(super) const LEAST_BULGE: f64 = 0.5;
+pub(super) const MOST_BULGE: f64 = 1.6;
+/// A stretch bulges where it stands out by so many times what tells it from the axis, and a frame where most of what leaves the axis does.
+const PROMINENT: f64 = 1.5;
+const BULGING: f64 = 0.75;
+/// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
+/// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
+const USUAL_BEND_PX: f64 = 0.05;
+
+impl AxisScratch {
+    /// The parabola by least squares.
+    pub(super) fn plain(&self) -> Option<Vector3<f64>> {
+        fit(self.blocks.iter().map(Block::point), true)
+    }
+
+    /// Whether all blocks agree with a parabola that hardly bends.
+    pub(super) fn is_calm(&self, plain: &Vector3<f64>) -> bool {
+        plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
+    }
+
+    /// The axis of a frame that is not calm: what half of the blocks agree with best. `noise`: standard deviation of a block's median, px.
+    pub(super) fn axis(&mut self, plain: Vector3<f64>, noise: f64) -> Option<Vector3<f64>> {
+        let mut found = self.candidates(&plain)?;
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, or the rest would
+        // be dents, the axis itself wanders.
+        let shares = found.map(|(_, axis)| self.bulges(&axis));
+        for ((cost, axis), (bulging, _)) in found.iter().zip(shares) {
+            if cost.is_finite() && bulging > BULGING {
+                return Some(*axis);
+            }
+        }
+        // Of few blocks half lie near some parabola by chance, nearer than their noise lets them.
+        let spread = found[0].0.max(noise);
+        let wanders = spread > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
+        Some(if wanders || shares[0].1 > BULGING { plain } else { found[0].1 })
+    }
+
+    /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
+    fn candidates(&mut self, plain: &Vector3<f64>) -> Option<[(f64, Vector3<f64>); 2]> {
+        let mut best = [(f64::INFINITY, *plain), (self.cost(plain), *plain)];
+        let n = self.blocks.len();
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut draw = |from: usize, to: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            from + ((state >> 33) as usize) % (to - from).max(1)
+        };
+        for trial in 0..TRIALS {
+            // An axis through neighbours says nothing of the rest.
+            let mut three = [draw(0, n), draw(0, n), draw(0, n)];
+            three.sort_unstable();
+            let bent = trial % 2 == 0;
+            let apart =
+                if bent { (three[1] - three[0]).min(three[2] - three[1]) } else { three[2] - three[0] };
+            if apart < n / 6 {
+                continue;
+            }
+            let axis = through(three.map(|k| self.blocks[k].point()), bent);
+            let (cost, kept) = &mut best[usize::from(bent)];
+            if self.is_cheaper(&axis, *cost) {
+                (*cost, *kept) = (self.cost(&axis), axis);
+            }
+        }
+        for (cost, axis) in best.iter_mut().filter(|(cost, _)| cost.is_finite()) {
+            *axis = self.refined(*axis)?;
+            *cost = cost.min(self.cost(axis));
+        }
+        Some(best)
+    }
+
+    /// An axis by least squares through the blocks that agree with it.
+    fn refined(&mut self, mut axis: Vector3<f64>) -> Option<Vector3<f64>> {
+        for _ in 0..3 {
+            let limit = (3.0 * self.spread(&axis)).max(0.5 * FLOOR_PX);
+            let kept = || self.blocks.iter().filter(|b| !far(&axis, limit, b)).map(Block::point);
+            let bent = fit(kept(), true)?;
+            axis = if bent[2].abs() < USUAL_BEND_PX.max(1.5 * axis[2].abs()) {
+                bent
+            } else {
+                fit(kept(), false)?
+            };
+        }
+        Some(axis)
+    }
+
+    /// Which share of what leaves an axis bulges, and which is dents: matter on one side widens the shadow by twice what it moves the
+    /// middle by; an axis that wanders moves both edges alike, texture dents as often as it bulges; a chip taken for the part leaves the
+    /// part a dent.
+    fn bulges(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
+        let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
+        let leaves = |b: &Block| far(axis, limit, b);
+        let within = self.blocks.iter().filter(|b| !leaves(b));
+        let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return (0.0, 0.0) };
+        let (mut bulging, mut denting, mut all) = (0.0, 0.0, 0.0);
+        let (mut from, n) = (0, self.blocks.len());
+        while from < n {
+            if !leaves(&self.blocks[from]) {
+                from += 1;
+                continue;
+            }
+            let to = (from..n).find(|k| !leaves(&self.blocks[*k])).unwrap_or(n);
+            let (widening, square) = self.widening(axis, &line, from..to);
+            let peak = self.blocks[from..to].iter().any(|b| far(axis, PROMINENT * limit, b));
+            all += square;
+            if peak && widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
+                bulging += square;
+            }
+            if widening < -LEAST_BULGE * square {
+                denting += square;
+            }
+            from = to;
+        }
+        if all > 0.0 { (bulging / all, denting / all) } else { (0.0, 0.0) }
+    }
+
+    /// Of a run of blocks: Σ a·b and Σ a² of twice the middle's departure a and the width b, both over what the run's neighbours say.
+    fn widening(&self, axis: &Vector3<f64>, line: &Vector3<f64>, run: std::ops::Range<usize>) -> (f64, f64) {
+        let over = |b: &Block| (2.0 * (b.middle - axis.dot(&basis(b.x))), b.width - line.dot(&basis(b.x)));
+        let before = run.start.checked_sub(1).map(|k| over(&self.blocks[k]));
+        let after = self.blocks.get(run.end).map(over);
+        let (mut widening, mut square) = (0.0, 0.0);
+        for (k, b) in self.blocks[run.clone()].iter().enumerate() {
+            let share = (k as f64 + 1.0) / (run.len() as f64 + 1.0);
+            let level = match (before, after) {
+                (Some(one), Some(two)) => (one.0 + share * (two.0 - one.0), one.1 + share * (two.1 - one.1)),
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => (0.0, 0.0),
+            };
+            let (moved, width) = over(b);
+            let moved = moved - level.0;
+            widening += moved.abs() * (width - level.1);
+            square += moved * moved;
+        }
+        (widening, square)
+    }
+
+    /// Spread about an axis, dearer where it bends.
+    fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
+        self.spread(axis) * price(axis)
+    }
+
+    /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
+    fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
+        let limit = cost / (MEDIAN_TO_SD * price(axis));
+        let (a, b, c) = (axis[0], axis[1], axis[2]);
+        let near = |block: &Block| {
+            let (x, m) = block.point();
+            u32::from((m - (a + x * (b + x * c))).abs() < limit)
+        };
+        let agreeing: u32 = self.blocks.iter().map(near).sum();
+        agreeing as usize > (AGREEING * self.blocks.len() as f64) as usize
+    }
+}
+
+/// Whether a block lies further than `limit` px from an axis.
+fn far(axis: &Vector3<f64>, limit: f64, block: &Block) -> bool {
+    (block.middle - axis.dot(&basis(block.x))).abs() > limit
+}
+
+/// What an axis costs for its bend.
+fn price(axis: &Vector3<f64>) -> f64 {
+    (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
+}
+
+/// The parabola through three points, or the line through the first and the last.
+fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
+    let [(x0, y0), (x1, y1), (x2, y2)] = points;
+    let whole = (y2 - y0) / (x2 - x0);
+    let bend = if bent { ((y1 - y0) / (x1 - x0) - whole) / (x1 - x2) } else { 0.0 };
+    let slope = whole - bend * (x0 + x2);
+    Vector3::new(y0 - x0 * (slope + bend * x0), slope, bend)
+}
+
+/// Parabola or line by least squares; `None` where the points do not tell it.
+pub(super) fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
+    let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
+    for (x, y) in points {
+        let b = if bent { basis(x) } else { Vector3::new(1.0, x, 0.0) };
+        normal += b * b.transpose();
+        right += b * y;
+    }
+    if !bent {
+        normal[(2, 2)] = 1.0;
+    }
+    normal.cholesky().map(|c| c.solve(&right))
+}

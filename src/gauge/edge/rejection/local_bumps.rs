@@ -1,0 +1,179 @@
+//! Hills: what stands out of its own neighbourhood on one side of the part, wherever the axis goes.
+//!
+//! Where the axis itself wanders, or matter covers half of what is left of a field, departures from one axis for all tell little. But
+//! matter has ends. The middle of a block is compared with the line through two others some blocks away (on both sides of it; near the field's
+//! border on one): matter on one side lifts it by half of what it widens the shadow by, form lifts the width alone, an axis that wanders
+//! the middle alone. How much such a comparison gives without matter is told by the same comparison elsewhere in the frame.
+
+use nalgebra::Vector3;
+
+use super::centreline::{LEAST_BULGE, MOST_BULGE};
+use super::departures::{
+    AxisScratch, Block, FLOOR_PX, GROW_LIMIT, HILLS, Hill, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
+};
+use crate::gauge::edges::Edge;
+use crate::numerics::median_network::BLOCK;
+
+/// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
+const REACHES: [usize; 3] = [2, 3, 5];
+/// Departures from the neighbourhood that are matter, in robust standard deviations of such departures at n places elsewhere, and px.
+/// A standard deviation from a few places is worth less, so that the limit is 1 + FEW/n times higher; but in a field that is dirty anyhow
+/// matter is likelier, and the limit lower.
+const LOCAL_LIMIT: f64 = 4.0;
+const FEW: f64 = 4.0;
+const AMONG_MATTER: f64 = 0.85;
+const LOCAL_FLOOR_PX: f64 = 0.05;
+/// Places elsewhere that tell that standard deviation.
+const LEAST_PLACES: usize = 3;
+/// Standard deviation of a comparison over that of one block, between two others as far away and beyond them: √1.5 and √6.
+const BETWEEN: f64 = 1.2247;
+const BEYOND: f64 = 2.4495;
+/// Share of a departure down to which its neighbours belong to it.
+const FLANK: f64 = 0.2;
+
+/// Standard deviation of a block's middle by the noise of its edges alone, px: a few places may scatter less by chance, but that is what
+/// they are worth.
+fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
+    const STEP: usize = 4;
+    let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
+    let pairs = top.iter().zip(bottom).step_by(STEP).filter(|(t, b)| t.is_usable() && b.is_usable());
+    let (sum, count) = pairs.fold((0.0, 0.0_f64), |(sum, n), (t, b)| (sum + own(t) + own(b), n + 1.0));
+    MEDIAN_OF_BLOCK * (0.25 * sum / count.max(1.0)).sqrt()
+}
+
+impl AxisScratch {
+    /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
+    pub(crate) fn mark_local(
+        &mut self,
+        axis: &Vector3<f64>,
+        (column_sd, dirty): (f64, bool),
+        edges: (&[Edge], &[Edge]),
+    ) -> bool {
+        let block_noise = noise_of_block(edges.0, edges.1);
+        let mut any = false;
+        for reach in REACHES {
+            for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
+                any |= self.mark_hills(axis, (reach, border), (gain, gain * block_noise, dirty), edges);
+            }
+        }
+        if any {
+            self.grow((GROW_LIMIT * column_sd).max(0.5 * FLOOR_PX) as f32);
+        }
+        any
+    }
+
+    /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
+    /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
+    fn mark_hills(
+        &mut self,
+        axis: &Vector3<f64>,
+        (reach, border): (usize, bool),
+        (gain, noise, dirty): (f64, f64, bool),
+        edges: (&[Edge], &[Edge]),
+    ) -> bool {
+        self.suspects.clear();
+        let mut any = false;
+        while self.suspects.len() < HILLS {
+            let Some(hill) = self.hill(axis, reach, border) else { break };
+            self.suspects.push(hill);
+            let (places, sd) = self.elsewhere(axis, reach, hill.step);
+            if places < LEAST_PLACES {
+                continue;
+            }
+            let few = if dirty { AMONG_MATTER } else { 1.0 + FEW / places as f64 };
+            let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
+            for suspect in 0..self.suspects.len() {
+                let hill = self.suspects[suspect];
+                let from = self.blocks[hill.first].index * BLOCK;
+                let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
+                // In the dim part of uneven light edges scatter by more than the field's do.
+                let own = gain * MEDIAN_OF_BLOCK * own_noise(edges, from..to);
+                if hill.peak.abs() > limit * sd.max(noise).max(own) {
+                    self.refused[from..to].fill(true);
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    /// Whether nothing is held against a block.
+    fn is_open(&self, k: usize) -> bool {
+        !self.refused[self.blocks[k].index * BLOCK]
+            && !self.suspects.iter().any(|hill| hill.first <= k && k <= hill.last)
+    }
+
+    /// The next open block at least `reach` blocks away from one, towards a side.
+    fn neighbour(&self, k: usize, reach: usize, step: isize) -> Option<usize> {
+        let index = self.blocks[k].index;
+        let mut at = k;
+        loop {
+            at = at.checked_add_signed(step).filter(|at| *at < self.blocks.len())?;
+            let apart = self.blocks[at].index.abs_diff(index);
+            if apart > 3 * reach {
+                return None;
+            }
+            if apart >= reach && self.is_open(at) {
+                return Some(at);
+            }
+        }
+    }
+
+    /// The two blocks between which, or beyond which (`step`: on which side they lie), a block's neighbourhood is drawn.
+    fn neighbours(&self, k: usize, reach: usize, step: isize) -> Option<(usize, usize)> {
+        let near = self.neighbour(k, reach, if step == 0 { -1 } else { step })?;
+        let far = if step == 0 { self.neighbour(k, reach, 1)? } else { self.neighbour(near, reach, step)? };
+        Some((near, far))
+    }
+
+    /// By how much a block's middle and width stand out of the line through two others.
+    fn bulge(&self, axis: &Vector3<f64>, k: usize, (one, two): (usize, usize)) -> (f64, f64) {
+        let (a, b, c) = (&self.blocks[one], &self.blocks[k], &self.blocks[two]);
+        let share = (b.x - a.x) / (c.x - a.x);
+        let departure = |block: &Block| block.middle - axis.dot(&basis(block.x));
+        let over = |one: f64, here: f64, two: f64| here - one - share * (two - one);
+        (over(departure(a), departure(b), departure(c)), over(a.width, b.width, c.width))
+    }
+
+    /// The block that bulges most as matter does, within the field or near its border, with those of its neighbours that bulge too.
+    fn hill(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<Hill> {
+        let n = self.blocks.len();
+        let mut most: Option<Hill> = None;
+        let steps: &[isize] = if border { &[-1, 1] } else { &[0] };
+        for step in steps {
+            for k in (0..n).filter(|k| self.is_open(*k)) {
+                if border && self.neighbour(k, reach, -step).is_some() {
+                    continue;
+                }
+                let Some(ends) = self.neighbours(k, reach, *step) else { continue };
+                let (peak, widening) = self.bulge(axis, k, ends);
+                let moved = 2.0 * peak.abs();
+                let matter = widening > LEAST_BULGE * moved && widening < MOST_BULGE * moved;
+                if matter && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
+                    most = Some(Hill { peak, first: k, last: k, step: *step });
+                }
+            }
+        }
+        let mut hill = most?;
+        let ends = self.neighbours(hill.first, reach, hill.step)?;
+        let least = (FLANK * hill.peak.abs()).max(0.5 * FLOOR_PX);
+        let belongs = |at: &usize| {
+            *at != ends.0 && *at != ends.1 && self.bulge(axis, *at, ends).0 * hill.peak.signum() > least
+        };
+        hill.first = (0..hill.first).rev().take_while(belongs).last().unwrap_or(hill.first);
+        hill.last = (hill.last + 1..n).take_while(belongs).last().unwrap_or(hill.last);
+        Some(hill)
+    }
+
+    /// Number and robust standard deviation of the same comparison where no hill has a part in it.
+    fn elsewhere(&mut self, axis: &Vector3<f64>, reach: usize, step: isize) -> (usize, f64) {
+        let mut sizes = std::mem::take(&mut self.sizes);
+        sizes.clear();
+        let places = (0..self.blocks.len()).filter(|at| self.is_open(*at));
+        let ends = places.filter_map(|at| self.neighbours(at, reach, step).map(|ends| (at, ends)));
+        sizes.extend(ends.map(|(at, ends)| self.bulge(axis, at, ends).0.abs()));
+        self.sizes = sizes;
+        let places = self.sizes.len();
+        (places, if places == 0 { 0.0 } else { robust_sd(&mut self.sizes) })
+    }
+}

@@ -1,0 +1,102 @@
+//! One edge that leaves its place while the other one does not: matter on the part, not its form.
+//!
+//! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle (top + bottom)/2 follows the axis: over
+//! one field a parabola, whatever the profile. Matter that adheres to one side, or a chip that touches it, moves the middle by half of
+//! what it adds to the diameter. A shaft that bends more than a parabola shows leaves its widths alone ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
+//! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
+
+use super::bent;
+use super::departures::AxisScratch;
+use crate::gauge::edges::{Edge, EdgeState};
+use crate::numerics::median_network::BLOCK;
+use crate::profile::Reason;
+
+/// Fewest blocks that tell an axis from an excursion.
+const LEAST_BLOCKS: usize = 8;
+/// Times that the axis is laid anew through what was not refused.
+const PASSES: usize = 3;
+/// Share of the columns that matter hides from which a field counts as dirty, and the spread about the axis, px, above which nothing vouches
+/// for what is left of a dirty field: among much matter a middle that wanders is matter too, sooner than form.
+const DIRTY: f64 = 0.05;
+const VOUCHED_PX: f64 = 0.08;
+
+/// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
+pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
+    let (mut refused, mut dirty) = (0.0, None);
+    for _ in 0..PASSES {
+        let share = refuse_once(top, bottom, &mut dirty, scratch);
+        refused += share * (1.0 - refused);
+        if share == 0.0 {
+            break;
+        }
+    }
+    refused
+}
+
+/// Whether matter hides much of a field.
+fn is_dirty(top: &[Edge], bottom: &[Edge]) -> bool {
+    let by_matter =
+        |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));
+    let hidden = top.iter().zip(bottom).filter(|(t, b)| by_matter(t) || by_matter(b)).count();
+    hidden as f64 > DIRTY * top.len() as f64
+}
+
+/// One pass; `dirty` is found out in the first.
+fn refuse_once(
+    top: &mut [Edge],
+    bottom: &mut [Edge],
+    dirty: &mut Option<bool>,
+    scratch: &mut AxisScratch,
+) -> f64 {
+    let usable = scratch.middles(top, bottom);
+    if scratch.blocks.len() < LEAST_BLOCKS {
+        if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
+            return 0.0;
+        }
+        // Too little of a wide field is left to tell an axis from: nothing vouches for it.
+        return refuse_all(top);
+    }
+    let Some(plain) = scratch.plain() else { return 0.0 };
+    let calm = scratch.is_calm(&plain);
+    let dirty = *dirty.get_or_insert_with(|| !calm && is_dirty(top, bottom));
+    if !calm || usable < top.len() {
+        scratch.measure_widths(top, bottom);
+    }
+    if !calm && bent::is_bent(&scratch.blocks) {
+        return 0.0;
+    }
+    let noise = if calm { 0.0 } else { scratch.block_noise((&*top, &*bottom), usable) };
+    let Some(axis) = (if calm { Some(plain) } else { scratch.axis(plain, noise) }) else { return 0.0 };
+    let (column_sd, block_sd) = scratch.depart(&axis, top.len());
+    let mut any = scratch.mark((column_sd, block_sd), (&*top, &*bottom));
+    if !calm {
+        any |= scratch.mark_local(&axis, (column_sd, dirty), (&*top, &*bottom));
+    }
+    if !any && usable == top.len() {
+        return 0.0;
+    }
+    if !any && dirty && block_sd > VOUCHED_PX {
+        return refuse_all(top);
+    }
+    scratch.measure_widths(top, bottom);
+    scratch.descend();
+    let refused = scratch.refused_columns();
+    for (column, refuse) in scratch.refused.iter().enumerate() {
+        if *refuse && top[column].is_usable() && bottom[column].is_usable() {
+            let outwards_above = scratch.departures[column] < 0.0;
+            let edge = if outwards_above { &mut top[column] } else { &mut bottom[column] };
+            edge.state = EdgeState::Gap(Reason::Contaminated);
+        }
+    }
+    refused as f64 / usable.max(1) as f64
+}
+
+fn refuse_all(line: &mut [Edge]) -> f64 {
+    for edge in line.iter_mut().filter(|e| e.is_usable()) {
+        edge.state = EdgeState::Gap(Reason::Contaminated);
+    }
+    1.0
+}
+
+#[cfg(test)]
+mod tests;

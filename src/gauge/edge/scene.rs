@@ -1,0 +1,40 @@
+//! What a frame says about itself before its edges are fitted.
+
+use super::rounded_frame::Rounding;
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::noise::NoiseModel;
+
+/// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
+const NOISY_AREA_PX: f64 = 0.05;
+
+/// What the frame says about itself.
+pub(crate) struct Scene {
+    pub(crate) noise: NoiseModel,
+    /// Mean levels of both sides, counts.
+    pub(crate) dark: f64,
+    pub(crate) light: f64,
+    pub(crate) ends: [Option<Ends>; 2],
+    pub(crate) rounding: Rounding,
+}
+
+impl Scene {
+    /// Whether noise moves the windows that the area of their light is to centre; not under clipped light, whose fit begins where they
+    /// were centred.
+    pub(crate) fn is_noisy(&self, width: usize) -> bool {
+        let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
+        self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
+    }
+}
+
+/// What a stream's last frame leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Last {
+    /// Rows and columns.
+    pub(crate) size: (usize, usize),
+    /// Columns with both edges.
+    pub(crate) valid: usize,
+    /// Median residual.
+    pub(crate) misfit: f64,
+    /// Frames followed since the part was searched.
+    pub(crate) frames: u32,
+}

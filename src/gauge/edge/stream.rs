@@ -1,0 +1,582 @@
+//! The edge finder: from a frame to both edges of every column.
+//!
+//! Coarse search, or the last frame's edges where a stream goes on → windows → levels, noise and blur from the frame →
+//! maximum likelihood by tabulated scoring → residual and neighbourhood tests. What a stream carries from frame to frame
+//! is where the edges were, the blur and the tables; every carried thing is checked on the new frame (the blur follows it), and a frame
+//! that does not bear it out is measured anew from the coarse search.
+
+use super::acceptance;
+use super::both_sides::both;
+use super::estimation::survey::Scale;
+use super::model::systematic_residual::EdgeMisfit;
+use super::refusals::explain::{self, no_levels, refused};
+use super::rings;
+use super::rounded_frame::Rounding;
+use super::scene::{Last, Scene};
+use super::side::SideState;
+use crate::frame::FrameView;
+use crate::gauge::edge::estimation::blur::BlurEstimate;
+use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
+use crate::gauge::edge::estimation::censored::Ends;
+use crate::gauge::edge::estimation::model_bias::MisfitLesson;
+use crate::gauge::edge::estimation::noise::NoiseModel;
+use crate::gauge::edge::image::grey_step::grey_step;
+use crate::gauge::edge::image::part_localisation::Coarse;
+use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};
+use crate::gauge::edge::image::repeated::repeated_lines;
+use crate::gauge::edge::image::scan_windows::Side;
+use crate::gauge::edge::image::stuck_rows;
+use crate::gauge::edge::image::window_layout::WIDEST_PX;
+use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
+use crate::gauge::edge::rejection::departures::AxisScratch;
+use crate::gauge::edge::rejection::one_sided::refuse_one_sided;
+use crate::gauge::edge::wire::frame;
+use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
+use crate::profile::Reason;
+
+/// Fewest rows: the shortest window; and fewest columns.
+const LEAST_ROWS: usize = 24;
+pub(crate) const LEAST_COLUMNS: usize = 16;
+/// A followed frame must keep this fraction of the columns that the last one had.
+const LEAST_FOLLOWED: f64 = 0.98;
+/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
+const MOST_MISFIT: f64 = 1.1;
+/// Times that the edge-spread function is learnt and fitted with.
+const LESSONS: usize = 3;
+/// A usual blur, px.
+const USUAL_SIGMA_PX: f64 = 1.0;
+/// Share of a side's windows that a stuck row may cross.
+const MOST_CROSSED: f64 = 0.5;
+/// Frames after which the part is searched anew, in case another has come in.
+const SEARCH_EVERY: u32 = 256;
+
+/// Refuses views too small for any window, or with values that are none.
+///
+/// # Errors
+/// Fewer rows than the shortest window, a grey value that is not finite.
+pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
+    if view.rows() < LEAST_ROWS {
+        return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
+    }
+    if !all_finite(view) {
+        return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
+    }
+    Ok(())
+}
+
+/// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and buffers between them.
+#[derive(Clone, Debug)]
+pub(crate) struct AreaStream {
+    pub(crate) settings: GaugeSettings,
+    /// The edge-spread function of the settings.
+    shape: EdgeShape,
+    pub(crate) sides: [SideState; 2],
+    /// Where the edges are looked for.
+    coarse: Coarse,
+    axis: AxisScratch,
+    one_sided: f64,
+    /// Rows of the frame looked at.
+    rows: usize,
+    /// Whether both sides may be worked on at once.
+    splits: bool,
+    /// Step of the grey scale, counts, as the last search found it.
+    step: f64,
+    last: Option<Last>,
+}
+
+impl AreaStream {
+    /// A stream that knows nothing yet.
+    pub(crate) fn new(settings: GaugeSettings) -> Self {
+        let shape = match &settings.esf {
+            EsfModel::Table(samples) => {
+                let table = StepTable::new(samples.reach_px(), |d| samples.at(d));
+                EdgeShape::Table(std::sync::Arc::new(table))
+            }
+            EsfModel::Gaussian {} | EsfModel::Learnt {} | EsfModel::Optics {} => EdgeShape::Gaussian,
+        };
+        Self {
+            shape,
+            settings,
+            sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
+            coarse: Coarse::default(),
+            axis: AxisScratch::default(),
+            one_sided: 0.0,
+            rows: 0,
+            splits: true,
+            step: 0.0,
+            last: None,
+        }
+    }
+
+    /// Expects of every edge what a calibration's masters left of the edge model.
+    #[must_use]
+    pub(crate) fn expecting(mut self, misfit: Option<&EdgeMisfit>) -> Self {
+        for (index, side) in self.sides.iter_mut().enumerate() {
+            side.expect(misfit, index);
+        }
+        self
+    }
+
+    /// Leaves a frame to the thread that it is given to: where whole frames are shared out, splitting them only costs.
+    #[must_use]
+    pub(crate) fn unsplit(self) -> Self {
+        Self { splits: false, ..self }
+    }
+
+    /// The settings it measures by.
+    pub(crate) fn settings(&self) -> &GaugeSettings {
+        &self.settings
+    }
+
+    /// Adds what the edges of the frame just measured leave of the edge model.
+    pub(crate) fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+        for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
+            side.teach(lesson, index, line);
+        }
+    }
+
+    /// Forgets what earlier frames taught.
+    pub(crate) fn restart(&mut self) {
+        self.last = None;
+        self.sides.iter_mut().for_each(SideState::forget);
+    }
+
+    /// Measures a frame into `out`.
+    ///
+    /// # Errors
+    /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
+    pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
+        check(view)?;
+        let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
+        let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
+        with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
+    }
+
+    fn measure_plane<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        out: &mut FrameEdges,
+    ) -> Result<(), FrameRefused> {
+        self.rows = plane.rows;
+        let last = self.last.take();
+        if let Some(last) = last
+            && self.follow(plane, Scale::of_step(self.step), last, out)
+        {
+            return Ok(());
+        }
+        if self.search(plane, scale, out)? {
+            self.keep(out, (plane.rows, plane.columns), 0);
+        }
+        Ok(())
+    }
+
+    /// Measures around the last frame's edges, beginning with its blur; false where the frame does not bear them out.
+    fn follow<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        last: Last,
+        out: &mut FrameEdges,
+    ) -> bool {
+        if last.size != (plane.rows, plane.columns) || last.frames + 1 >= SEARCH_EVERY {
+            return false;
+        }
+        let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
+        let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
+        let follows = matches!(self.settings.blur, Blur::Estimated {});
+        self.sides.iter_mut().for_each(|side| side.track.begin(follows));
+        if !(self.fit(&scene, out, true) && self.follow_blur(&scene, out)) {
+            return false;
+        }
+        let valid = self.valid(out) as f64;
+        let misfit = self.misfit();
+        if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
+            return false;
+        }
+        if self.judge(out).is_err() {
+            return false;
+        }
+        self.keep(out, last.size, last.frames + 1);
+        // The yardstick stays that of the search, so that a slow loss of focus is noticed.
+        if let Some(kept) = &mut self.last {
+            kept.misfit = last.misfit;
+        }
+        true
+    }
+
+    /// Gives the edges just fitted the frame's own blur; false where it is not near the last frame's.
+    fn follow_blur(&mut self, scene: &Scene, out: &mut FrameEdges) -> bool {
+        for _ in 0..=MOST_REFITS {
+            let [top, bottom] = &mut self.sides;
+            let changes = [
+                top.follow_blur(&scene.noise, &mut out.top),
+                bottom.follow_blur(&scene.noise, &mut out.bottom),
+            ];
+            if changes.contains(&Change::Lost) {
+                return false;
+            }
+            if !changes.contains(&Change::Refit) {
+                out.figures.sigma_px = [self.sides[0].blur.mean(), self.sides[1].blur.mean()];
+                return true;
+            }
+            self.fit(scene, out, false);
+        }
+        false
+    }
+
+    /// Remembers where the edges are.
+    fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
+        let valid = self.valid(out);
+        let unbroken = self.is_unbroken();
+        let Coarse { top, bottom, .. } = &mut self.coarse;
+        for ((centres, line), side) in
+            [(top, &out.top), (bottom, &out.bottom)].into_iter().zip(&mut self.sides)
+        {
+            if unbroken {
+                std::mem::swap(centres, &mut side.rows);
+                continue;
+            }
+            let mut nearest = Err(Reason::NoEdge);
+            for (centre, edge) in centres.iter_mut().zip(line) {
+                if edge.is_usable() {
+                    nearest = Ok((edge.row_px + 0.5) as i32);
+                    *centre = nearest;
+                } else if edge.reason() == Some(Reason::Steep) {
+                    *centre = Err(Reason::Steep);
+                } else if centre.is_ok() && nearest.is_ok() {
+                    *centre = nearest;
+                }
+            }
+        }
+        self.last = Some(Last { size, valid, misfit: self.misfit(), frames });
+    }
+
+    /// Whether neither line has a gap.
+    fn is_unbroken(&self) -> bool {
+        self.one_sided == 0.0 && self.sides.iter().all(|side| side.jump.is_finite())
+    }
+
+    /// Columns with both edges.
+    fn valid(&self, out: &FrameEdges) -> usize {
+        if self.is_unbroken() { out.columns() } else { out.valid() }
+    }
+
+    fn misfit(&self) -> f64 {
+        self.sides[0].misfit.max(self.sides[1].misfit)
+    }
+
+    /// Measures from the coarse search on; false for a wire, which is searched in every frame.
+    fn search<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        out: &mut FrameEdges,
+    ) -> Result<bool, FrameRefused> {
+        let found = self.coarse.find_part(plane, &self.settings);
+        found.map_err(|none| explain::no_shadow(plane, &self.settings, none))?;
+        if let Some(lines) = repeated_lines(plane) {
+            return Err(refused(Reason::Repeated, lines.to_string()));
+        }
+        self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
+        let scale = Scale::of_step(self.step);
+        if self.coarse.median_width().is_some_and(|width| width < WIDEST_PX) {
+            self.one_sided = 0.0;
+            let how = (&self.shape, &self.settings, scale);
+            return frame::measure(plane, &self.coarse, how, out).map(|()| false);
+        }
+        self.axis.reserve(plane.columns);
+        for side in &mut self.sides {
+            side.set_shape(self.shape.clone());
+            side.track = BlurTrack::default();
+        }
+        let given = match self.settings.blur {
+            Blur::Given { sigma_px } => Some(sigma_px),
+            Blur::Estimated {} => None,
+        };
+        let mut sigma = match given.or(self.shape.own_sigma()) {
+            Some(sigma) => sigma,
+            None => self.rough_blur(plane)?,
+        };
+        let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+        let clear = self.leave_out_stuck(plane, scale, scene);
+        scene = match clear {
+            // A stuck row within the wide windows of the first guess may have made that guess: narrow ones may be clear of it.
+            Err(_) if given.is_none() && sigma > USUAL_SIGMA_PX => {
+                sigma = USUAL_SIGMA_PX;
+                let scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                self.leave_out_stuck(plane, scale, scene)?
+            }
+            clear => clear?,
+        };
+        self.pool(&scene)?;
+        if given.is_none() {
+            self.refine_blur(&scene, sigma);
+            let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
+            let rings = rings::differ(&self.shape, sigma, largest);
+            if rings || self.sides[0].window_width(largest) != self.sides[0].windows.width {
+                sigma = largest;
+                scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
+                scene = self.leave_out_stuck(plane, scale, scene)?;
+                self.pool(&scene)?;
+                if rings {
+                    self.refine_blur(&scene, sigma);
+                }
+            }
+        } else {
+            self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
+        }
+        self.fit(&scene, out, false);
+        if given.is_none() && self.settle_blur(&scene, out) {
+            self.fit(&scene, out, false);
+        }
+        if scene.is_noisy(self.sides[0].windows.width) {
+            scene = self.look_again(plane, scale, out)?;
+            self.fit(&scene, out, true);
+        }
+        if self.settings.esf == (EsfModel::Learnt {}) {
+            self.learn(&scene, out);
+        }
+        self.judge(out).map(|()| true)
+    }
+
+    /// Leaves out the windows that a stuck row of the sensor crosses; refuses the frame where those are most of a side's.
+    fn leave_out_stuck<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        scene: Scene,
+    ) -> Result<Scene, FrameRefused> {
+        let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
+        let mut any = false;
+        for side in &mut self.sides {
+            let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
+            if stuck.share > MOST_CROSSED {
+                return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));
+            }
+            any = true;
+            side.survey(scale, matches!(self.settings.noise, Noise::Estimated {}));
+        }
+        if any { self.scene(scale) } else { Ok(scene) }
+    }
+
+    /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps the Gaussian.
+    fn learn(&mut self, scene: &Scene, out: &mut FrameEdges) {
+        for _ in 0..LESSONS {
+            let [top, bottom] = &mut self.sides;
+            let clipped = scene.ends.map(|ends| ends.is_some());
+            let learnt = (!clipped[0] && top.learn(&out.top), !clipped[1] && bottom.learn(&out.bottom));
+            if learnt == (false, false) {
+                return;
+            }
+            self.fit(scene, out, false);
+        }
+    }
+
+    fn rough_blur<T: Sample>(&mut self, plane: &Plane<'_, T>) -> Result<f64, FrameRefused> {
+        let mut first = None;
+        for widest in [4.0, 2.0, 0.8] {
+            let (mut sum, mut count, mut all_alone) = (0.0, 0.0, true);
+            for (side, centres) in self.sides.iter_mut().zip([&self.coarse.top, &self.coarse.bottom]) {
+                if let Some((sigma, alone)) = side.rough_blur(plane, centres, widest) {
+                    (sum, count) = (sum + sigma, count + 1.0);
+                    all_alone &= alone;
+                }
+            }
+            if count > 0.0 && all_alone {
+                return Ok(sum / count);
+            }
+            first = first.or((count > 0.0).then_some(sum / count));
+        }
+        if let Some(sigma) = first {
+            return Ok(sigma);
+        }
+        let needed = self.sides[0].window_width(0.8) / 2;
+        Err(explain::too_near(needed, self.coarse.nearest_to_border(plane.rows)))
+    }
+
+    /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
+    fn look<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        sigma: f64,
+        centring: Option<f64>,
+    ) -> Result<Scene, FrameRefused> {
+        let estimate = matches!(self.settings.noise, Noise::Estimated {});
+        let look = |side: &mut SideState, centres| {
+            side.look(plane, centres, sigma, centring);
+            side.survey(scale, estimate);
+        };
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
+        both(splits, || look(top, upper), || look(bottom, lower));
+        let scene = self.scene(scale)?;
+        rings::check(plane, &self.sides).map(|()| scene)
+    }
+
+    /// Reads all windows anew around the edges found.
+    fn look_again<T: Sample>(
+        &mut self,
+        plane: &Plane<'_, T>,
+        scale: Scale,
+        found: &FrameEdges,
+    ) -> Result<Scene, FrameRefused> {
+        let estimate = matches!(self.settings.noise, Noise::Estimated {});
+        let look = |side: &mut SideState, line: &[Edge]| {
+            side.look_again(plane, line);
+            side.survey(scale, estimate);
+        };
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        both(splits, || look(top, &found.top), || look(bottom, &found.bottom));
+        self.scene(scale)
+    }
+
+    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
+        let ends = self.sides.each_ref().map(|side| side.survey.ends);
+        self.sides[0].survey.share_ends(ends[1]);
+        self.sides[1].survey.share_ends(ends[0]);
+        let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
+        let count = top.levels.count + bottom.levels.count;
+        if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
+            let rows = self.rows;
+            return Err(explain::too_near(
+                self.sides[0].windows.width / 2,
+                self.coarse.nearest_to_border(rows),
+            ));
+        }
+        if count == 0.0 {
+            return Err(no_levels());
+        }
+        let dark = (top.levels.dark + bottom.levels.dark) / count;
+        let light = (top.levels.light + bottom.levels.light) / count;
+        let noise = self.noise(dark, light, scale.floor(light - dark)).ok_or_else(no_levels)?;
+        let snr = (light - dark) / noise.variance(0.5 * (dark + light)).sqrt();
+        if !(snr >= self.settings.min_snr) {
+            return Err(explain::too_faint((dark, light), snr, self.settings.min_snr));
+        }
+        let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
+        let given = NoiseModel::given(self.settings.noise, sign, 0.0);
+        let rounding = Rounding::of(&self.sides, given, (dark, light), scale.step());
+        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], rounding })
+    }
+
+    /// Whether most columns of a side have no window because it would reach beyond the field.
+    fn is_cut_off(&self) -> bool {
+        self.sides.iter().any(|side| {
+            let cut = side.windows.centre.iter().filter(|c| **c == Err(Reason::Border)).count();
+            2 * cut > side.windows.centre.len()
+        })
+    }
+
+    fn noise(&self, dark: f64, light: f64, floor: f64) -> Option<NoiseModel> {
+        let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
+        if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
+            return Some(given);
+        }
+        self.sides[0].survey.noise_with(&self.sides[1].survey, (dark, light), floor)
+    }
+
+    /// Pools the levels of both sides.
+    fn pool(&mut self, scene: &Scene) -> Result<(), FrameRefused> {
+        let pool =
+            |side: &mut SideState, levels| side.pool_levels(&scene.noise, scene.dark, scene.light, levels);
+        let levels = self.settings.levels;
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        let (a, b) = both(splits, || pool(top, levels), || pool(bottom, levels));
+        if a && b { Ok(()) } else { Err(no_levels()) }
+    }
+
+    fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
+        let refine = |side: &mut SideState, ends: Option<Ends>| match ends {
+            Some(_) => side.blur = BlurEstimate::uniform(sigma),
+            None => side.refine_blur(&scene.noise, sigma),
+        };
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        both(splits, || refine(top, scene.ends[0]), || refine(bottom, scene.ends[1]));
+    }
+
+    /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
+    fn settle_blur(&mut self, scene: &Scene, out: &FrameEdges) -> bool {
+        if self.settings.rejection == Rejection::Off {
+            return false;
+        }
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        let settle = |side: &mut SideState, ends: Option<Ends>, line: &[Edge]| {
+            ends.is_none() && side.settle_blur(&scene.noise, line)
+        };
+        let (a, b) = both(
+            splits,
+            || settle(top, scene.ends[0], &out.top),
+            || settle(bottom, scene.ends[1], &out.bottom),
+        );
+        a || b
+    }
+
+    /// Fits both sides, their levels pooled before where `pool`; false without levels.
+    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges, pool: bool) -> bool {
+        let settings = &self.settings;
+        let fit = |side: &mut SideState, ends, line: &mut Vec<Edge>| {
+            let there = !pool || side.pool_levels(&scene.noise, scene.dark, scene.light, settings.levels);
+            if there {
+                side.fit(settings, &scene.noise, ends, line);
+            }
+            there
+        };
+        let splits = self.splits;
+        let [top, bottom] = &mut self.sides;
+        let (upper, lower) = (&mut out.top, &mut out.bottom);
+        let (a, b) = both(splits, || fit(top, scene.ends[0], upper), || fit(bottom, scene.ends[1], lower));
+        if !(a && b) {
+            return false;
+        }
+        for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
+            *length = side.dark.length.min(side.light.length);
+        }
+        for (stated, side) in out.misfit_px.iter_mut().zip(&self.sides) {
+            stated.clone_from(&side.stated);
+        }
+        out.clipped_px = [self.sides[0].clipped_px, self.sides[1].clipped_px];
+        if self.settings.rejection == Rejection::Full {
+            self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
+        }
+        out.figures = self.figures(scene);
+        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some_and(Ends::is_high)), out);
+        true
+    }
+
+    /// Whether the frame as a whole is believable.
+    fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
+        let jump_px = acceptance::jump_px(&self.settings);
+        let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
+        acceptance::accept(out, &self.settings, self.valid(out), contours)
+    }
+
+    fn figures(&self, scene: &Scene) -> FrameFigures {
+        let [top, bottom] = &self.sides;
+        let dark = 0.5 * (top.dark.mean + bottom.dark.mean);
+        let light = 0.5 * (top.light.mean + bottom.light.mean);
+        let mid = scene.noise.variance(0.5 * (dark + light)).sqrt();
+        FrameFigures {
+            sigma_px: [top.blur.mean(), bottom.blur.mean()],
+            unknown_place_px: match self.settings.esf {
+                EsfModel::Learnt {} => [top.unknown_place(), bottom.unknown_place()],
+                _ => [0.0; 2],
+            },
+            dark: [top.dark.mean, bottom.dark.mean],
+            light: [top.light.mean, bottom.light.mean],
+            noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
+            snr: (light - dark) / mid,
+            misfit: self.misfit(),
+            quantised: scene.rounding.step > 0.0,
+            rounding_px: [0.0; 2],
+            shadows: self.coarse.shadows.seen,
+        }
+    }
+}

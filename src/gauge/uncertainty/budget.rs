@@ -1,0 +1,461 @@
+//! The uncertainty budget of a diameter (GUM clause 8 and annex H): one row a source, random and common apart.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use serde::Serialize;
+
+pub use super::budget_conditions::OF_CONDITIONS;
+use super::budget_conditions::{self, Row};
+pub use super::form_scatter::{Block, Scatter};
+use super::stated::stated;
+use crate::gauge::calibration::gauge_calibration::Calibration;
+use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel};
+use crate::gauge::edges::{FrameEdges, FrameFigures};
+use crate::gauge::width::axis_slope::AxisSlope;
+use crate::gauge::width::blur_sensitivity::u_blur_px;
+use crate::gauge::width::column_means::ColumnMeans;
+
+/// Whether a source's errors differ from reading to reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Share {
+    /// Shrinks with averaging.
+    Random,
+    /// The same in all readings of one calibration and set-up.
+    Common,
+}
+
+/// Shape of a source's distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// Normal.
+    Normal,
+    /// Rectangular: only limits are known.
+    Rectangular,
+    /// Product of a factor that is known to a normal standard uncertainty and an error of which only limits are known.
+    Product {
+        /// The factor's estimate over its root mean square, 0 to 1.
+        known: f64,
+    },
+}
+
+impl Shape {
+    /// Its word in tables and files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Rectangular => "rectangular",
+            Self::Product { .. } => "product",
+        }
+    }
+}
+
+impl Serialize for Shape {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
+}
+
+/// One row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contribution {
+    /// The source.
+    pub source: String,
+    /// What is known of the input, with its unit.
+    pub input: String,
+    /// Shape of its distribution.
+    pub shape: Shape,
+    /// Whether it averages.
+    pub share: Share,
+    /// Degrees of freedom; none for what is known from elsewhere (type B).
+    pub freedom: Option<f64>,
+    /// Standard uncertainty it gives the diameter, mm.
+    pub u_mm: f64,
+}
+
+/// The budget of one diameter.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Budget {
+    /// The diameter, mm.
+    pub diameter_mm: f64,
+    /// Its rows.
+    pub contributions: Vec<Contribution>,
+}
+
+/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
+
+/// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
+pub const DRAWS: usize = 20_000;
+
+impl Budget {
+    fn sum(&self, wanted: impl Fn(&Contribution) -> bool) -> f64 {
+        // From +0: an empty sum of floats is −0.
+        self.contributions.iter().filter(|c| wanted(c)).fold(0.0, |sum, c| sum + c.u_mm * c.u_mm).sqrt()
+    }
+
+    /// Random standard uncertainty, mm.
+    pub fn u_random_mm(&self) -> f64 {
+        self.sum(|c| c.share == Share::Random)
+    }
+
+    /// Common standard uncertainty, mm.
+    pub fn u_common_mm(&self) -> f64 {
+        self.sum(|c| c.share == Share::Common)
+    }
+
+    /// Combined standard uncertainty, mm.
+    pub fn u_mm(&self) -> f64 {
+        self.sum(|_| true)
+    }
+
+    /// Effective degrees of freedom (Welch-Satterthwaite, GUM G.4.1); infinite where nothing is of type A.
+    pub fn effective_freedom(&self) -> f64 {
+        let fourth: f64 =
+            self.contributions.iter().filter_map(|c| c.freedom.map(|n| c.u_mm.powi(4) / n.max(1.0))).sum();
+        if fourth > 0.0 { self.u_mm().powi(4) / fourth } else { f64::INFINITY }
+    }
+
+    /// Adds a row, unless it is nothing. What is no number stays: the sum is then no number either, where leaving it out would
+    /// pass for certainty.
+    pub fn push(&mut self, contribution: Contribution) {
+        if contribution.u_mm != 0.0 {
+            self.contributions.push(contribution);
+        }
+    }
+
+    /// The rows for people: largest first, percentages of the variance. U is k·u for a coverage factor given, else for
+    /// [`Self::factor_or`]'s.
+    pub fn to_table(&self, given: Option<f64>) -> String {
+        let k = self.factor_or(given);
+        let freedom = match self.effective_freedom() {
+            n if n < 1e4 => format!("{n:.1}"),
+            _ => "many".to_owned(),
+        };
+        let covers = match given {
+            Some(_) => format!("; {:.3} covers", self.coverage_factor(PROBABILITY)),
+            None => " covers".to_owned(),
+        };
+        let mut rows: Vec<&Contribution> = self.contributions.iter().collect();
+        rows.sort_by(|a, b| b.u_mm.total_cmp(&a.u_mm));
+        let total = self.u_mm().powi(2);
+        let mut text = format!(
+            "{:<48} {:<34} {:<12} {:<7} {:>9} {:>7}\n",
+            "source", "input", "distribution", "share", "u / um", "% of u2"
+        );
+        for row in rows {
+            let _ = writeln!(
+                text,
+                "{:<48} {:<34} {:<12} {:<7} {:>9.4} {:>7.2}",
+                row.source,
+                row.input,
+                row.shape.as_str(),
+                format!("{:?}", row.share).to_lowercase(),
+                1e3 * row.u_mm,
+                100.0 * row.u_mm * row.u_mm / total
+            );
+        }
+        let expanded_mm = k * self.u_mm();
+        let u = |u_mm: f64| stated(0.0, 1e3 * u_mm)[1].clone();
+        let _ = writeln!(
+            text,
+            "D = {} mm   u random {} um, common {} um, combined {} um   U = {} um (k = {}{covers} 95.45 % at {freedom} effective degrees of freedom)",
+            stated(self.diameter_mm, expanded_mm)[0],
+            u(self.u_random_mm()),
+            u(self.u_common_mm()),
+            u(self.u_mm()),
+            u(expanded_mm),
+            // Up to three digits, none of them for nothing.
+            (1e3 * k).round() / 1e3
+        );
+        text
+    }
+}
+
+/// A width in the image whose diameter's budget is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WidthReading {
+    /// Column where it stands (the middle of those averaged), px.
+    pub column_px: f64,
+    /// Variance of the columns averaged, px².
+    pub column_variance_px2: f64,
+    /// Mean rows of the two edges, px.
+    pub rows_px: (f64, f64),
+    /// Chord factor of the axis' tilt.
+    pub chord: f64,
+    /// Standard uncertainty of the width by noise alone, px.
+    pub u_noise_px: f64,
+    /// Share of quantisation in that noise' variance: (1/12)/σ_n².
+    pub quantisation_share: f64,
+    /// Standard uncertainty of the width by the levels of light and shadow, px.
+    pub u_levels_px: f64,
+    /// Standard uncertainty of the width by what the residual may hide, beyond what the calibration's masters left, px.
+    pub u_misfit_px: f64,
+    /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
+    pub u_clipped_px: f64,
+    /// Standard uncertainty of the width by rounding that repeats in neighbouring columns and in every frame, px.
+    pub u_rounding_px: f64,
+    /// Standard uncertainty of the width by the blur's, px.
+    pub u_blur_px: f64,
+    /// Standard uncertainty of the blur, px.
+    pub u_sigma_px: f64,
+    /// The frame's figures: what its edge-spread function leaves open.
+    pub figures: FrameFigures,
+    /// Form, texture and sampling: scatter of what was averaged.
+    pub form: Scatter,
+}
+
+impl WidthReading {
+    /// Mean width over columns of a frame; `None` where fewer than 8 of them have both edges.
+    pub fn of_frame(edges: &FrameEdges, columns: Range<usize>) -> Option<Self> {
+        let over = ColumnMeans::over(edges, columns)?;
+        let chord = AxisSlope::of(edges).factor(over.column_px as usize);
+        let clipped = edges.clipped_variance().min(over.u_shared_px.powi(2));
+        let (u_blur_px, u_sigma_px) = u_blur_px(edges, &over.used);
+        Some(Self {
+            column_px: over.column_px,
+            column_variance_px2: over.column_variance_px2,
+            rows_px: over.rows_px,
+            chord,
+            u_noise_px: over.own_variance_px2.sqrt(),
+            quantisation_share: quantisation_share(edges),
+            u_levels_px: (over.u_shared_px.powi(2)
+                - over.u_misfit_px.powi(2)
+                - clipped
+                - edges.figures.rounding_variance())
+            .max(0.0)
+            .sqrt(),
+            u_misfit_px: over.u_misfit_px,
+            u_clipped_px: clipped.sqrt(),
+            u_rounding_px: edges.figures.rounding_variance().sqrt(),
+            u_blur_px,
+            u_sigma_px,
+            figures: edges.figures,
+            form: Scatter::of_blocks(edges, &over),
+        })
+    }
+
+    /// The diameter at 20 °C and its budget.
+    pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
+        let scale = calibration.scale_mm_per_px;
+        let (width_px, by) = match &calibration.bench {
+            Some(bench) => {
+                let columns = Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
+                let by = bench.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
+                (by[0], Some(by))
+            }
+            None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
+        };
+        let at_t = calibration.diameter_mm(width_px);
+        let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
+        self.add_edges(&mut budget, scale * self.chord, calibration.bench.as_ref().map(|b| &b.lens));
+        budget.push(self.place(calibration));
+        match (&calibration.bench, by) {
+            (Some(bench), Some(by)) => {
+                for part in &bench.parts {
+                    budget.push(common(part, &by));
+                }
+            }
+            _ => add_scale_and_offset(&mut budget, calibration, width_px),
+        }
+        add_conditions(&mut budget, calibration, conditions, at_t);
+        budget
+    }
+
+    /// The row of edges whose place is unknown because their edge-spread function was learnt and the masters' was not, or the other
+    /// way round.
+    fn place(&self, calibration: &Calibration) -> Contribution {
+        let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        let (source, input) = if calibration.is_learnt() {
+            let limit = self.figures.unlearnt_place_px();
+            ("place of edges not learnt, as the masters' were", format!("± {limit:.3} px of width"))
+        } else {
+            ("place of learnt edges, no masters", format!("0 to {limit:.3} px of width less"))
+        };
+        Contribution {
+            source: source.to_owned(),
+            input,
+            shape: Shape::Rectangular,
+            share: Share::Common,
+            freedom: None,
+            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_place_px(&self.figures),
+        }
+    }
+
+    fn add_edges(&self, budget: &mut Budget, mm_per_px: f64, lens: Option<&LensModel>) {
+        let (u_form_px, form_freedom) = self.form.u_px(lens, self.u_noise_px);
+        let share = self.quantisation_share.clamp(0.0, 1.0);
+        let width = |u_px: f64| format!("{u_px:.5} px of width");
+        let mut random = |source: &str, input: String, u_px: f64, freedom: Option<f64>| {
+            budget.push(Contribution {
+                source: source.to_owned(),
+                input,
+                shape: Shape::Normal,
+                share: Share::Random,
+                freedom,
+                u_mm: mm_per_px * u_px,
+            });
+        };
+        let (noise, quantisation) = (self.u_noise_px * (1.0 - share).sqrt(), self.u_noise_px * share.sqrt());
+        random("noise of the edges", width(noise), noise, None);
+        random("quantisation", width(quantisation), quantisation, None);
+        random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
+        random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
+        // All columns have the frame's blur; a stream takes it from every frame anew.
+        random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
+        // The same light falls on every frame: it does not average.
+        let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
+        for (source, input, u_px) in [
+            ("misfit of the edge model", misfit, self.u_misfit_px),
+            ("light beyond the end of the grey scale", width(self.u_clipped_px), self.u_clipped_px),
+            ("quantisation that repeats", width(self.u_rounding_px), self.u_rounding_px),
+        ] {
+            budget.push(Contribution {
+                source: source.to_owned(),
+                input,
+                shape: Shape::Normal,
+                share: Share::Common,
+                freedom: None,
+                u_mm: mm_per_px * u_px,
+            });
+        }
+    }
+}
+
+/// Share of quantisation, 1/12 count², in the noise variance at mid-edge.
+pub(super) fn quantisation_share(edges: &FrameEdges) -> f64 {
+    let [dark, light] = edges.figures.noise;
+    let mid = 0.5 * (dark * dark + light * light);
+    if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
+}
+
+/// Whether only limits are known of a source of the calibration.
+pub fn is_rectangular(source: &str) -> bool {
+    ["temperature", "expansion", "distortion", "telecentricity"].iter().any(|word| source.starts_with(word))
+}
+
+/// The row of one source of the calibration, by the diameter's derivatives.
+pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
+    let rectangular = is_rectangular(&part.source);
+    Contribution {
+        source: part.source.clone(),
+        input: "calibration".to_owned(),
+        shape: if rectangular { Shape::Rectangular } else { Shape::Normal },
+        share: Share::Common,
+        freedom: None,
+        u_mm: part.variance(by).sqrt(),
+    }
+}
+
+/// Without a bench only scale and offset are known, with their covariance.
+fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64) {
+    let row = |source: &str, input: String, u_mm: f64| Contribution {
+        source: source.to_owned(),
+        input,
+        shape: Shape::Normal,
+        share: Share::Common,
+        freedom: None,
+        u_mm,
+    };
+    let together = calibration.u_common_mm(width_px);
+    if let [a, b] = &calibration.masters[..] {
+        // Two masters: the line runs through both, so each one's share is its lever.
+        let (one, two) = (a.width_px, b.width_px);
+        for (master, lever) in [(a, (width_px - two) / (one - two)), (b, (width_px - one) / (two - one))] {
+            let name = format!("{} mm", master.certificate.diameter_mm);
+            let u = master.certificate.u_mm();
+            let input = format!("U/k = {:.3} um", 1e3 * u);
+            budget.push(row(&format!("certificate of the master of {name}"), input, lever.abs() * u));
+            let u = calibration.scale_mm_per_px * master.u_width_px;
+            let input = format!("{:.5} px", master.u_width_px);
+            budget.push(row(&format!("edges of the master of {name}"), input, lever.abs() * u));
+        }
+        return;
+    }
+    budget.push(row("scale and edge offset", "calibration".to_owned(), together));
+}
+
+/// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
+pub(crate) fn add_conditions(
+    budget: &mut Budget,
+    calibration: &Calibration,
+    conditions: &Conditions,
+    at_t: f64,
+) {
+    for Row { source, input, factor, u_mm } in budget_conditions::rows(calibration, conditions, at_t) {
+        let source = source.to_owned();
+        let shape = factor.map_or(Shape::Rectangular, |known| Shape::Product { known });
+        budget.push(Contribution { source, input, shape, share: Share::Common, freedom: None, u_mm });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gauge::calibration::{MasterCertificate, MasterFigure};
+
+    fn row(u_mm: f64, share: Share, freedom: Option<f64>) -> Contribution {
+        Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }
+    }
+
+    /// GUM H.1.6: the end-gauge comparison has u_c = 32 nm, 16 effective degrees of freedom, t₉₉ = 2.92.
+    #[test]
+    fn effective_freedom_is_that_of_the_end_gauge_example() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        for (u, freedom) in [(25.0, 18.0), (9.7, 25.6), (2.9, 50.0), (16.6, 2.0)] {
+            budget.push(row(u * 1e-6, Share::Common, Some(freedom)));
+        }
+        assert!((budget.u_mm() * 1e6 - 31.7).abs() < 0.5, "{}", budget.u_mm());
+        assert_eq!(budget.effective_freedom().floor(), 16.0);
+        assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
+    }
+
+    /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
+    #[test]
+    fn what_is_no_number_does_not_vanish() {
+        let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };
+        budget.push(row(1e-4, Share::Random, None));
+        budget.push(row(0.0, Share::Random, None));
+        budget.push(row(f64::NAN, Share::Common, None));
+        assert!(budget.contributions.len() == 2 && budget.u_mm().is_nan() && budget.u_common_mm().is_nan());
+        assert!(budget.to_table(Some(2.0)).contains("NaN"));
+    }
+
+    #[test]
+    fn two_masters_shares_are_the_covariance_of_scale_and_offset() {
+        let master = |diameter_mm, width_px| MasterFigure {
+            certificate: MasterCertificate { diameter_mm, expanded_u_mm: 2e-4, coverage_factor: 2.0 },
+            width_px,
+            u_width_px: 0.003,
+        };
+        let calibration = Calibration::fit_figures(&[master(20.0, 1300.0), master(28.0, 1820.0)]).unwrap();
+        let reading = WidthReading {
+            figures: FrameFigures::default(),
+            column_px: 0.0,
+            column_variance_px2: 0.0,
+            rows_px: (10.0, 1410.0),
+            chord: 1.0,
+            u_noise_px: 0.01,
+            quantisation_share: 0.25,
+            u_levels_px: 0.0,
+            u_misfit_px: 0.0,
+            u_clipped_px: 0.0,
+            u_rounding_px: 0.0,
+            u_blur_px: 0.0,
+            u_sigma_px: 0.0,
+            form: Scatter::Known { u_px: 0.0, freedom: 1.0 },
+        };
+        let budget = reading.budget(&calibration, &Conditions::default());
+        assert!((budget.u_common_mm() / calibration.u_common_mm(1400.0) - 1.0).abs() < 1e-6);
+        assert!((budget.u_random_mm() - 0.01 * calibration.scale_mm_per_px).abs() < 1e-12);
+        assert!(budget.to_table(Some(2.0)).contains("quantisation"));
+        assert!(!budget.to_table(Some(2.0)).contains("misfit"));
+        let misfitting =
+            WidthReading { u_misfit_px: 0.02, ..reading }.budget(&calibration, &Conditions::default());
+        let misfit_mm = 0.02 * calibration.scale_mm_per_px;
+        assert!((misfitting.u_common_mm() / budget.u_common_mm().hypot(misfit_mm) - 1.0).abs() < 1e-9);
+        assert!(misfitting.to_table(Some(2.0)).contains("misfit of the edge model"));
+        assert!(budget.coverage_factor(0.95) > 1.9599 && budget.coverage_factor(0.95) < 1.9601);
+    }
+}

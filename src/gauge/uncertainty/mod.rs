@@ -1,0 +1,16 @@
+//! The uncertainty of a diameter (GUM): one row a source, random and common apart.
+//!
+//! In: a width or diameter, its calibration and conditions. Out: a [`Budget`](budget::Budget) with k and U (`coverage`), the same by Monte
+//! Carlo (`monte_carlo`, JCGM 101), values as people read them (`stated`).
+//!
+//! One more source is one more row: a function that gives a `Contribution` with its sensitivity, distribution and degrees of freedom,
+//! called in `budget` (of a width) or `budget_conditions` (of the conditions of use). What is a row here must be drawn in
+//! `monte_carlo`'s test as well.
+
+pub mod budget;
+pub(crate) mod budget_conditions;
+pub(crate) mod coverage;
+pub(crate) mod form_scatter;
+pub(crate) mod largest_reading;
+pub mod monte_carlo;
+pub mod stated;
