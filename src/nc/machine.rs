@@ -57,6 +57,47 @@ pub enum Spindle {
     M04,
 }
 
+/// How the control holds the spindle at an angle: `M19 R…`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleOrientation {
+    /// Angle at which the part is probed, degrees.
+    #[serde(default)]
+    pub angle_deg: f64,
+    /// M code that turns to the angle and holds it; 19 by default, fixed on linuxcnc.
+    #[serde(default = "nineteen")]
+    pub m_code: u32,
+    /// M code that lets go, where M05 and M03 do not.
+    #[serde(default)]
+    pub release_m_code: Option<u32>,
+}
+
+fn nineteen() -> u32 {
+    19
+}
+
+impl SpindleOrientation {
+    /// M codes that mean something else in every program.
+    const TAKEN: [u32; 7] = [0, 2, 3, 4, 5, 6, 30];
+
+    fn validate(&self) -> Result<(), NcError> {
+        let angle = self.angle_deg;
+        let right = "an angle of 0 to below 360 degrees";
+        super::require((0.0..360.0).contains(&angle), "nc.spindle_orientation.angle_deg", angle, right)?;
+        let free = |code: u32| code <= 999 && !Self::TAKEN.contains(&code);
+        let right = "an M code up to 999 that is not M00, M02 to M06 or M30";
+        let code = self.m_code;
+        super::require(free(code), "nc.spindle_orientation.m_code", f64::from(code), right)?;
+        let release = self.release_m_code.unwrap_or(nineteen());
+        super::require(free(release), "nc.spindle_orientation.release_m_code", f64::from(release), right)
+    }
+
+    /// The angle, or the opposite one.
+    pub(super) fn angle(&self, opposite: bool) -> f64 {
+        (self.angle_deg + if opposite { 180.0 } else { 0.0 }) % 360.0
+    }
+}
+
 /// Where tools are changed: position of the tip in the part's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -163,6 +204,12 @@ impl NcSettings {
         .into_iter()
         .flatten()
         .collect();
+        if dialect == Dialect::Linuxcnc
+            && let Some(orientation) = self.spindle_orientation
+        {
+            let code = f64::from(orientation.m_code);
+            super::require(code == 19.0, "nc.spindle_orientation.m_code", code, "19 on linuxcnc")?;
+        }
         if dialect == Dialect::Linuxcnc || missing.is_empty() {
             return Ok(());
         }
@@ -183,6 +230,9 @@ impl NcSettings {
         if let Some(r) = self.nose_radius_mm {
             let right = "a radius of 0.05 to 10 mm";
             super::require((0.05..=10.0).contains(&r), "nc.nose_radius_mm", r, right)?;
+        }
+        if let Some(orientation) = self.spindle_orientation {
+            orientation.validate()?;
         }
         if let Some(change) = self.change_position {
             positive("nc.change_position.x_mm", change.x_mm)?;

@@ -22,6 +22,7 @@ mod macro_program;
 mod path;
 mod probe;
 mod probing_program;
+mod qualification;
 pub mod replay;
 mod route;
 mod skeleton;
@@ -31,13 +32,14 @@ mod turning;
 pub use dialect::Dialect;
 pub use line::{LineFit, fit_line};
 pub use machine::{
-    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, Tailstock, Travel,
-    WearX,
+    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
+    Tailstock, Travel, WearX,
 };
 pub use macro_program::{MacroProgram, MacroValues};
 pub use path::{Path, dry_run};
-pub use probe::NcProbe;
+pub use probe::{NcProbe, ProbeReference};
 pub use probing_program::ProbingProgram;
+pub use qualification::{Qualification, Qualified};
 pub use route::Workpiece;
 pub use turning::{TurningProgram, Written};
 
@@ -146,6 +148,9 @@ pub struct NcSettings {
     pub geometry_offset: Option<GeometryOffset>,
     /// Sense of the spindle; no default for fanuc and gsk, M03 for linuxcnc.
     pub spindle: Option<Spindle>,
+    /// Angle at which the spindle is held while the part is probed; it is not fixed where this is not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spindle_orientation: Option<SpindleOrientation>,
     /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a place to go to for
     /// linuxcnc.
     pub change_position: Option<ChangePosition>,
@@ -185,6 +190,7 @@ impl Default for NcSettings {
             wear_x: None,
             geometry_offset: None,
             spindle: None,
+            spindle_orientation: None,
             change_position: None,
             nose_radius_mm: None,
             holder: None,

@@ -21,6 +21,13 @@ const MOST_PLACES: usize = 12;
 /// First variables of what is found before and after the cut.
 pub(super) const BEFORE: u32 = 841;
 pub(super) const AFTER: u32 = 861;
+/// What a qualification leaves: correction, effective diameter of the ball, standard deviation of a touch, run-out of the
+/// reference (mm), and the number of the probe's tool.
+pub(super) const CORRECTION: u32 = 880;
+pub(super) const BALL: u32 = 881;
+pub(super) const DEVIATION: u32 = 882;
+pub(super) const RUN_OUT: u32 = 883;
+pub(super) const QUALIFIED: u32 = 884;
 /// Labels of the alarms: result out of range before and after, undersize, oversize.
 const LABEL_BEFORE: u32 = 110;
 const LABEL_AFTER: u32 = 130;
@@ -64,6 +71,55 @@ pub struct NcProbe {
     /// Variable in which the control leaves X of the touch: #5061 of fanuc; gsk has no default; 5061 of linuxcnc is fixed.
     #[serde(default)]
     pub skip_variable: Option<u32>,
+    /// Whether programs take the correction that the qualification left in #880, instead of `correction_mm`, and stop where no
+    /// qualification of this probe has run.
+    #[serde(default)]
+    pub stored_correction: bool,
+    /// The reference that the qualification (`--form qualify`) touches.
+    #[serde(default)]
+    pub reference: Option<ProbeReference>,
+}
+
+/// `[nc.probe.reference]`: a ring, disc or cylinder of known diameter in the part's place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeReference {
+    /// Certified outer diameter, mm.
+    pub diameter_mm: f64,
+    /// From the face that clamps it to its end face, mm.
+    pub length_mm: f64,
+    /// Where it is touched; half its length by default, mm.
+    #[serde(default)]
+    pub z_mm: Option<f64>,
+    /// Touches at an angle of the spindle, 2 to 9.
+    #[serde(default = "touches")]
+    pub touches: u32,
+}
+
+fn touches() -> u32 {
+    // the standard deviation is known to a third
+    5
+}
+
+impl ProbeReference {
+    fn validate(&self) -> Result<(), NcError> {
+        let lengths = [
+            ("nc.probe.reference.diameter_mm", self.diameter_mm),
+            ("nc.probe.reference.length_mm", self.length_mm),
+        ];
+        for (key, value) in lengths {
+            super::require(value > 0.0 && value < FAR_MM, key, value, "a length above 0 mm")?;
+        }
+        let (z, touches) = (self.z_mm(), f64::from(self.touches));
+        let right = "within the reference's length";
+        super::require(z > 0.0 && z < self.length_mm, "nc.probe.reference.z_mm", z, right)?;
+        super::require((2.0..=9.0).contains(&touches), "nc.probe.reference.touches", touches, "2 to 9")
+    }
+
+    /// Where it is touched, mm.
+    pub(super) fn z_mm(&self) -> f64 {
+        self.z_mm.unwrap_or(0.5 * self.length_mm)
+    }
 }
 
 fn ball() -> f64 {
@@ -116,6 +172,7 @@ impl NcProbe {
         for (key, value) in lengths {
             super::require(value > 0.0 && value <= 200.0, key, value, "a length above 0 up to 200 mm")?;
         }
+        self.reference.map_or(Ok(()), |reference| reference.validate())?;
         let long = self.stylus_mm > self.ball_mm && self.stylus_mm <= 500.0;
         super::require(long, "nc.probe.stylus_mm", self.stylus_mm, "a length above nc.probe.ball_mm")
     }
@@ -158,7 +215,46 @@ pub(super) struct Cycle<'a> {
     pub(super) variable: u32,
 }
 
+/// A number as it follows a variable in an expression.
+pub(super) fn signed(value: f64) -> String {
+    // a correction of zero is taken off like any other
+    let sign = if value > 0.0 { '+' } else { '-' };
+    format!("{sign}{}", number(value.abs(), 5))
+}
+
 impl Skeleton<'_> {
+    /// Whether the program touches the part with the probe.
+    pub(super) fn probes(&self) -> bool {
+        self.measures_first || self.probes_after().is_some()
+    }
+
+    /// Alarms where the correction is taken from a qualification of this probe and there is none, or another one than the
+    /// probe's data let expect.
+    pub(super) fn qualified(&self) -> Vec<String> {
+        let Some(probe) = self.settings.probe.filter(|p| p.stored_correction && self.probes()) else {
+            return Vec::new();
+        };
+        let d = self.dialect;
+        let (limit, stored) = (number(self.settings.correction_limit_mm, 4), format!("#{QUALIFIED}"));
+        let tool = format!("{}.", probe.tool);
+        let mut lines = d.alarm_if(108, (&stored, "NE", &tool), "PROBE IS NOT QUALIFIED");
+        let off = format!("ABS[#{CORRECTION}{}]", signed(-probe.correction_mm));
+        lines.extend(d.alarm_if(109, (&off, "GT", &limit), "CORRECTION OUT OF RANGE"));
+        lines
+    }
+
+    /// The spindle turned to its angle, or to the opposite one, and held; nothing where the control has no such code.
+    pub(super) fn hold_spindle(&self, opposite: bool) -> Vec<String> {
+        let orientation = self.settings.spindle_orientation;
+        orientation.map(|o| self.dialect.orient(o, opposite)).into_iter().collect()
+    }
+
+    /// The spindle let go; the codes that start or stop it do so by themselves on most controls.
+    pub(super) fn release_spindle(&self) -> Vec<String> {
+        let release = self.settings.spindle_orientation.and_then(|o| o.release_m_code);
+        release.map(|code| format!("M{code:02}")).into_iter().collect()
+    }
+
     /// The probe where the part is probed after this program's cut.
     pub(super) fn probes_after(&self) -> Option<(NcProbe, (f64, f64))> {
         self.settings.probe.zip(self.limits_mm)
@@ -203,6 +299,7 @@ impl Skeleton<'_> {
         let mut lines = d.to_change(route.change);
         lines.push(d.spindle_off().to_owned());
         lines.extend(d.tool(probe.tool, probe.tool));
+        lines.extend(self.hold_spindle(false));
         lines.push(d.feed_per_minute().to_owned());
         let target = number(cycle.expected_mm - 2.0 * probe.reach_mm, 3);
         let limit = number(self.settings.correction_limit_mm, 4);
@@ -220,20 +317,28 @@ impl Skeleton<'_> {
             lines.extend(d.alarm_if(label + n, (&off, "GT", &limit), "PROBE RESULT OUT OF RANGE"));
         }
         lines.extend(d.to_change(route.change));
+        lines.extend(self.release_spindle());
         lines.push(d.feed_per_revolution().to_owned());
         lines
     }
 
-    /// The diameter of the touch, as an expression.
-    fn touched(&self, probe: &NcProbe) -> String {
+    /// X of the touch as a diameter, as an expression.
+    pub(super) fn read(&self, probe: &NcProbe) -> String {
         let variable = probe.variable(self.dialect);
-        let read = match self.dialect {
+        match self.dialect {
             // its #5061 is a radius, under G7, too
             Dialect::Linuxcnc => format!("2.*#{variable}"),
             Dialect::Fanuc | Dialect::Gsk => format!("#{variable}"),
-        };
-        let sign = if probe.correction_mm < 0.0 { '+' } else { '-' };
-        format!("[{read}{sign}{}]", number(probe.correction_mm.abs(), 5))
+        }
+    }
+
+    /// The diameter of the touch, as an expression.
+    fn touched(&self, probe: &NcProbe) -> String {
+        let read = self.read(probe);
+        if probe.stored_correction {
+            return format!("[{read}-#{CORRECTION}]");
+        }
+        format!("[{read}{}]", signed(-probe.correction_mm))
     }
 
     /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U at both ends.
@@ -280,6 +385,7 @@ impl Skeleton<'_> {
         self.settings.probe?;
         // what the correction removes is gone: the part is as aimed at, or in the middle of its tolerance
         let after = self.limits_mm.map_or(nominal_mm, |(low, high)| 0.5 * (low + high));
-        Some(Surface { before: vec![(0.0, self.piece.before_mm)], after: vec![(0.0, after)] })
+        let [before, after] = [self.piece.before_mm, after].map(|d| vec![(0.0, d)]);
+        Some(Surface { before, after, ..Surface::default() })
     }
 }

@@ -47,6 +47,8 @@ pub enum Deed {
         to: Point,
         /// Where it would have ended without a touch.
         target: Point,
+        /// Angle at which the spindle is held, degrees.
+        angle_deg: Option<f64>,
     },
     /// The program stops with an alarm.
     Alarm(String),
@@ -104,6 +106,8 @@ pub(super) struct Modal {
     pub(super) feed: Option<f64>,
     speed: bool,
     pub(super) spindle: Option<u32>,
+    /// Angle at which the spindle is held.
+    pub(super) oriented_deg: Option<f64>,
     tool_selected: Option<u32>,
     tool_called: bool,
 }
@@ -323,7 +327,7 @@ impl<'a> Interpreter<'a> {
                         "{letter}{value} has no decimal point: a control may take it in increments"
                     ));
                 }
-                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' => {
+                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' | 'R' | 'Q' => {
                     if words.get(letter).is_some() {
                         return Err(format!("{letter} stands twice"));
                     }
@@ -351,9 +355,13 @@ impl<'a> Interpreter<'a> {
         if let Some(speed) = words.get('S') {
             self.modal.speed |= speed > 0.0 && !words.g.contains(&50.0);
         }
+        let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
+        if words.get('R').or(words.get('Q')).is_some() && !words.m.iter().any(orients) {
+            return Err("R and Q are understood with the code that turns the spindle to an angle alone".into());
+        }
         let mut end = false;
         for &m in &words.m {
-            end |= self.miscellaneous(line, m)?;
+            end |= !self.holds_spindle(m, words)? && self.miscellaneous(line, m)?;
         }
         if words.g.iter().any(|g| [31.0, 38.2].contains(g)) {
             return self.probing_move(line, words);

@@ -2,6 +2,7 @@
 
 use super::{Control, Convex, Deed, Event, Point, Surface, run};
 use crate::nc::machine::{ChangePosition, Travel};
+use crate::nc::probe::QUALIFIED;
 use crate::nc::{Dialect, NcError, NcSettings};
 
 /// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of diameter.
@@ -132,6 +133,14 @@ impl Scene<'_> {
             with_probe: false,
             surface: self.surface.clone(),
         }
+    }
+
+    /// The same, where no qualification of the probe has run.
+    #[must_use]
+    pub(in crate::nc) fn unqualified(mut self) -> Self {
+        self.variables.retain(|(variable, _)| *variable != QUALIFIED);
+        self.variables.push((QUALIFIED, 0.0));
+        self
     }
 
     fn at_change(&self) -> Point {
