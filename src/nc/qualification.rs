@@ -132,8 +132,9 @@ impl<'a> Qualification<'a> {
     }
 
     fn scene_of<'s>(&self, skeleton: &Skeleton<'s>, surface: Surface) -> Scene<'s> {
-        let mut scene = skeleton.scene(Vec::new());
-        // a program that cuts nothing
+        let mut scene = skeleton.scene(vec![(0.0, self.reference.diameter_mm)]);
+        // nothing is cut: any feed but the probe's is too deep, and no length must be covered
+        scene.commanded.clear();
         scene.cut_between = (0.0, 0.0);
         let before = match &surface.before[..] {
             [] => vec![(0.0, self.reference.diameter_mm)],

@@ -312,18 +312,17 @@ fn macro_rows(inputs: &Inputs, v: &MacroValues) -> Vec<Row> {
 /// Equations 7 to 10 as printed, each into the variable that it names, in `order` and `runs` times: what is taken off the
 /// diameter at the start in the end, in the unit of the errors. A variable that nothing has filled counts as 0.
 fn compensation_at_start(inputs: &Inputs, order: &[u32], runs: usize) -> f64 {
-    // #800 and #801 less the diameter aimed at, in that unit
-    let (mut v800, mut v801, mut v804, mut v805) = (0.0, 0.0, 0.0, 0.0);
-    let (v802, v803) = (inputs.slope, inputs.intercept);
+    // #800 to #805; the first two less the diameter aimed at, in that unit.
+    let mut v = [0.0, 0.0, inputs.slope, inputs.intercept, 0.0, 0.0];
     for equation in order.iter().cycle().take(runs * order.len()) {
         match equation {
-            7 => v800 -= v804,
-            8 => v801 -= v805,
-            9 => v804 = v802 / 6.0 + v803,
-            _ => v805 = v802 + v803,
+            7 => v[0] -= v[4],
+            8 => v[1] -= v[5],
+            9 => v[4] = v[2] / 6.0 + v[3],
+            _ => v[5] = v[2] + v[3],
         }
     }
-    0.0 - v800
+    0.0 - v[0]
 }
 
 /// Fig. 2's data, and whether they are given.

@@ -126,6 +126,8 @@ pub(super) struct Interpreter<'a> {
     pub(super) with_probe: bool,
     /// Whether a feed has moved the tool.
     pub(super) has_cut: bool,
+    /// Probing moves so far.
+    pub(super) touches: usize,
     events: Vec<Event>,
 }
 
@@ -162,6 +164,7 @@ impl<'a> Interpreter<'a> {
             at: control.start,
             with_probe: control.with_probe,
             has_cut: false,
+            touches: 0,
             modal: Modal {
                 // system A: X and Z are absolute, X a diameter by parameter
                 x_unit: is_lathe_control.then_some(1.0),
@@ -172,8 +175,8 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Runs to the end.
-    pub(super) fn run(mut self) -> Result<Vec<Event>, Fault> {
+    /// Runs to the end: what happens, and what the variables hold then.
+    pub(super) fn run(mut self) -> Result<(Vec<Event>, Variables), Fault> {
         let mut line = 0;
         for _ in 0..MOST_BLOCKS {
             if line >= self.program.lines.len() {
@@ -182,7 +185,7 @@ impl<'a> Interpreter<'a> {
             match self.block(line).map_err(|why| (line + 1, why))? {
                 Next::Line => line += 1,
                 Next::Jump(to) => line = to,
-                Next::End => return Ok(self.events),
+                Next::End => return Ok((self.events, self.variables)),
             }
         }
         Err((line + 1, format!("the program goes on after {MOST_BLOCKS} blocks")))

@@ -12,6 +12,8 @@
 //! - no feed cuts below the commanded diameter,
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
 
+use std::collections::HashMap;
+
 mod convex;
 mod expression;
 mod flow;
@@ -30,5 +32,14 @@ pub use touch::Surface;
 /// Line (from 1) and reason where it is not understood.
 pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
     let program = flow::Program::new(text).map_err(|(line, why)| (line + 1, why))?;
-    interpreter::Interpreter::new(&program, control).run()
+    Ok(interpreter::Interpreter::new(&program, control).run()?.0)
+}
+
+/// Runs a program from one start position and returns what it leaves in its variables, by their numbers.
+///
+/// # Errors
+/// As [`run`].
+pub fn variables(text: &str, control: &Control<'_>) -> Result<HashMap<u32, f64>, Fault> {
+    let program = flow::Program::new(text).map_err(|(line, why)| (line + 1, why))?;
+    Ok(interpreter::Interpreter::new(&program, control).run()?.1)
 }

@@ -12,6 +12,8 @@ pub struct Surface {
     pub after: Vec<(f64, f64)>,
     /// Indicated run-out: the touch lies by its cosine share of the spindle's angle further out, mm of diameter.
     pub run_out_mm: f64,
+    /// What the touches scatter by, one after the other and from the first again, mm of diameter; none where it is empty.
+    pub scatter_mm: Vec<f64>,
 }
 
 impl Surface {
@@ -96,7 +98,9 @@ impl Interpreter<'_> {
         });
         let angle_deg = self.modal.oriented_deg;
         let run_out = surface.map_or(0.0, |s| s.run_out_mm * angle_deg.unwrap_or(0.0).to_radians().cos());
-        let touch = diameter + run_out + probe.correction_mm;
+        let scatter = surface.and_then(|s| s.scatter_mm.get(self.touches % s.scatter_mm.len().max(1)));
+        let touch = diameter + run_out + scatter.copied().unwrap_or(0.0) + probe.correction_mm;
+        self.touches += 1;
         if touch >= self.at.x {
             return Err("a probing move begins in the part".into());
         }
