@@ -302,7 +302,10 @@ fn every_program_measures_again_or_says_that_it_does_not() {
         let settings = settings();
         let earlier = ProbingProgram { limits_mm: None, ..program(&settings) };
         let text = earlier.write(dialect).expect("a program").text;
-        assert!(text.contains("PROBES AGAIN WITHOUT AN ALARM") && !text.contains("DOES NOT MEASURE"), "{text}");
+        assert!(
+            text.contains("PROBES AGAIN WITHOUT AN ALARM") && !text.contains("DOES NOT MEASURE"),
+            "{text}"
+        );
         assert!(!text.contains("PART UNDERSIZE"), "{text}");
     }
     let none = Workpiece { tolerance_mm: None, ..piece };
@@ -360,7 +363,8 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
         (BEFORE, 23.186, "PART UNDERSIZE"),
     ] {
         let mut wrong = scene.clone();
-        wrong.surface = Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() });
+        wrong.surface =
+            Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() });
         let (_, printed) = interpret(&simulated(&wrong)).expect("it ran before");
         assert!(printed.contains(word) && !printed.contains("PROGRAM_END"), "{word}: {printed}");
     }

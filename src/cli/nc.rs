@@ -7,8 +7,8 @@ use crate::config;
 use crate::files::OutputFile;
 use crate::job::{Job, JobError};
 use crate::nc::{
-    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification, TurningProgram,
-    Workpiece, Written,
+    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification,
+    TurningProgram, Workpiece, Written,
 };
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
@@ -285,7 +285,9 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
 
 fn qualify(args: &NcArgs, settings: &NcSettings) -> Result<String, Failure> {
     if args.dry_run || args.pass.is_some() {
-        return Err(Failure::refuse("--form qualify touches a reference, no part: --pass and --dry-run do not apply"));
+        return Err(Failure::refuse(
+            "--form qualify touches a reference, no part: --pass and --dry-run do not apply",
+        ));
     }
     let qualification = Qualification::new(settings).map_err(Failure::refuse)?;
     written(args, qualification.write(args.dialect))

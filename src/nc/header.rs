@@ -177,7 +177,10 @@ impl Skeleton<'_> {
             }
         };
         not_stated(s.change_position.is_some(), "change position, the place above is assumed".into());
-        not_stated(!cuts || s.nose_radius_mm.is_some(), format!("nose radius, {} assumed", mm(self.route.nose_mm)));
+        not_stated(
+            !cuts || s.nose_radius_mm.is_some(),
+            format!("nose radius, {} assumed", mm(self.route.nose_mm)),
+        );
         not_stated(!cuts || s.holder.is_some(), "tool holder, only the nose was checked".into());
         not_stated(s.chuck.is_some(), "chuck and jaws, nothing moves behind Z 0".into());
         let c: Centre = assumed_centre(self.piece, smallest_mm);

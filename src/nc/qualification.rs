@@ -79,12 +79,14 @@ impl<'a> Qualification<'a> {
         let limit = self.settings.correction_limit_mm;
         replay::check(&text, &self.scene_of(&skeleton, Surface::default()))?;
         for off in [2.0 * limit, -(2.0 * self.probe.reach_mm + 1.0)] {
-            let surface = Surface { before: vec![(0.0, self.reference.diameter_mm + off)], ..Surface::default() };
+            let surface =
+                Surface { before: vec![(0.0, self.reference.diameter_mm + off)], ..Surface::default() };
             replay::must_alarm(&text, &self.scene_of(&skeleton, surface))?;
         }
         let z_mm = self.reference.z_mm();
         let touches = self.reference.touches * self.sides();
-        let uncut = format!("qualifies the probe: {touches} touches of the reference at Z {z_mm} mm, nothing is cut");
+        let uncut =
+            format!("qualifies the probe: {touches} touches of the reference at Z {z_mm} mm, nothing is cut");
         Ok(Written { text, cut: Qualified { z_mm, touches }, uncut })
     }
 
@@ -182,7 +184,9 @@ impl<'a> Qualification<'a> {
             format!("shadowgauge {} for {}", env!("CARGO_PKG_VERSION"), skeleton.dialect.as_str()),
             reference,
             format!("{} touches an angle, {run_out}", self.reference.touches),
-            format!("{CORRECTION} correction, {BALL} ball as it acts, {DEVIATION} deviation, {RUN_OUT} run-out"),
+            format!(
+                "{CORRECTION} correction, {BALL} ball as it acts, {DEVIATION} deviation, {RUN_OUT} run-out"
+            ),
             format!("{QUALIFIED} the tool of the probe once all is done"),
         ];
         skeleton.head_of_probe(TITLE, &about)

@@ -255,8 +255,10 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
     assert!(printed.contains("PROGRAM_END") && printed.matches("STRAIGHT_PROBE(").count() == 10, "{printed}");
     assert!(printed.matches("ORIENT_SPINDLE(").count() == 2, "{printed}");
     let told = printed.lines().find_map(|l| l.split_once("LEFT ").map(|(_, rest)| rest)).expect("LEFT");
-    let numbers: Vec<f64> =
-        told.split(|c: char| !(c.is_ascii_digit() || ".-".contains(c))).filter_map(|n| n.parse().ok()).collect();
+    let numbers: Vec<f64> = told
+        .split(|c: char| !(c.is_ascii_digit() || ".-".contains(c)))
+        .filter_map(|n| n.parse().ok())
+        .collect();
     let left = left(&text, &scene);
     for (number, theirs) in (880..).zip(&numbers) {
         // DEBUG prints six decimals

@@ -360,7 +360,9 @@ impl<'a> Interpreter<'a> {
         }
         let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
         if words.get('R').or(words.get('Q')).is_some() && !words.m.iter().any(orients) {
-            return Err("R and Q are understood with the code that turns the spindle to an angle alone".into());
+            return Err(
+                "R and Q are understood with the code that turns the spindle to an angle alone".into()
+            );
         }
         let mut end = false;
         for &m in &words.m {

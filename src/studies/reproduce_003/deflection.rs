@@ -194,7 +194,11 @@ impl<'a> Model<'a> {
                 ),
             ),
             Row::ours(
-                ("fig7.node71.most", "largest size error over force anywhere, the load fixed at node 71", "µm/N"),
+                (
+                    "fig7.node71.most",
+                    "largest size error over force anywhere, the load fixed at node 71",
+                    "µm/N",
+                ),
                 line.iter().map(|p| p.1).fold(0.0, f64::max),
                 "below the printed errors: no point of this line is what Fig. 7 shows",
             ),

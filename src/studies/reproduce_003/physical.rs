@@ -137,7 +137,8 @@ fn growth_at_most(job: &Job, inputs: &Inputs) -> Result<Row, ReproductionError> 
         }
     }
     let reason = format!("{held}; lengths {LENGTHS_MM:?} mm, supports {STIFFER:?} times as stiff");
-    let names = ("fig11.physical.growth.most", "largest growth over lengths and supports, without control", "");
+    let names =
+        ("fig11.physical.growth.most", "largest growth over lengths and supports, without control", "");
     Ok(Row::ours(names, most, reason))
 }
 
@@ -155,7 +156,11 @@ fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
     };
     let names = ("fig11.physical.gain", "change of the diameter over the change of the offset", "");
     let gain = (second(0.0)? - second(step_mm)?) / step_mm;
-    Ok(Row::ours(names, gain, "in the second pass; offsets that replace each other need one below stability.absolute"))
+    Ok(Row::ours(
+        names,
+        gain,
+        "in the second pass; offsets that replace each other need one below stability.absolute",
+    ))
 }
 
 /// The largest later error over the first: at most the paper's.
