@@ -290,7 +290,7 @@ fn qualify(args: &NcArgs, settings: &NcSettings) -> Result<String, Failure> {
         ));
     }
     let qualification = Qualification::new(settings).map_err(Failure::refuse)?;
-    written(args, qualification.write(args.dialect))
+    qualification.write(args.dialect).map(|written| written.text).map_err(Failure::refuse)
 }
 
 fn probing(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {

@@ -29,7 +29,7 @@ impl Skeleton<'_> {
     pub(super) fn head_of_probe(&self, title: &str, about: &[String]) -> Vec<String> {
         let mut texts = about.to_vec();
         texts.extend(self.change_position());
-        texts.extend(self.settings.probe.iter().flat_map(|probe| self.probed_with(probe)));
+        texts.extend(self.settings.probe.iter().flat_map(|probe| self.probed_with(probe, true)));
         texts.extend(self.assumed(self.piece.before_mm, false));
         self.framed(title, texts)
     }
@@ -89,8 +89,8 @@ impl Skeleton<'_> {
         }
     }
 
-    /// The probe, and what holds the spindle under it.
-    fn probed_with(&self, probe: &NcProbe) -> [String; 2] {
+    /// The probe, and what holds the spindle under it, at its angle and, where asked for, at the opposite one, too.
+    fn probed_with(&self, probe: &NcProbe, both: bool) -> [String; 2] {
         let correction = if probe.stored_correction {
             format!("{CORRECTION} of its qualification")
         } else {
@@ -103,11 +103,11 @@ impl Skeleton<'_> {
             number(probe.expanded_u_mm, 4)
         );
         let held = match self.settings.spindle_orientation {
-            Some(held) => format!(
-                "the spindle is held at {} deg by M{:02} while the probe touches",
-                mm(held.angle_deg),
-                held.m_code
-            ),
+            Some(held) => {
+                let opposite = if both { format!(" and {}", mm(held.angle(true))) } else { String::new() };
+                let (angle, code) = (mm(held.angle(false)), held.m_code);
+                format!("the spindle is held at {angle}{opposite} deg by M{code:02} while the probe touches")
+            }
             None => "the angle of the spindle is not fixed while the probe touches: run-out and lobes are part of U"
                 .to_owned(),
         };
@@ -127,7 +127,7 @@ impl Skeleton<'_> {
         let s = self.settings;
         let mut texts = Vec::new();
         if let Some(probe) = s.probe.filter(|_| self.probes()) {
-            texts.extend(self.probed_with(&probe));
+            texts.extend(self.probed_with(&probe, false));
         }
         let range = |(low, high): (f64, f64)| format!("{} to {}", number(low, 4), number(high, 4));
         match (self.limits_mm, self.piece.tolerance_mm) {

@@ -87,6 +87,7 @@ fn the_correction_the_ball_and_the_scatter_are_left_in_variables() {
                 assert!(line.is_ascii() && line.len() < 80, "{line}");
             }
             assert_eq!(text.contains("M19 R30.") && text.contains("M19 R210."), held, "{text}");
+            assert_eq!(text.contains("HELD AT 30 AND 210 DEG"), held, "{text}");
             assert_eq!(text.contains("THE REFERENCE MUST RUN TRUE"), !held, "{text}");
             assert!(!text.contains("CUTS IN FEED") && !text.contains("G96"), "nothing is cut\n{text}");
         }
@@ -205,6 +206,17 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
         other.spindle_orientation = orientation(m_code, angle);
         assert!(program(&other).write(Dialect::Fanuc).is_err(), "{m_code} {angle}");
     }
+}
+
+#[test]
+fn machine_data_of_the_probe_survive_toml() {
+    for held in [false, true] {
+        let settings = settings(held);
+        let text = toml::to_string(&settings).expect("written");
+        assert_eq!(toml::from_str::<NcSettings>(&text).expect("read"), settings, "{text}");
+    }
+    let unknown = "angle_deg = 0.0\nword = \"S\"";
+    assert!(toml::from_str::<SpindleOrientation>(unknown).is_err());
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
     Ok(Row::ours(
         names,
         gain,
-        "in the second pass; offsets that replace each other need one below stability.absolute",
+        "in the second pass, the error copying with it; offsets that replace each other need one below stability.absolute",
     ))
 }
 
