@@ -67,8 +67,8 @@ impl<'a> Qualification<'a> {
         Ok(Self { settings, piece: Workpiece::new(reference.length_mm, d, d), probe, reference })
     }
 
-    /// The program's text, replayed from every start position with a probe as stated, with run-out of the reference where the
-    /// spindle is held, and with a touch missing or out of range, at which it must raise its alarm.
+    /// The program's text, replayed from every start position with a probe as stated, once with run-out of the reference, and
+    /// with a touch missing or out of range, at which it must raise its alarm.
     ///
     /// # Errors
     /// What the control leaves open, a place that cannot be touched, a block that touches.
@@ -78,6 +78,8 @@ impl<'a> Qualification<'a> {
         let text = self.text(&skeleton);
         let limit = self.settings.correction_limit_mm;
         replay::check(&text, &self.scene_of(&skeleton, Surface::default()))?;
+        let eccentric = Surface { run_out_mm: 0.5 * limit, ..Surface::default() };
+        replay::check_once(&text, &self.scene_of(&skeleton, eccentric))?;
         for off in [2.0 * limit, -(2.0 * self.probe.reach_mm + 1.0)] {
             let surface =
                 Surface { before: vec![(0.0, self.reference.diameter_mm + off)], ..Surface::default() };
