@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod linuxcnc;
+#[path = "nc_probing/qualification.rs"]
+mod qualification;
 
 use linuxcnc::interpret;
 use shadowgauge::nc::replay::{self, Deed, Event, Point, Scene, Surface};
@@ -136,7 +138,7 @@ fn alarms_stop_what_must_not_go_on() {
         let text = program.write(dialect).expect("a program").text;
         let mut scene = program.scene(dialect, before()).expect("a scene");
         let surface = |before: f64, after: f64| {
-            Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)] })
+            Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() })
         };
         // (before, after, cuts): good; a chip under the ball; nothing there; undersize, oversize, within U of a limit
         for (before, after, alarm, cuts) in [
@@ -295,6 +297,17 @@ fn every_program_measures_again_or_says_that_it_does_not() {
             }
         }
     }
+    // the whole program measures again without an alarm where the tolerance belongs to the last pass
+    for dialect in Dialect::ALL {
+        let settings = settings();
+        let earlier = ProbingProgram { limits_mm: None, ..program(&settings) };
+        let text = earlier.write(dialect).expect("a program").text;
+        assert!(
+            text.contains("PROBES AGAIN WITHOUT AN ALARM") && !text.contains("DOES NOT MEASURE"),
+            "{text}"
+        );
+        assert!(!text.contains("PART UNDERSIZE"), "{text}");
+    }
     let none = Workpiece { tolerance_mm: None, ..piece };
     let settings = NcSettings { probe: None, ..settings() };
     let turning = TurningProgram {
@@ -350,7 +363,8 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
         (BEFORE, 23.186, "PART UNDERSIZE"),
     ] {
         let mut wrong = scene.clone();
-        wrong.surface = Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)] });
+        wrong.surface =
+            Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() });
         let (_, printed) = interpret(&simulated(&wrong)).expect("it ran before");
         assert!(printed.contains(word) && !printed.contains("PROGRAM_END"), "{word}: {printed}");
     }

@@ -190,6 +190,13 @@ fn a_run_and_its_program_on_the_command_line() {
     // the offsets of the run as knots: probed after the cut, for the tolerance belongs to this pass
     let (code, text, said) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc"]);
     assert!(code == Some(0) && text.contains("PROBES AGAIN"), "{said}{text}");
+    // the probe is qualified on the config's reference, from both sides of the spindle; no pass is asked for
+    let qualify = ["nc", &out, "--dialect", "linuxcnc", "--form", "qualify"];
+    let (code, text, said) = shadowgauge(&qualify);
+    assert!(code == Some(0) && text.matches("G38.2 X").count() == 10, "{said}{text}");
+    assert!(text.contains("HELD AT 0 AND 180 DEG BY M19") && text.contains("\n#884=5.\n"), "{text}");
+    let (code, text, said) = shadowgauge(&[&qualify[..], &["--pass", "2"]].concat());
+    assert!(code == Some(2) && text.is_empty() && said.contains("touches a reference"), "{said}");
     let (_, text, _) = shadowgauge(&["nc", &out, "--dialect", "linuxcnc", "--pass", "2"]);
     assert!(text.contains("DOES NOT MEASURE AGAIN: THE TOLERANCE"), "{text}");
 }

@@ -7,8 +7,8 @@ use crate::config;
 use crate::files::OutputFile;
 use crate::job::{Job, JobError};
 use crate::nc::{
-    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, TurningProgram, Workpiece,
-    Written,
+    self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification,
+    TurningProgram, Workpiece, Written,
 };
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
@@ -24,6 +24,9 @@ enum Form {
     /// The least-squares paper's whole program: it probes the part, fits the line, cuts and probes again; the offsets of the
     /// run are not used.
     Probing,
+    /// Touches a reference of known diameter and leaves the probe's correction in macro variables; of the run only the
+    /// machine's data are used.
+    Qualify,
 }
 
 /// Arguments of `nc`.
@@ -37,7 +40,8 @@ pub struct NcArgs {
     /// The pass to be cut; the last one of the run by default.
     #[arg(long, value_name = "N")]
     pass: Option<u32>,
-    /// Knots along z, macro variables of a line, or a program that measures its own correction with a touch probe.
+    /// Knots along z, macro variables of a line, a program that measures its own correction with a touch probe, or the
+    /// qualification of that probe.
     #[arg(long, value_enum, default_value = "knots")]
     form: Form,
     /// A TOML file with the machine's data (how the control reads offsets, tool, what stands around the part, clearances,
@@ -71,13 +75,13 @@ pub fn run(args: &NcArgs) -> CommandResult {
     let text = folder.config_text().map_err(Failure::fail)?;
     let name = folder.path().join("run.toml").display().to_string();
     let job = config::parse(&text, &name).map_err(Failure::refused)?;
-    let rows = folder.offsets().map_err(Failure::fail)?;
     let settings = settings(args, &job)?;
-    let pass = Pass::of(&job, &rows, args.pass)?;
+    let pass = || Pass::of(&job, &folder.offsets().map_err(Failure::fail)?, args.pass);
     let text = match args.form {
-        Form::Knots => knots(args, &settings, &pass)?,
-        Form::Macro => line(args, &job, &settings, &pass)?,
-        Form::Probing => probing(args, &job, &settings, &pass)?,
+        Form::Knots => knots(args, &settings, &pass()?)?,
+        Form::Macro => line(args, &job, &settings, &pass()?)?,
+        Form::Probing => probing(args, &job, &settings, &pass()?)?,
+        Form::Qualify => qualify(args, &settings)?,
     };
     match &args.out {
         Some(path) => {
@@ -277,6 +281,16 @@ fn line(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<
         ));
     }
     Ok(written)
+}
+
+fn qualify(args: &NcArgs, settings: &NcSettings) -> Result<String, Failure> {
+    if args.dry_run || args.pass.is_some() {
+        return Err(Failure::refuse(
+            "--form qualify touches a reference, no part: --pass and --dry-run do not apply",
+        ));
+    }
+    let qualification = Qualification::new(settings).map_err(Failure::refuse)?;
+    qualification.write(args.dialect).map(|written| written.text).map_err(Failure::refuse)
 }
 
 fn probing(args: &NcArgs, job: &Job, settings: &NcSettings, pass: &Pass) -> Result<String, Failure> {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::machine::{ChangePosition, Spindle};
+use super::machine::{ChangePosition, Spindle, SpindleOrientation};
 
 /// The control a program is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -18,6 +18,9 @@ pub enum Dialect {
 
 /// Longest alarm text that a Fanuc screen shows.
 const LONGEST_ALARM: usize = 26;
+
+/// LinuxCNC gives up an orientation after this, s: a spindle of a lathe turns to an angle in one or two.
+const ORIENT_LIMIT_S: f64 = 10.0;
 
 impl Dialect {
     /// All dialects.
@@ -158,6 +161,15 @@ impl Dialect {
         match self {
             Self::Fanuc | Self::Gsk => "M05",
             Self::Linuxcnc => "M5",
+        }
+    }
+
+    /// The spindle turns to an angle and is held there; LinuxCNC waits for it where Q gives a time limit.
+    pub(super) fn orient(self, orientation: SpindleOrientation, opposite: bool) -> String {
+        let angle = number(orientation.angle(opposite), 3);
+        match self {
+            Self::Fanuc | Self::Gsk => format!("M{:02} R{angle}", orientation.m_code),
+            Self::Linuxcnc => format!("M19 R{angle} Q{ORIENT_LIMIT_S:.0}."),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use super::dialect::number;
 use super::machine::{Centre, Direction, Spindle, Tailstock};
+use super::probe::CORRECTION;
+use super::probe_settings::NcProbe;
 use super::skeleton::Skeleton;
 use super::surroundings::assumed_centre;
 
@@ -16,12 +18,25 @@ fn mm(value: f64) -> String {
 impl Skeleton<'_> {
     /// First lines, with the head.
     pub(super) fn head(&self, title: &str, about: &[String], smallest_mm: f64) -> Vec<String> {
-        let d = self.dialect;
         let mut texts = about.to_vec();
         texts.extend(self.setup());
         texts.extend(self.extent());
         texts.extend(self.judged());
-        texts.extend(self.assumed(smallest_mm));
+        texts.extend(self.assumed(smallest_mm, true));
+        self.framed(title, texts)
+    }
+
+    /// First lines of a program that moves the probe alone.
+    pub(super) fn head_of_probe(&self, title: &str, about: &[String]) -> Vec<String> {
+        let mut texts = about.to_vec();
+        texts.extend(self.change_position());
+        texts.extend(self.settings.probe.iter().flat_map(|probe| self.probed_with(probe, true)));
+        texts.extend(self.assumed(self.piece.before_mm, false));
+        self.framed(title, texts)
+    }
+
+    fn framed(&self, title: &str, mut texts: Vec<String>) -> Vec<String> {
+        let d = self.dialect;
         if d.changes_at_reference() {
             texts.push("not verified on a control: run dry above the part first".to_owned());
         }
@@ -39,7 +54,6 @@ impl Skeleton<'_> {
             Direction::TowardsChuck => "chuck",
             Direction::TowardsTailstock => "tailstock",
         };
-        let change = format!("X {} Z {}", mm(route.change.x_mm), mm(route.change.z_mm));
         let spindle = match s.spindle {
             Some(Spindle::M04) => "M04",
             _ => "M03",
@@ -52,18 +66,53 @@ impl Skeleton<'_> {
             format!("tool {} nose r {}, spindle {spindle}", s.tool, mm(route.nose_mm)),
             format!("tool Z is set at the side of the nose towards the {leading}"),
         ];
-        if self.dialect.changes_at_reference() {
-            texts.push(format!("change position: reference point G28, at or beyond {change}"));
-            texts.push("start: anywhere clear, first X then Z goes to the reference point".to_owned());
-        } else {
-            texts.push(format!("change position: {change}"));
-            texts.push("start: anywhere clear, offset of the tool in use active, X goes first".to_owned());
-        }
+        texts.extend(self.change_position());
         if let Some(taken) = s.wear_x.filter(|_| s.uses_wear_register(self.dialect)) {
             let taken = if taken.diameter_per_unit() > 1.0 { "radius" } else { "diameter" };
             texts.push(format!("wear offset {} is written here, X in {taken}", s.wear_offset));
         }
         texts
+    }
+
+    fn change_position(&self) -> [String; 2] {
+        let change = self.route.change;
+        let change = format!("X {} Z {}", mm(change.x_mm), mm(change.z_mm));
+        if self.dialect.changes_at_reference() {
+            [
+                format!("change position: reference point G28, at or beyond {change}"),
+                "start: anywhere clear, first X then Z goes to the reference point".to_owned(),
+            ]
+        } else {
+            [
+                format!("change position: {change}"),
+                "start: anywhere clear, offset of the tool in use active, X goes first".to_owned(),
+            ]
+        }
+    }
+
+    /// The probe, and what holds the spindle under it, at its angle and, where asked for, at the opposite one, too.
+    fn probed_with(&self, probe: &NcProbe, both: bool) -> [String; 2] {
+        let correction = if probe.stored_correction {
+            format!("{CORRECTION} of its qualification")
+        } else {
+            number(probe.correction_mm, 5)
+        };
+        let about = format!(
+            "probe: tool {}, ball {}, read less {correction} is the diameter, U {}",
+            probe.tool,
+            mm(probe.ball_mm),
+            number(probe.expanded_u_mm, 4)
+        );
+        let held = match self.settings.spindle_orientation {
+            Some(held) => {
+                let opposite = if both { format!(" and {}", mm(held.angle(true))) } else { String::new() };
+                let (angle, code) = (mm(held.angle(false)), held.m_code);
+                format!("the spindle is held at {angle}{opposite} deg by M{code:02} while the probe touches")
+            }
+            None => "the angle of the spindle is not fixed while the probe touches: run-out and lobes are part of U"
+                .to_owned(),
+        };
+        [about, held]
     }
 
     /// What is cut, and what is not.
@@ -78,14 +127,8 @@ impl Skeleton<'_> {
     fn judged(&self) -> Vec<String> {
         let s = self.settings;
         let mut texts = Vec::new();
-        if let Some(probe) = s.probe {
-            texts.push(format!(
-                "probe: tool {}, ball {}, read less {} is the diameter, U {}",
-                probe.tool,
-                mm(probe.ball_mm),
-                number(probe.correction_mm, 5),
-                number(probe.expanded_u_mm, 4)
-            ));
+        if let Some(probe) = s.probe.filter(|_| self.probes()) {
+            texts.extend(self.probed_with(&probe, false));
         }
         let range = |(low, high): (f64, f64)| format!("{} to {}", number(low, 4), number(high, 4));
         match (self.limits_mm, self.piece.tolerance_mm) {
@@ -112,6 +155,10 @@ impl Skeleton<'_> {
                     ));
                 }
             }
+            (None, Some(limits)) if self.measures_first => texts.push(format!(
+                "probes again without an alarm: the tolerance {} belongs to the last pass",
+                range(limits)
+            )),
             (None, Some(limits)) => texts.push(format!(
                 "does not measure again: the tolerance {} belongs to the last pass",
                 range(limits)
@@ -122,7 +169,7 @@ impl Skeleton<'_> {
     }
 
     /// What the machine's data do not state.
-    fn assumed(&self, smallest_mm: f64) -> Vec<String> {
+    fn assumed(&self, smallest_mm: f64, cuts: bool) -> Vec<String> {
         let s = self.settings;
         let mut texts = Vec::new();
         let mut not_stated = |is: bool, text: String| {
@@ -131,8 +178,11 @@ impl Skeleton<'_> {
             }
         };
         not_stated(s.change_position.is_some(), "change position, the place above is assumed".into());
-        not_stated(s.nose_radius_mm.is_some(), format!("nose radius, {} assumed", mm(self.route.nose_mm)));
-        not_stated(s.holder.is_some(), "tool holder, only the nose was checked".into());
+        not_stated(
+            !cuts || s.nose_radius_mm.is_some(),
+            format!("nose radius, {} assumed", mm(self.route.nose_mm)),
+        );
+        not_stated(!cuts || s.holder.is_some(), "tool holder, only the nose was checked".into());
         not_stated(s.chuck.is_some(), "chuck and jaws, nothing moves behind Z 0".into());
         let c: Centre = assumed_centre(self.piece, smallest_mm);
         let centre = format!(

@@ -57,6 +57,47 @@ pub enum Spindle {
     M04,
 }
 
+/// How the control holds the spindle at an angle: `M19 R…`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpindleOrientation {
+    /// Angle at which the part is probed, degrees.
+    #[serde(default)]
+    pub angle_deg: f64,
+    /// M code that turns to the angle and holds it; 19 by default, fixed on linuxcnc.
+    #[serde(default = "nineteen")]
+    pub m_code: u32,
+    /// M code that lets go, where M05 and M03 do not.
+    #[serde(default)]
+    pub release_m_code: Option<u32>,
+}
+
+fn nineteen() -> u32 {
+    19
+}
+
+impl SpindleOrientation {
+    /// M codes that mean something else in every program.
+    const TAKEN: [u32; 7] = [0, 2, 3, 4, 5, 6, 30];
+
+    pub(super) fn validate(&self) -> Result<(), NcError> {
+        let angle = self.angle_deg;
+        let right = "an angle of 0 to below 360 degrees";
+        require((0.0..360.0).contains(&angle), "nc.spindle_orientation.angle_deg", angle, right)?;
+        let free = |code: u32| code <= 999 && !Self::TAKEN.contains(&code);
+        let right = "an M code up to 999 that is not M00, M02 to M06 or M30";
+        let code = self.m_code;
+        require(free(code), "nc.spindle_orientation.m_code", f64::from(code), right)?;
+        let release = self.release_m_code.unwrap_or(nineteen());
+        require(free(release), "nc.spindle_orientation.release_m_code", f64::from(release), right)
+    }
+
+    /// The angle, or the opposite one.
+    pub(super) fn angle(&self, opposite: bool) -> f64 {
+        (self.angle_deg + if opposite { 180.0 } else { 0.0 }) % 360.0
+    }
+}
+
 /// Where tools are changed: position of the tip in the part's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

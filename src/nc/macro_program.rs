@@ -100,6 +100,7 @@ impl MacroProgram<'_> {
             pass: self.pass,
             wear_mm: 0.0,
             limits_mm: self.limits_mm,
+            measures_first: false,
         };
         self.check(&skeleton)?;
         let mut lines = self.head(&skeleton);

@@ -29,6 +29,7 @@ mod path;
 mod probe;
 mod probe_settings;
 mod probing_program;
+mod qualification;
 pub mod replay;
 mod route;
 mod settings;
@@ -41,13 +42,14 @@ pub use dialect::Dialect;
 pub use error::NcError;
 pub use line::{LineFit, fit_line};
 pub use machine::{
-    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, Tailstock, Travel,
-    WearX,
+    Centre, ChangePosition, Chuck, Direction, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation,
+    Tailstock, Travel, WearX,
 };
 pub use macro_program::{MacroProgram, MacroValues};
 pub use path::{Path, dry_run};
-pub use probe_settings::NcProbe;
+pub use probe_settings::{NcProbe, ProbeReference};
 pub use probing_program::ProbingProgram;
+pub use qualification::{Qualification, Qualified};
 pub use route::Workpiece;
 pub use settings::{NcSettings, Remeasure};
 pub use turning::{TurningProgram, Written};

@@ -7,7 +7,7 @@
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
-use super::probe_settings::NcProbe;
+use super::probe_settings::{FAR_MM, NcProbe};
 use super::replay::{Convex, Surface};
 use super::route::round3;
 use super::skeleton::Skeleton;
@@ -19,13 +19,18 @@ const MOST_PLACES: usize = 12;
 /// First variables of what is found before and after the cut.
 pub(super) const BEFORE: u32 = 841;
 pub(super) const AFTER: u32 = 861;
+/// What a qualification leaves: correction, effective diameter of the ball, standard deviation of a touch, run-out of the
+/// reference (mm), and the number of the probe's tool.
+pub(super) const CORRECTION: u32 = 880;
+pub(super) const BALL: u32 = 881;
+pub(super) const DEVIATION: u32 = 882;
+pub(super) const RUN_OUT: u32 = 883;
+pub(super) const QUALIFIED: u32 = 884;
 /// Labels of the alarms: result out of range before and after, undersize, oversize.
 const LABEL_BEFORE: u32 = 110;
 const LABEL_AFTER: u32 = 130;
 const LABEL_UNDER: u32 = 150;
 const LABEL_OVER: u32 = 170;
-/// Farther than anything in a lathe, mm.
-const FAR_MM: f64 = 1e4;
 /// Tangents that circumscribe the ball, over its lower half.
 const BALL_TANGENTS: u32 = 13;
 
@@ -68,7 +73,46 @@ pub(super) struct Cycle<'a> {
     pub(super) variable: u32,
 }
 
+/// A number as it follows a variable in an expression.
+pub(super) fn signed(value: f64) -> String {
+    // a correction of zero is taken off like any other
+    let sign = if value > 0.0 { '+' } else { '-' };
+    format!("{sign}{}", number(value.abs(), 5))
+}
+
 impl Skeleton<'_> {
+    /// Whether the program touches the part with the probe.
+    pub(super) fn probes(&self) -> bool {
+        self.measures_first || self.probes_after().is_some()
+    }
+
+    /// Alarms where the correction is taken from a qualification of this probe and there is none, or another one than the
+    /// probe's data let expect.
+    pub(super) fn qualified(&self) -> Vec<String> {
+        let Some(probe) = self.settings.probe.filter(|p| p.stored_correction && self.probes()) else {
+            return Vec::new();
+        };
+        let d = self.dialect;
+        let (limit, stored) = (number(self.settings.correction_limit_mm, 4), format!("#{QUALIFIED}"));
+        let tool = format!("{}.", probe.tool);
+        let mut lines = d.alarm_if(108, (&stored, "NE", &tool), "PROBE IS NOT QUALIFIED");
+        let off = format!("ABS[#{CORRECTION}{}]", signed(-probe.correction_mm));
+        lines.extend(d.alarm_if(109, (&off, "GT", &limit), "CORRECTION OUT OF RANGE"));
+        lines
+    }
+
+    /// The spindle turned to its angle, or to the opposite one, and held; nothing where the control has no such code.
+    pub(super) fn hold_spindle(&self, opposite: bool) -> Vec<String> {
+        let orientation = self.settings.spindle_orientation;
+        orientation.map(|o| self.dialect.orient(o, opposite)).into_iter().collect()
+    }
+
+    /// The spindle let go; the codes that start or stop it do so by themselves on most controls.
+    pub(super) fn release_spindle(&self) -> Vec<String> {
+        let release = self.settings.spindle_orientation.and_then(|o| o.release_m_code);
+        release.map(|code| format!("M{code:02}")).into_iter().collect()
+    }
+
     /// The probe where the part is probed after this program's cut.
     pub(super) fn probes_after(&self) -> Option<(NcProbe, (f64, f64))> {
         self.settings.probe.zip(self.limits_mm)
@@ -113,6 +157,7 @@ impl Skeleton<'_> {
         let mut lines = d.to_change(route.change);
         lines.push(d.spindle_off().to_owned());
         lines.extend(d.tool(probe.tool, probe.tool));
+        lines.extend(self.hold_spindle(false));
         lines.push(d.feed_per_minute().to_owned());
         let target = number(cycle.expected_mm - 2.0 * probe.reach_mm, 3);
         let limit = number(self.settings.correction_limit_mm, 4);
@@ -130,20 +175,28 @@ impl Skeleton<'_> {
             lines.extend(d.alarm_if(label + n, (&off, "GT", &limit), "PROBE RESULT OUT OF RANGE"));
         }
         lines.extend(d.to_change(route.change));
+        lines.extend(self.release_spindle());
         lines.push(d.feed_per_revolution().to_owned());
         lines
     }
 
-    /// The diameter of the touch, as an expression.
-    fn touched(&self, probe: &NcProbe) -> String {
+    /// X of the touch as a diameter, as an expression.
+    pub(super) fn read(&self, probe: &NcProbe) -> String {
         let variable = probe.variable(self.dialect);
-        let read = match self.dialect {
+        match self.dialect {
             // its #5061 is a radius, under G7, too
             Dialect::Linuxcnc => format!("2.*#{variable}"),
             Dialect::Fanuc | Dialect::Gsk => format!("#{variable}"),
-        };
-        let sign = if probe.correction_mm < 0.0 { '+' } else { '-' };
-        format!("[{read}{sign}{}]", number(probe.correction_mm.abs(), 5))
+        }
+    }
+
+    /// The diameter of the touch, as an expression.
+    fn touched(&self, probe: &NcProbe) -> String {
+        let read = self.read(probe);
+        if probe.stored_correction {
+            return format!("[{read}-#{CORRECTION}]");
+        }
+        format!("[{read}{}]", signed(-probe.correction_mm))
     }
 
     /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U at both ends.
@@ -190,6 +243,7 @@ impl Skeleton<'_> {
         self.settings.probe?;
         // what the correction removes is gone: the part is as aimed at, or in the middle of its tolerance
         let after = self.limits_mm.map_or(nominal_mm, |(low, high)| 0.5 * (low + high));
-        Some(Surface { before: vec![(0.0, self.piece.before_mm)], after: vec![(0.0, after)] })
+        let [before, after] = [self.piece.before_mm, after].map(|d| vec![(0.0, d)]);
+        Some(Surface { before, after, ..Surface::default() })
     }
 }

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{NcError, require};
 
+/// Farther than anything in a lathe, mm.
+pub(super) const FAR_MM: f64 = 1e4;
+
 /// `[nc.probe]`: what a program needs to know of the probe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +41,55 @@ pub struct NcProbe {
     /// Variable in which the control leaves X of the touch: #5061 of fanuc; gsk has no default; 5061 of linuxcnc is fixed.
     #[serde(default)]
     pub skip_variable: Option<u32>,
+    /// Whether programs take the correction that the qualification left in #880, instead of `correction_mm`, and stop where no
+    /// qualification of this probe has run.
+    #[serde(default)]
+    pub stored_correction: bool,
+    /// The reference that the qualification (`--form qualify`) touches.
+    #[serde(default)]
+    pub reference: Option<ProbeReference>,
+}
+
+/// `[nc.probe.reference]`: a ring, disc or cylinder of known diameter in the part's place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeReference {
+    /// Certified outer diameter, mm.
+    pub diameter_mm: f64,
+    /// From the face that clamps it to its end face, mm.
+    pub length_mm: f64,
+    /// Where it is touched; half its length by default, mm.
+    #[serde(default)]
+    pub z_mm: Option<f64>,
+    /// Touches at an angle of the spindle, 2 to 9.
+    #[serde(default = "touches")]
+    pub touches: u32,
+}
+
+fn touches() -> u32 {
+    // the standard deviation is known to a third
+    5
+}
+
+impl ProbeReference {
+    fn validate(&self) -> Result<(), NcError> {
+        let lengths = [
+            ("nc.probe.reference.diameter_mm", self.diameter_mm),
+            ("nc.probe.reference.length_mm", self.length_mm),
+        ];
+        for (key, value) in lengths {
+            require(value > 0.0 && value < FAR_MM, key, value, "a length above 0 mm")?;
+        }
+        let (z, touches) = (self.z_mm(), f64::from(self.touches));
+        let right = "within the reference's length";
+        require(z > 0.0 && z < self.length_mm, "nc.probe.reference.z_mm", z, right)?;
+        require((2.0..=9.0).contains(&touches), "nc.probe.reference.touches", touches, "2 to 9")
+    }
+
+    /// Where it is touched, mm.
+    pub(super) fn z_mm(&self) -> f64 {
+        self.z_mm.unwrap_or(0.5 * self.length_mm)
+    }
 }
 
 fn ball() -> f64 {
@@ -90,6 +142,7 @@ impl NcProbe {
         for (key, value) in lengths {
             require(value > 0.0 && value <= 200.0, key, value, "a length above 0 up to 200 mm")?;
         }
+        self.reference.map_or(Ok(()), |reference| reference.validate())?;
         let long = self.stylus_mm > self.ball_mm && self.stylus_mm <= 500.0;
         require(long, "nc.probe.stylus_mm", self.stylus_mm, "a length above nc.probe.ball_mm")
     }

@@ -92,6 +92,7 @@ impl ProbingProgram<'_> {
             pass: self.pass,
             wear_mm: 0.0,
             limits_mm: self.limits_mm,
+            measures_first: true,
         };
         Ok((skeleton, probe))
     }
@@ -186,7 +187,7 @@ impl ProbingProgram<'_> {
         places: &[f64],
         before: Vec<(f64, f64)>,
     ) -> Result<Scene<'s>, NcError> {
-        let surface = Surface { before, after: Vec::new() };
+        let surface = Surface { before, ..Surface::default() };
         let aimed = skeleton.surface(self.nominal_mm).unwrap_or_default();
         let x: Vec<f64> = places.iter().map(|z| self.share(*z)).collect();
         let errors: Vec<f64> = places.iter().map(|z| surface.before_at(*z) - self.piece.before_mm).collect();
@@ -216,6 +217,9 @@ impl ProbingProgram<'_> {
             replay::check_once(text, &part(*errors, limit)?)?;
         }
         let alarm = |scene: &Scene<'_>| replay::must_alarm(text, scene);
+        if probe.stored_correction {
+            alarm(&part(ERRORS[0], limit)?.unqualified())?;
+        }
         alarm(&part([2.0; 3], limit)?)?;
         alarm(&part([-(2.0 * probe.reach_mm + 1.0); 3], 1.0)?)?;
         if let Some((low, high)) = self.limits_mm {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{NcError, require};
 use super::machine::{
-    ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, Tailstock, Travel, WearX,
+    ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock, Travel,
+    WearX,
 };
 use super::probe_settings::NcProbe;
 
@@ -60,6 +61,9 @@ pub struct NcSettings {
     pub geometry_offset: Option<GeometryOffset>,
     /// Sense of the spindle; no default for fanuc and gsk, M03 for linuxcnc.
     pub spindle: Option<Spindle>,
+    /// Angle at which the spindle is held while the part is probed; it is not fixed where this is not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spindle_orientation: Option<SpindleOrientation>,
     /// Where tools are changed: the reference point (G28) of fanuc and gsk as seen from the part, a place to go to for
     /// linuxcnc.
     pub change_position: Option<ChangePosition>,
@@ -99,6 +103,7 @@ impl Default for NcSettings {
             wear_x: None,
             geometry_offset: None,
             spindle: None,
+            spindle_orientation: None,
             change_position: None,
             nose_radius_mm: None,
             holder: None,

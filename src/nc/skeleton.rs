@@ -22,6 +22,8 @@ pub(super) struct Skeleton<'a> {
     /// What the wear register holds while the tool cuts, mm of diameter; 0 without one.
     pub(super) wear_mm: f64,
     pub(super) limits_mm: Option<(f64, f64)>,
+    /// Whether the program begins by probing the part.
+    pub(super) measures_first: bool,
 }
 
 impl Skeleton<'_> {
@@ -30,9 +32,11 @@ impl Skeleton<'_> {
         number(f64::from(self.settings.part_number) * 100.0 + f64::from(self.pass % 100), 0)
     }
 
-    /// A program cuts a part's pass once.
+    /// A program cuts a part's pass once, with a probe that was qualified where it takes its correction from there.
     pub(super) fn once(&self, text: &str) -> Vec<String> {
-        self.dialect.alarm_if(101, (&format!("#{RAN_LAST}"), "EQ", &self.identity()), text)
+        let mut lines = self.dialect.alarm_if(101, (&format!("#{RAN_LAST}"), "EQ", &self.identity()), text);
+        lines.extend(self.qualified());
+        lines
     }
 
     fn register(&self) -> Option<WearX> {

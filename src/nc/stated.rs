@@ -21,6 +21,12 @@ impl NcSettings {
         .into_iter()
         .flatten()
         .collect();
+        if dialect == Dialect::Linuxcnc
+            && let Some(orientation) = self.spindle_orientation
+        {
+            let code = f64::from(orientation.m_code);
+            require(code == 19.0, "nc.spindle_orientation.m_code", code, "19 on linuxcnc")?;
+        }
         if dialect == Dialect::Linuxcnc || missing.is_empty() {
             return Ok(());
         }
@@ -41,6 +47,9 @@ impl NcSettings {
         if let Some(r) = self.nose_radius_mm {
             let right = "a radius of 0.05 to 10 mm";
             require((0.05..=10.0).contains(&r), "nc.nose_radius_mm", r, right)?;
+        }
+        if let Some(orientation) = self.spindle_orientation {
+            orientation.validate()?;
         }
         if let Some(change) = self.change_position {
             positive("nc.change_position.x_mm", change.x_mm)?;

@@ -5,6 +5,7 @@
 //! taken, so that from every clear place the way out in X is free.
 
 use super::machine::{Centre, Direction, Tailstock};
+use super::probe::{CORRECTION, QUALIFIED};
 use super::replay::{Convex, Scene, Solid};
 use super::route::{QUILL_MM, Route, Workpiece};
 use super::skeleton::{RAN_LAST, Skeleton};
@@ -81,6 +82,10 @@ impl<'a> Skeleton<'a> {
             Convex::cylinder(-clear, collar, piece.largest_mm() + clear),
         ];
         let mut variables = vec![(RAN_LAST, 0.0)];
+        if let Some(probe) = s.probe {
+            variables.push((CORRECTION, probe.correction_mm));
+            variables.push((QUALIFIED, f64::from(probe.tool)));
+        }
         if let (Some(r), Some((low, high))) = (s.remeasure, self.limits_mm) {
             variables.extend([r.smallest_variable, r.largest_variable].map(|v| (v, 0.5 * (low + high))));
         }

@@ -95,6 +95,7 @@ impl<'a> TurningProgram<'a> {
             pass: plan.pass,
             wear_mm: path.wear_mm,
             limits_mm: self.limits_mm,
+            measures_first: false,
         };
         Ok((path, skeleton))
     }

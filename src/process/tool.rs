@@ -9,17 +9,18 @@ use super::check::{Range, SettingsError};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ToolSettings {
-    /// Nose radius, mm.
+    /// Nose radius, mm; handbook factors on the force from 0.5 to 5 mm, extrapolated beyond.
     pub nose_radius_mm: f64,
-    /// Lead (cutting edge) angle κ_r of the straight edge, degrees.
+    /// Lead (cutting edge) angle κ_r of the straight edge, degrees; handbook factors on the force from 30 to 90°, held beyond.
     pub lead_angle_deg: f64,
-    /// Rake angle γ, degrees; handbook factors on the force.
+    /// Rake angle γ, degrees; handbook factors on the force from -15 to 20°, held beyond.
     pub rake_deg: f64,
     /// Relief angle α, degrees; handbooks give no factor on the force.
     pub relief_deg: f64,
     /// Minor cutting edge angle κ'_r, degrees: with the nose radius, the height of the feed marks.
     pub minor_angle_deg: f64,
-    /// Inclination λ_s of the major cutting edge (ISO 3002-1), degrees; handbook factors on the force.
+    /// Inclination λ_s of the major cutting edge (ISO 3002-1), degrees; handbook factors on the force from -15 to 5°,
+    /// held beyond.
     pub inclination_deg: f64,
 }
 

@@ -199,6 +199,31 @@ fn no_contradiction_of_paper_000_hangs_on_a_constant_of_ours() {
     }
 }
 
+/// The constants of the experiment through frames (length, depth, scatter) act through the parts alone: whatever these are, no
+/// row turns contradiction, and a change of the means that is out of its range is a miss.
+#[test]
+fn no_contradiction_hangs_on_the_simulated_experiment() {
+    let inputs = reproduce_000::Inputs::default();
+    let part = |compensated: bool, mean_mm: f64| reproduce_000::experiment::Part {
+        compensated,
+        measured_mm: (1..=6).map(|i| (f64::from(i) / 6.0, mean_mm + 1e-3 * f64::from(i))).collect(),
+        worst_reading_mm: 1e-3,
+    };
+    let printed = inputs.uncompensated_mm - inputs.compensated_mm;
+    for factor in [0.5, 0.7, 0.9, 1.0, 1.1, 1.3, 2.0] {
+        let parts = [part(true, 23.2), part(false, 23.2 + factor * printed)];
+        for row in reproduce_000::experiment::rows(&inputs, &parts) {
+            assert_ne!(row.verdict, Verdict::Contradiction, "{factor} {row:?}");
+            assert_eq!(serde_json::to_value(row.verdict).unwrap(), verdict_again(&row), "{row:?}");
+            if row.id == "experiment.frames.change" {
+                let near = (factor - 1.0).abs() < 0.2;
+                let expected = if near { Verdict::Consistent } else { Verdict::NotReproduced };
+                assert_eq!(row.verdict, expected, "{factor} {row:?}");
+            }
+        }
+    }
+}
+
 /// With Fig. 2's data the 52.5 % would be judged.
 #[test]
 fn the_reduction_of_paper_000_needs_the_data_of_its_figure_2() {

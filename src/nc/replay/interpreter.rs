@@ -48,6 +48,8 @@ pub enum Deed {
         to: Point,
         /// Where it would have ended without a touch.
         target: Point,
+        /// Angle at which the spindle is held, degrees.
+        angle_deg: Option<f64>,
     },
     /// The program stops with an alarm.
     Alarm(String),
@@ -105,6 +107,8 @@ pub(super) struct Modal {
     pub(super) feed: Option<f64>,
     speed: bool,
     pub(super) spindle: Option<u32>,
+    /// Angle at which the spindle is held.
+    pub(super) oriented_deg: Option<f64>,
     tool_selected: Option<u32>,
     tool_called: bool,
 }
@@ -123,6 +127,8 @@ pub(super) struct Interpreter<'a> {
     pub(super) with_probe: bool,
     /// Whether a feed has moved the tool.
     pub(super) has_cut: bool,
+    /// Probing moves so far.
+    pub(super) touches: usize,
     events: Vec<Event>,
 }
 
@@ -159,6 +165,7 @@ impl<'a> Interpreter<'a> {
             at: control.start,
             with_probe: control.with_probe,
             has_cut: false,
+            touches: 0,
             modal: Modal {
                 // system A: X and Z are absolute, X a diameter by parameter
                 x_unit: is_lathe_control.then_some(1.0),
@@ -169,8 +176,8 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Runs to the end.
-    pub(super) fn run(mut self) -> Result<Vec<Event>, Fault> {
+    /// Runs to the end: what happens, and what the variables hold then.
+    pub(super) fn run(mut self) -> Result<(Vec<Event>, Variables), Fault> {
         let mut line = 0;
         for _ in 0..MOST_BLOCKS {
             if line >= self.program.lines.len() {
@@ -179,7 +186,7 @@ impl<'a> Interpreter<'a> {
             match self.block(line).map_err(|why| (line + 1, why))? {
                 Next::Line => line += 1,
                 Next::Jump(to) => line = to,
-                Next::End => return Ok(self.events),
+                Next::End => return Ok((self.events, self.variables)),
             }
         }
         Err((line + 1, format!("the program goes on after {MOST_BLOCKS} blocks")))
@@ -324,7 +331,7 @@ impl<'a> Interpreter<'a> {
                         "{letter}{value} has no decimal point: a control may take it in increments"
                     ));
                 }
-                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' => {
+                'X' | 'Z' | 'U' | 'W' | 'F' | 'S' | 'T' | 'P' | 'H' | 'D' | 'R' | 'Q' => {
                     if words.get(letter).is_some() {
                         return Err(format!("{letter} stands twice"));
                     }
@@ -352,9 +359,15 @@ impl<'a> Interpreter<'a> {
         if let Some(speed) = words.get('S') {
             self.modal.speed |= speed > 0.0 && !words.g.contains(&50.0);
         }
+        let orients = |m: &u32| self.control.settings.spindle_orientation.is_some_and(|o| o.m_code == *m);
+        if words.get('R').or(words.get('Q')).is_some() && !words.m.iter().any(orients) {
+            return Err(
+                "R and Q are understood with the code that turns the spindle to an angle alone".into()
+            );
+        }
         let mut end = false;
         for &m in &words.m {
-            end |= self.miscellaneous(line, m)?;
+            end |= !self.holds_spindle(m, words)? && self.miscellaneous(line, m)?;
         }
         if words.g.iter().any(|g| [31.0, 38.2].contains(g)) {
             return self.probing_move(line, words);

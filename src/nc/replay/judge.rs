@@ -7,6 +7,7 @@ use super::surface::Surface;
 use crate::nc::dialect::Dialect;
 use crate::nc::error::NcError;
 use crate::nc::machine::{ChangePosition, Travel};
+use crate::nc::probe::QUALIFIED;
 use crate::nc::settings::NcSettings;
 
 /// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of diameter.
@@ -137,6 +138,14 @@ impl Scene<'_> {
             with_probe: false,
             surface: self.surface.clone(),
         }
+    }
+
+    /// The same, where no qualification of the probe has run.
+    #[must_use]
+    pub(in crate::nc) fn unqualified(mut self) -> Self {
+        self.variables.retain(|(variable, _)| *variable != QUALIFIED);
+        self.variables.push((QUALIFIED, 0.0));
+        self
     }
 
     fn at_change(&self) -> Point {

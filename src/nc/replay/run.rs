@@ -1,5 +1,7 @@
 //! One run of a program.
 
+use std::collections::HashMap;
+
 use super::flow::Program;
 use super::interpreter::{Control, Event, Fault, Interpreter};
 
@@ -9,5 +11,14 @@ use super::interpreter::{Control, Event, Fault, Interpreter};
 /// Line (from 1) and reason where it is not understood.
 pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
     let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
-    Interpreter::new(&program, control).run()
+    Ok(Interpreter::new(&program, control).run()?.0)
+}
+
+/// Runs a program from one start position and returns what it leaves in its variables, by their numbers.
+///
+/// # Errors
+/// As [`run`].
+pub fn variables(text: &str, control: &Control<'_>) -> Result<HashMap<u32, f64>, Fault> {
+    let program = Program::new(text).map_err(|(line, why)| (line + 1, why))?;
+    Ok(Interpreter::new(&program, control).run()?.1)
 }

@@ -176,7 +176,7 @@ fn stability(input: &PidInput) -> Vec<Row> {
             "stability.absolute",
             "largest stable plant gain, offsets absolute as printed",
             limits(&absolute, Plant::Constant).1,
-            "a slender shaft has a gain of 0.9 to 1: eq. 18 as printed oscillates on it",
+            "the physical plant's gain (fig11.physical.gain) lies above it: eq. 18 as printed oscillates there",
         ),
         row(
             "stability.accumulated",

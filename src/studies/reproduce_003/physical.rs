@@ -99,6 +99,8 @@ pub(super) fn rows(inputs: &Inputs, curves: &mut Curves) -> Result<Vec<Row>, Rep
         Accept::Relative(READING),
         &*assumed,
     ));
+    rows.push(growth_at_most(&job, inputs)?);
+    rows.push(gain(&job, input)?);
     for (name, errors, reason) in [
         ("absolute", &as_printed, "offsets absolute as printed in eq. 18"),
         ("accumulated", &kept, "offsets accumulated, K_i restored: the form that works"),
@@ -108,6 +110,57 @@ pub(super) fn rows(inputs: &Inputs, curves: &mut Curves) -> Result<Vec<Row>, Rep
     rows.push(shape("fig11.shape.none", "without control", &without));
     rows.push(shape("fig11.shape.pid", "under PID, offsets accumulated", &accumulated));
     Ok(rows)
+}
+
+/// Lengths, mm, and factors on the stiffness of the plant's supports among which the largest growth is looked for: from a shaft
+/// that just holds the paper's position to the paper's own 1000 mm; a tenth of the supports to rigid ones.
+const LENGTHS_MM: [f64; 4] = [300.0, 500.0, 700.0, 1000.0];
+const STIFFER: [f64; 3] = [0.1, 1.0, f64::INFINITY];
+
+/// The largest growth of shafts of other lengths on other supports, each with the force that leaves the paper's first error.
+fn growth_at_most(job: &Job, inputs: &Inputs) -> Result<Row, ReproductionError> {
+    let (mut most, mut held) = (0.0, String::new());
+    for length_mm in LENGTHS_MM {
+        for factor in STIFFER {
+            let mut job = job.clone();
+            job.part.length_mm = length_mm;
+            job.process.support.chuck_n_per_um = inputs.plant.chuck_n_per_um * factor;
+            job.process.support.tailstock_n_per_um = inputs.plant.tailstock_n_per_um * factor;
+            identified_force(&mut job, &inputs.pid)?;
+            let without = profiles(&job, &inputs.pid, Compensation::None)?;
+            let at = |k: usize| super::deflection::at_position(&without[k], inputs.pid.position_mm);
+            let growth = at(PASSES - 1) / at(0);
+            if growth > most {
+                most = growth;
+                held = format!("at {length_mm} mm, supports {factor} times the plant's");
+            }
+        }
+    }
+    let reason = format!("{held}; lengths {LENGTHS_MM:?} mm, supports {STIFFER:?} times as stiff");
+    let names =
+        ("fig11.physical.growth.most", "largest growth over lengths and supports, without control", "");
+    Ok(Row::ours(names, most, reason))
+}
+
+/// Change of the diameter over the change of the offset, in the second pass at the paper's position.
+fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
+    let stations = job.part.station_z_mm().len();
+    // Small beside the depth of cut, so that the force law is straight over it.
+    let step_mm = 0.01;
+    let second = |o_mm: f64| -> Result<f64, ReproductionError> {
+        let mut process = workpiece(job)?;
+        process.cut_profile(&job.pass_plan(1, DiameterOffset::zero(stations)))?;
+        process.cut_profile(&job.pass_plan(2, DiameterOffset { o_mm: vec![o_mm; stations] }))?;
+        let step = job.part.length_mm / (process.diameter_mm().len() - 1) as f64;
+        Ok(linear(process.diameter_mm(), input.position_mm / step))
+    };
+    let names = ("fig11.physical.gain", "change of the diameter over the change of the offset", "");
+    let gain = (second(0.0)? - second(step_mm)?) / step_mm;
+    Ok(Row::ours(
+        names,
+        gain,
+        "in the second pass, the error copying with it; offsets that replace each other need one below stability.absolute",
+    ))
 }
 
 /// The largest later error over the first: at most the paper's.
