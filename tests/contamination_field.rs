@@ -129,7 +129,7 @@ fn counts_and_sizes_follow_the_settings() {
         .map(|seed| {
             let map = ContaminationField::new(&settings, g, seed)
                 .unwrap()
-                .frame(0, 0, 0, g.rows, g.columns)
+                .frame(0, [0, 0], [g.rows, g.columns])
                 .unwrap();
             // Overlapping specks multiply; the logarithm adds.
             map.values().iter().map(|t| 1.0 - f64::from(*t)).sum::<f64>()
@@ -146,7 +146,7 @@ fn counts_and_sizes_follow_the_settings() {
 #[test]
 fn the_window_stays_and_the_air_changes() {
     let field = ContaminationField::new(&dirty(), geometry(), 7).unwrap();
-    let frame = |id| field.frame(id, 0, 0, 600, 800).unwrap();
+    let frame = |id| field.frame(id, [0, 0], [600, 800]).unwrap();
     let (a, b) = (frame(1), frame(2));
     assert_eq!(a, frame(1), "the same frame twice");
     assert_ne!(a.values(), b.values());
@@ -155,15 +155,16 @@ fn the_window_stays_and_the_air_changes() {
     assert!(same, "what lies on the window moved");
     assert!(a.mask().iter().any(|m| m & fixed != 0) && a.mask().iter().any(|m| m & mask::CHIP != 0));
     assert!(a.values().iter().all(|t| (0.0..=1.0).contains(t)));
-    let other = ContaminationField::new(&dirty(), geometry(), 8).unwrap().frame(1, 0, 0, 600, 800).unwrap();
+    let other =
+        ContaminationField::new(&dirty(), geometry(), 8).unwrap().frame(1, [0, 0], [600, 800]).unwrap();
     assert_ne!(a.values(), other.values());
 }
 
 #[test]
 fn a_window_of_the_sensor_shows_its_part() {
     let field = ContaminationField::new(&dirty(), geometry(), 3).unwrap();
-    let whole = field.frame(5, 0, 0, 600, 800).unwrap();
-    let part = field.frame(5, 100, 250, 64, 300).unwrap();
+    let whole = field.frame(5, [0, 0], [600, 800]).unwrap();
+    let part = field.frame(5, [100, 250], [64, 300]).unwrap();
     for row in 0..64 {
         for column in 0..300 {
             let (i, j) = (row * 300 + column, (row + 100) * 800 + column + 250);
@@ -178,7 +179,7 @@ fn only_touched_pixels_are_written_and_the_mask_tells_which() {
     let settings =
         Contamination { dirt: Dirt { per_cm2: 0.7, ..Dirt::default() }, ..Contamination::default() };
     let field = ContaminationField::new(&settings, geometry(), 1).unwrap();
-    let map = field.frame(0, 0, 0, 600, 800).unwrap();
+    let map = field.frame(0, [0, 0], [600, 800]).unwrap();
     for (i, t) in map.values().iter().enumerate() {
         let tile = i / 800 / 32 * map.tile_columns() + i % 800 / 32;
         assert!(*t == 1.0 || map.touched()[tile], "pixel {i}");
@@ -186,12 +187,12 @@ fn only_touched_pixels_are_written_and_the_mask_tells_which() {
     }
     assert!(map.touched().iter().any(|t| *t) && !map.touched().iter().all(|t| *t));
     let mut reused =
-        ContaminationField::new(&dirty(), geometry(), 2).unwrap().frame(3, 0, 0, 600, 800).unwrap();
+        ContaminationField::new(&dirty(), geometry(), 2).unwrap().frame(3, [0, 0], [600, 800]).unwrap();
     reused.copy_from(&map);
     assert_eq!(reused, map);
     assert!(TransmissionMap::new(3, 5).values().iter().all(|t| *t == 1.0));
     let clean = ContaminationField::new(&Contamination::default(), geometry(), 1).unwrap();
-    assert_eq!(clean.frame(9, 0, 0, 600, 800).unwrap(), TransmissionMap::new(600, 800));
+    assert_eq!(clean.frame(9, [0, 0], [600, 800]).unwrap(), TransmissionMap::new(600, 800));
     assert!(Contamination::default().is_clean() && !dirty().is_clear());
 }
 
@@ -204,7 +205,7 @@ fn mist_attenuates_as_a_gaussian() {
         .map(|seed| {
             let map = ContaminationField::new(&settings, g, seed)
                 .unwrap()
-                .frame(1, 0, 0, g.rows, g.columns)
+                .frame(1, [0, 0], [g.rows, g.columns])
                 .unwrap();
             map.values().iter().map(|t| -f64::from(*t).ln()).sum::<f64>() / (g.rows * g.columns) as f64
         })
@@ -226,7 +227,8 @@ fn defocus_spreads_the_shade_and_keeps_its_light() {
             ..Contamination::default()
         };
         let g = FieldGeometry { rows: 1500, columns: 1500, ..geometry() };
-        let map = ContaminationField::new(&settings, g, seed).unwrap().frame(0, 0, 0, 1500, 1500).unwrap();
+        let map =
+            ContaminationField::new(&settings, g, seed).unwrap().frame(0, [0, 0], [1500, 1500]).unwrap();
         let darkest = map.values().iter().fold(1.0f32, |m, t| m.min(*t));
         (map.values().iter().map(|t| 1.0 - f64::from(*t)).sum::<f64>(), f64::from(darkest))
     };

@@ -21,7 +21,8 @@ struct Sensor {
 }
 
 impl Sensor {
-    fn new(random: &mut Pcg64, gain: f64, read: f64, prnu: f64, dsnu: f64, format: PixelFormat) -> Self {
+    /// `patterns`: standard deviations of PRNU and DSNU (electrons).
+    fn new(random: &mut Pcg64, gain: f64, read: f64, patterns: [f64; 2], format: PixelFormat) -> Self {
         let normal = Normal::new(0.0, 1.0).unwrap();
         let mut pattern = |sd: f64| {
             let raw: Vec<f64> = (0..SIDE * SIDE).map(|_| random.sample(normal)).collect();
@@ -30,7 +31,15 @@ impl Sensor {
             let own = (raw.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / raw.len() as f64).sqrt();
             raw.iter().map(|v| sd * (v - mean) / own).collect::<Vec<f64>>()
         };
-        Self { gain, read, black: 20.0, bend: 0.0, format, prnu: pattern(prnu), dsnu: pattern(dsnu) }
+        Self {
+            gain,
+            read,
+            black: 20.0,
+            bend: 0.0,
+            format,
+            prnu: pattern(patterns[0]),
+            dsnu: pattern(patterns[1]),
+        }
     }
 
     /// A frame at a mean of `electrons`, lit with a slow fall-off of 10 % to a side.
@@ -75,7 +84,7 @@ fn within(name: &str, found: f64, truth: f64, relative: f64) {
 #[test]
 fn a_12_bit_sensor_is_found_within_one_percent() {
     let mut random = Pcg64::seed_from_u64(11);
-    let sensor = Sensor::new(&mut random, 0.25, 8.0, 0.01, 6.0, PixelFormat::Mono12);
+    let sensor = Sensor::new(&mut random, 0.25, 8.0, [0.01, 6.0], PixelFormat::Mono12);
     let exposures: Vec<f64> = (1..=12).map(|k| 1200.0 * f64::from(k)).collect();
     let found = sensor.measure(&mut random, &exposures).unwrap();
     within("gain", found.gain_counts_per_electron, 0.25, 0.01);
@@ -94,7 +103,7 @@ fn a_coarse_8_bit_sensor_and_unquantised_counts_are_found_within_one_percent() {
     let mut random = Pcg64::seed_from_u64(12);
     let exposures: Vec<f64> = (1..=10).map(|k| 900.0 * f64::from(k)).collect();
     for (gain, format) in [(0.02, PixelFormat::Mono8), (0.3, PixelFormat::F32)] {
-        let mut sensor = Sensor::new(&mut random, gain, 40.0, 0.02, 20.0, format);
+        let mut sensor = Sensor::new(&mut random, gain, 40.0, [0.02, 20.0], format);
         // Five standard deviations of the dark above zero.
         sensor.black = 4.0 + 250.0 * gain;
         let found = sensor.measure(&mut random, &exposures).unwrap();
@@ -107,7 +116,7 @@ fn a_coarse_8_bit_sensor_and_unquantised_counts_are_found_within_one_percent() {
 #[test]
 fn a_bent_response_shows_in_the_linearity_error() {
     let mut random = Pcg64::seed_from_u64(13);
-    let mut sensor = Sensor::new(&mut random, 0.25, 8.0, 0.001, 1.0, PixelFormat::Mono16);
+    let mut sensor = Sensor::new(&mut random, 0.25, 8.0, [0.001, 1.0], PixelFormat::Mono16);
     sensor.bend = 5e-6;
     let exposures: Vec<f64> = (1..=8).map(|k| 1500.0 * f64::from(k)).collect();
     let found = sensor.measure(&mut random, &exposures).unwrap();
@@ -133,7 +142,7 @@ fn a_bent_response_shows_in_the_linearity_error() {
 #[test]
 fn exposures_that_do_not_differ_are_refused() {
     let mut random = Pcg64::seed_from_u64(15);
-    let sensor = Sensor::new(&mut random, 0.25, 8.0, 0.005, 2.0, PixelFormat::Mono12);
+    let sensor = Sensor::new(&mut random, 0.25, 8.0, [0.005, 2.0], PixelFormat::Mono12);
     for exposures in [
         &[4000.0, 4000.0, 4000.0, 10_000.0][..],
         &[4000.0, 4010.0, 4020.0, 10_000.0],
@@ -150,7 +159,7 @@ fn exposures_that_do_not_differ_are_refused() {
 #[test]
 fn clipped_exposures_are_left_out_and_poor_series_refused() {
     let mut random = Pcg64::seed_from_u64(14);
-    let sensor = Sensor::new(&mut random, 0.25, 8.0, 0.005, 2.0, PixelFormat::Mono12);
+    let sensor = Sensor::new(&mut random, 0.25, 8.0, [0.005, 2.0], PixelFormat::Mono12);
     let exposures: Vec<f64> = (1..=12).map(|k| 2000.0 * f64::from(k)).collect();
     let found = sensor.measure(&mut random, &exposures).unwrap();
     within("gain", found.gain_counts_per_electron, 0.25, 0.01);
@@ -159,7 +168,7 @@ fn clipped_exposures_are_left_out_and_poor_series_refused() {
     assert!(matches!(few, Err(PhotonTransferError::TooFewExposures { .. })), "{few:?}");
     assert_eq!(photon_transfer(&[], &[]), Err(PhotonTransferError::NoDark));
     // A black level of one standard deviation cuts the dark noise off: no read noise comes of it.
-    let mut cut = Sensor::new(&mut random, 0.25, 8.0, 0.005, 2.0, PixelFormat::Mono12);
+    let mut cut = Sensor::new(&mut random, 0.25, 8.0, [0.005, 2.0], PixelFormat::Mono12);
     cut.black = 2.0;
     let refused = cut.measure(&mut random, &exposures);
     assert!(matches!(refused, Err(PhotonTransferError::DarkClipped { .. })), "{refused:?}");

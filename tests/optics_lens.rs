@@ -89,7 +89,7 @@ fn the_field_is_as_bright_as_its_coefficients_say() {
     let slope = light.at_px(1023.5, 1224.5, ROWS, COLUMNS) - light.at_px(1023.5, 1222.5, ROWS, COLUMNS);
     close(slope, 2.0 * 0.04 / half, 1e-9, "gradient along");
     let mut row = vec![0.0; 32];
-    light.row(7, 100, ROWS, COLUMNS, &mut row);
+    light.row(7, 100, [ROWS, COLUMNS], &mut row);
     assert_eq!(row[3], light.at_px(7.0, 103.0, ROWS, COLUMNS) as f32);
     // cos⁴ of 8° at the corner.
     let t = 8f64.to_radians().tan();

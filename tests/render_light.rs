@@ -93,7 +93,7 @@ fn contamination_multiplies_the_light_above_the_shadow() {
     let geometry =
         FieldGeometry { rows: 320, columns: 401, pixel_um: 15.0, effective_na: 0.01, sigma_um: 1.2 * 15.0 };
     let field = ContaminationField::new(&contamination, geometry, 5 ^ 0x736f_696c).unwrap();
-    let map = field.frame(3, 0, 0, 320, 401).unwrap();
+    let map = field.frame(3, [0, 0], [320, 401]).unwrap();
     let wanted = reference(&scene, |r, c| {
         UNEVEN.at_px(r as f64, c as f64, 320, 401) * f64::from(map.values()[r * 401 + c])
     });

@@ -266,7 +266,7 @@ impl TurningProcess {
             FeedDirection::TowardsTailstock => cut.towards_last(),
         };
         let summary = &mut passed.summary;
-        self.check_chip(plan.pass, &before, &commanded, &passed.after, summary)?;
+        summary.notes.extend(self.check_chip(plan.pass, &before, &commanded, &passed.after)?);
         self.check_buckling(plan.pass, &passed.after, law.components(summary.max_depth_mm).feed_n)?;
         passed.after.iter_mut().zip(&heat).for_each(|(d, h)| *d /= h);
         summary.pass = plan.pass;
@@ -342,27 +342,26 @@ impl TurningProcess {
             .collect()
     }
 
+    /// Refuses a chip below the minimum, or states it where the force law is extrapolated.
     fn check_chip(
         &self,
         pass: u32,
         before: &[f64],
         commanded: &[f64],
         after: &[f64],
-        summary: &mut CutSummary,
-    ) -> Result<(), ProcessError> {
+    ) -> Result<Option<String>, ProcessError> {
         let minimum_chip_mm = self.settings.pass.minimum_chip_mm;
         let depth = |node: usize| 0.5 * (before[node] - after[node]);
         let least = (0..after.len()).min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
         let Some(node) = least.filter(|node| depth(*node) < minimum_chip_mm) else {
-            return Ok(());
+            return Ok(None);
         };
         let (z_mm, depth_mm) = (node as f64 * self.step_mm, depth(node));
         if self.settings.pass.below_minimum_chip == BelowMinimumChip::Extrapolate {
-            summary.notes.push(format!(
+            return Ok(Some(format!(
                 "depth of cut down to {depth_mm:.4} mm at z = {z_mm:.1} mm, below the minimum chip of {minimum_chip_mm} mm: \
                  the edge may rub there"
-            ));
-            return Ok(());
+            )));
         }
         let set_mm = 0.5 * (before[node] - commanded[node]);
         Err(ProcessError::BelowMinimumChip { pass, z_mm, depth_mm, set_mm, minimum_chip_mm })

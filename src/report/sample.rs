@@ -116,21 +116,16 @@ fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize
         base64(png)
     );
     for edge in [&sample.top_px, &sample.bottom_px] {
-        svg += &polyline(edge, step, 0.0, 0.0, 1.0 / step as f64, "#d55e00", 1.2);
+        svg += &polyline(edge, step, 0.0, 1.0 / step as f64, 1.2);
     }
     svg + "</svg>"
 }
 
-/// An edge as SVG lines, broken at gaps.
-fn polyline(
-    edge: &[Option<f64>],
-    every: usize,
-    row0: f64,
-    column0: f64,
-    scale: f64,
-    colour: &str,
-    width: f64,
-) -> String {
+/// Colour of an edge, seen on every grey.
+const EDGE_COLOUR: &str = "#d55e00";
+
+/// An edge as SVG lines, broken at gaps; `row0` is the picture's first row, `scale` its pixels a column.
+fn polyline(edge: &[Option<f64>], every: usize, row0: f64, scale: f64, width: f64) -> String {
     let mut path = String::new();
     let mut pen_down = false;
     for (column, row) in edge.iter().enumerate().step_by(every) {
@@ -139,11 +134,11 @@ fn polyline(
             continue;
         };
         let command = if pen_down { 'L' } else { 'M' };
-        let (x, y) = ((column as f64 - column0 + 0.5) * scale, (row - row0 + 0.5) * scale);
+        let (x, y) = ((column as f64 + 0.5) * scale, (row - row0 + 0.5) * scale);
         let _ = write!(path, "{command}{x:.2} {y:.2}");
         pen_down = true;
     }
-    format!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"/>")
+    format!("<path d=\"{path}\" fill=\"none\" stroke=\"{EDGE_COLOUR}\" stroke-width=\"{width}\"/>")
 }
 
 /// A corner of the frame around the upper edge, each pixel seen, with the measured edge in it.
@@ -161,7 +156,7 @@ fn magnified(sample: &Picture<'_>, stretch: &Stretch) -> Result<Option<(String, 
          <image style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\" width=\"{width}\" height=\"{height}\"/>",
         base64(&png)
     );
-    svg += &polyline(window, 1, row0 as f64, 0.0, ZOOM, "#d55e00", 2.0);
+    svg += &polyline(window, 1, row0 as f64, ZOOM, 2.0);
     let caption = format!(
         "The upper edge from column {column0}, row {row0}, {} × {} pixels magnified, with the measured edge.",
         CROP.0, CROP.1

@@ -65,20 +65,28 @@ impl Raster {
     /// Refuses colours without a channel chosen, and pixels that are not opaque.
     pub(super) fn grey(self, channel: Option<Channel>) -> Result<(Buffer, Stated), DecodeError> {
         let Self { samples, columns, channels, planar, stated, .. } = self;
+        let layout = Layout { columns, channels, planar };
         let picked = match samples {
-            Buffer::U8(v) => Buffer::U8(pick(v, columns, channels, planar, channel, u8::MAX)?),
-            Buffer::U16(v) => Buffer::U16(pick(v, columns, channels, planar, channel, u16::MAX)?),
-            Buffer::F32(v) => Buffer::F32(pick(v, columns, channels, planar, channel, 1.0)?),
+            Buffer::U8(v) => Buffer::U8(pick(v, layout, channel, u8::MAX)?),
+            Buffer::U16(v) => Buffer::U16(pick(v, layout, channel, u16::MAX)?),
+            Buffer::F32(v) => Buffer::F32(pick(v, layout, channel, 1.0)?),
         };
         Ok((picked, stated))
     }
 }
 
-fn pick<T: Copy + PartialEq + Into<f64>>(
-    samples: Vec<T>,
+/// How samples lie in their buffer.
+#[derive(Clone, Copy)]
+struct Layout {
     columns: usize,
     channels: usize,
+    /// A plane a channel; else the channels of a pixel together.
     planar: bool,
+}
+
+fn pick<T: Copy + PartialEq + Into<f64>>(
+    samples: Vec<T>,
+    Layout { columns, channels, planar }: Layout,
     channel: Option<Channel>,
     opaque: T,
 ) -> Result<Vec<T>, DecodeError> {

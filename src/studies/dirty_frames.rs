@@ -214,7 +214,7 @@ impl Piece {
             sigma_um: SIGMA_PX * PIXEL_UM,
         };
         let field = ContaminationField::new(&settings, geometry, self.seed ^ 0x0064_6972_7479)?;
-        let map = field.frame(self.seed, 0, 0, ROWS, COLUMNS)?;
+        let map = field.frame(self.seed, [0, 0], [ROWS, COLUMNS])?;
         let bumps = if matter == Matter::All { self.short_films() } else { Vec::new() };
         self.with_bumps(&bumps).frame(Some(&map))
     }

@@ -8,7 +8,7 @@ use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
 use crate::gauge::calibration::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
 use crate::gauge::monte_carlo::{
-    Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
+    Distribution, Input, LawOfPropagation, Propagated, StopRule, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
 };
 
@@ -181,14 +181,22 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     all
 }
 
+/// Trials of a Monte Carlo, and the seed they are drawn by.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    /// Their number.
+    pub trials: Trials,
+    /// Seed.
+    pub seed: u64,
+}
+
 /// Propagates the distributions of everything that a diameter depends on; `None` where the masters determine no bench.
 pub fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,
     part: &PartView,
     conditions: &Conditions,
-    trials: Trials,
-    seed: u64,
+    Draws { trials, seed }: Draws,
 ) -> Option<Uncertainty> {
     let bench = calibration.bench.as_ref()?;
     let model = Model {
@@ -204,7 +212,7 @@ pub fn uncertainty(
         Trials::Fixed(trials) => monte_carlo(&inputs, value, trials, PROBABILITY, seed)?,
         Trials::Adaptive(most) => {
             let tolerance = 0.2 * crate::gauge::monte_carlo::numerical_tolerance(gum.u, 2);
-            monte_carlo_adaptive(&inputs, value, tolerance, most, PROBABILITY, seed)?
+            monte_carlo_adaptive(&inputs, value, StopRule { tolerance, most }, PROBABILITY, seed)?
         }
     };
     let validation = [2, 1].map(|digits| validate(&gum, &monte_carlo, PROBABILITY, digits));

@@ -88,14 +88,15 @@ fn summary(scenes: &[Scene], columns: usize) -> [[f64; 3]; 3] {
     })
 }
 
-fn drawn(
-    count: usize,
-    seed: u64,
-    noise: f64,
-    slopes: &[f64],
-    sigmas: &[f64],
-    contrasts: &[f64],
-) -> Vec<Scene> {
+/// Values that scenes take in turn.
+struct Cases<'a> {
+    slopes: &'a [f64],
+    sigmas: &'a [f64],
+    contrasts: &'a [f64],
+}
+
+fn drawn(count: usize, seed: u64, noise: f64, cases: &Cases<'_>) -> Vec<Scene> {
+    let Cases { slopes, sigmas, contrasts } = *cases;
     let mut rng = Pcg64::seed_from_u64(seed);
     let phase = Uniform::new(0.0, 1.0).unwrap();
     (0..count)
@@ -116,7 +117,9 @@ fn drawn(
 #[test]
 fn rounding_without_noise_is_in_u() {
     let slopes = [0.0, 0.0, 2e-4, 0.002, 0.03];
-    let scenes = drawn(240, 1, 0.0, &slopes, &[0.5, 0.8, 1.2, 2.0], &[20.0, 60.0, 120.0, 240.0]);
+    let cases =
+        Cases { slopes: &slopes, sigmas: &[0.5, 0.8, 1.2, 2.0], contrasts: &[20.0, 60.0, 120.0, 240.0] };
+    let scenes = drawn(240, 1, 0.0, &cases);
     let of = summary(&scenes, 128);
     println!("{of:.3?}");
     for [rms, most, beyond_2] in of {
@@ -130,7 +133,8 @@ fn rounding_without_noise_is_in_u() {
 #[test]
 fn rounding_under_little_noise_is_in_u() {
     for noise in [0.1, 0.2, 0.3, 0.5, 1.0] {
-        let scenes = drawn(64, 2, noise, &[0.0, 0.001], &[0.6, 1.2], &[40.0, 200.0]);
+        let cases = Cases { slopes: &[0.0, 0.001], sigmas: &[0.6, 1.2], contrasts: &[40.0, 200.0] };
+        let scenes = drawn(64, 2, noise, &cases);
         let of = summary(&scenes, 256);
         println!("{noise}: {of:.3?}");
         for [rms, most, beyond_2] in of {
@@ -145,8 +149,8 @@ fn rounding_under_little_noise_is_in_u() {
 fn rounding_sweep() {
     for noise in [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6] {
         for slope in [0.0, 1e-4, 1e-3, 0.01, 0.1] {
-            let scenes =
-                drawn(60, 3, noise, &[slope], &[0.4, 0.7, 1.0, 1.5, 2.0], &[20.0, 50.0, 120.0, 250.0]);
+            let (sigmas, contrasts) = (&[0.4, 0.7, 1.0, 1.5, 2.0], &[20.0, 50.0, 120.0, 250.0]);
+            let scenes = drawn(60, 3, noise, &Cases { slopes: &[slope], sigmas, contrasts });
             println!("noise {noise} slope {slope}: {:.2?}", summary(&scenes, 512));
         }
     }
@@ -155,7 +159,8 @@ fn rounding_sweep() {
 /// Eight bits in sixteen are as coarse as eight: shifted, stretched, and as floats from 0 to 1.
 #[test]
 fn the_step_of_the_grey_scale_is_found() {
-    let scenes = drawn(40, 4, 0.0, &[0.0, 0.003], &[0.7, 1.2], &[60.0, 150.0]);
+    let cases = Cases { slopes: &[0.0, 0.003], sigmas: &[0.7, 1.2], contrasts: &[60.0, 150.0] };
+    let scenes = drawn(40, 4, 0.0, &cases);
     let gauge = Gauge::new(GaugeSettings::default()).unwrap();
     let u = |frame: &Frame| gauge.edges(&frame.view()).unwrap().figures.rounding_px;
     for scene in scenes {

@@ -207,7 +207,7 @@ impl GoldenScene {
         };
         let field =
             ContaminationField::new(&bench.nominal.contamination, geometry, self.seed ^ 0x736f_696c).unwrap();
-        Some(field.frame(self.request.frame_id, 0, 0, bench.rows(), bench.columns()).unwrap())
+        Some(field.frame(self.request.frame_id, [0, 0], [bench.rows(), bench.columns()]).unwrap())
     }
 
     /// A frame of straight edges of any family.

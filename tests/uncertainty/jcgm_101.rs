@@ -1,7 +1,8 @@
 //! Monte Carlo propagation against the examples of JCGM 101:2008, clause 9, whose figures are published.
 
 use shadowgauge::gauge::monte_carlo::{
-    Distribution, Input, law_of_propagation, monte_carlo, monte_carlo_adaptive, numerical_tolerance, validate,
+    Distribution, Input, StopRule, law_of_propagation, monte_carlo, monte_carlo_adaptive,
+    numerical_tolerance, validate,
 };
 
 fn input(estimate: f64, distribution: Distribution) -> Input {
@@ -98,7 +99,8 @@ fn a_result_depends_on_seed_and_trials_alone() {
     assert_ne!(alone.u.to_bits(), monte_carlo(&inputs, product, 25_000, 0.95, 7).unwrap().u.to_bits());
     // u² of the t: .01·5/3.
     let expected = (4.0 * 0.01 * 5.0 / 3.0 + 0.03_f64 + 0.01 * 5.0 / 3.0 * 0.03).sqrt();
-    let adaptive = monte_carlo_adaptive(&inputs, product, 0.005, 1_000_000, 0.95, 8).unwrap();
+    let until = StopRule { tolerance: 0.005, most: 1_000_000 };
+    let adaptive = monte_carlo_adaptive(&inputs, product, until, 0.95, 8).unwrap();
     assert!((adaptive.u / expected - 1.0).abs() < 0.02, "{} {expected}", adaptive.u);
     assert!(adaptive.trials >= 80_000 && adaptive.trials < 1_000_000);
 }

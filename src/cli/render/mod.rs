@@ -76,7 +76,7 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     }
     let folder = OutputFolder::claim(out)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
-    write_frames(args, job, &scene, &renderer, &folder, count)?;
+    Series { args, job, scene: &scene, count }.write(&renderer, &folder)?;
     folder.finish()?;
     say_line!(
         "{count} frames by {} ({}) in {}",
@@ -87,39 +87,43 @@ fn write_folder(args: &RenderArgs, job: &Job, out: &Path) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn write_frames(
-    args: &RenderArgs,
-    job: &Job,
-    scene: &Scene,
-    renderer: &Renderer,
-    folder: &OutputFolder,
+/// Frames that are drawn into a folder.
+struct Series<'a> {
+    args: &'a RenderArgs,
+    job: &'a Job,
+    scene: &'a Scene,
     count: usize,
-) -> Result<(), Failure> {
-    let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
-    let mut frames_csv = String::from(FRAMES_HEADER);
-    let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
-    let mut spare = None;
-    for index in 0..count {
-        let request = request(args, job, index);
-        let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
-        let stem = format!("{index:06}");
-        let name = format!("frames/{stem}.{}", args.format.extension());
-        put(folder, &name, encode(&frame, args.format, um_per_px))?;
-        put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
-        if let Some(mask) = mask {
-            // What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
-            put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
+}
+
+impl Series<'_> {
+    fn write(&self, renderer: &Renderer, folder: &OutputFolder) -> Result<(), Failure> {
+        let Self { args, job, scene, count } = *self;
+        let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
+        let mut frames_csv = String::from(FRAMES_HEADER);
+        let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
+        let mut spare = None;
+        for index in 0..count {
+            let request = request(args, job, index);
+            let (frame, mask) = renderer.render_masked(scene, &request, spare.take()).map_err(of_render)?;
+            let stem = format!("{index:06}");
+            let name = format!("frames/{stem}.{}", args.format.extension());
+            put(folder, &name, encode(&frame, args.format, um_per_px))?;
+            put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
+            if let Some(mask) = mask {
+                // What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
+                put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
+            }
+            describe(&mut frames_csv, &stem, &frame, um_per_px);
+            let edges = truth::true_edges(scene, &request).map_err(of_render)?;
+            for (column, e) in edges.iter().enumerate() {
+                let _ = writeln!(truth_csv, "{stem},{column},{:.6},{:.6}", e.top_px, e.bottom_px);
+            }
+            spare = Some(frame);
         }
-        describe(&mut frames_csv, &stem, &frame, um_per_px);
-        let edges = truth::true_edges(scene, &request).map_err(of_render)?;
-        for (column, e) in edges.iter().enumerate() {
-            let _ = writeln!(truth_csv, "{stem},{column},{:.6},{:.6}", e.top_px, e.bottom_px);
-        }
-        spare = Some(frame);
+        put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
+        put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
+        put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
     }
-    put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
-    put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
-    put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
 }
 
 /// The true bench: what only truth may know.

@@ -13,7 +13,7 @@ use crate::render::{BackendChoice, Renderer};
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::coverage::{Class, ClassFigures, class_figures};
-use crate::studies::uncertainty::{PartView, Trials, Uncertainty, uncertainty};
+use crate::studies::uncertainty::{Draws, PartView, Trials, Uncertainty, uncertainty};
 
 /// The preset.
 const PRESET: &str = include_str!("../../../configs/calibrate.toml");
@@ -75,7 +75,8 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
             ))
         })?;
     let trials = args.trials.map_or(Trials::Adaptive(2_000_000), |n| Trials::Fixed(n as usize));
-    let result = uncertainty(calibration, &calibrated.adjustment, &part, &plan.conditions, trials, args.seed)
+    let draws = Draws { trials, seed: args.seed };
+    let result = uncertainty(calibration, &calibrated.adjustment, &part, &plan.conditions, draws)
         .ok_or_else(|| Failure::fail("the masters determine no bench"))?;
     let scenes = match args.scenes {
         0 => None,

@@ -292,7 +292,7 @@ impl Model<'_> {
             let mut right = theta.component_div(&prior).component_div(&prior) * -1.0;
             for (j, pass) in passes.iter().enumerate() {
                 for i in 0..self.z_mm.len() {
-                    let slope = self.slope(&theta, &prior, passes, i, j);
+                    let slope = Self::slope(&theta, &prior, |t| self.residual(t, passes, i, j));
                     let weight = (self.variance(&theta, pass, i) + misfit.powi(2)).recip();
                     normal.ger(weight, &slope, &slope, 1.0);
                     right += slope * (self.residual(&theta, passes, i, j) * weight);
@@ -309,14 +309,14 @@ impl Model<'_> {
         theta
     }
 
-    /// ∂ŷ/∂θ by central differences.
-    fn slope(&self, theta: &Theta, prior: &Theta, passes: &[Pass], i: usize, j: usize) -> Theta {
+    /// ∂ŷ/∂θ by central differences of a residual y − ŷ(θ).
+    fn slope(theta: &Theta, prior: &Theta, residual: impl Fn(&Theta) -> f64) -> Theta {
         Theta::from_fn(theta.len(), |p, _| {
             let step = DERIVATIVE_STEP * prior[p];
             let moved = |sign: f64| {
                 let mut t = theta.clone();
                 t[p] += sign * step;
-                self.residual(&t, passes, i, j)
+                residual(&t)
             };
             (moved(-1.0) - moved(1.0)) / (2.0 * step)
         })

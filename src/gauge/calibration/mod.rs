@@ -38,7 +38,7 @@ pub use masters::{
     CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
 };
 pub use observation::{Observation, observe};
-pub use optical_setup::{BenchCalibration, BenchError, Validity};
+pub use optical_setup::{BenchCalibration, BenchError, ReadWidth, Validity};
 pub use thermometer::Thermometer;
 pub use unstated::Unstated;
 pub use verification::{CheckPin, CheckResult};

@@ -119,6 +119,19 @@ pub struct BenchCalibration {
     pub check: Option<CheckResult>,
 }
 
+/// Where a width was read.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadWidth {
+    /// Columns of the frame.
+    pub columns: Along,
+    /// Mean rows of the upper and the lower edge.
+    pub rows_px: (f64, f64),
+    /// Chord factor χ: width square to the axis over the width along the rows.
+    pub chord: f64,
+    /// Place of the part's axis along the optical axis, mm.
+    pub axis_y_mm: f64,
+}
+
 impl BenchCalibration {
     /// A bench from its adjustment.
     pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
@@ -207,15 +220,9 @@ impl BenchCalibration {
         }
     }
 
-    /// Derivatives of D_T by s, o, a, q, g, t for edges at these (mean) rows over these columns of the frame, scale s, chord factor χ, axis at y.
-    pub fn diameter_by(
-        &self,
-        scale: f64,
-        columns: Along,
-        rows_px: (f64, f64),
-        chord: f64,
-        axis_y_mm: f64,
-    ) -> [f64; PARAMETERS] {
+    /// Derivatives of D_T by s, o, a, q, g, t at the scale s, mm/px.
+    pub fn diameter_by(&self, scale: f64, read: &ReadWidth) -> [f64; PARAMETERS] {
+        let ReadWidth { columns, rows_px, chord, axis_y_mm } = *read;
         let lens = &self.lens;
         let u = Along { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
         let (top, bottom) = (rows_px.0 - lens.centre_row_px, rows_px.1 - lens.centre_row_px);

@@ -8,7 +8,7 @@
 
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::gauge::calibration::{Along, Conditions, CovariancePart, PARAMETERS};
+use crate::gauge::calibration::{Along, Conditions, CovariancePart, PARAMETERS, ReadWidth};
 use crate::gauge::edges::{Edge, FrameEdges};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};
@@ -155,13 +155,13 @@ impl<'a> Reader<'a> {
             return self.calibration.u_common_mm(width_px).hypot(conditions.sqrt());
         };
         let scale = self.calibration.scale_mm_per_px;
-        let by = bench.diameter_by(
-            scale,
-            Along::at(column as f64),
+        let read = ReadWidth {
+            columns: Along::at(column as f64),
             rows_px,
-            self.slope.factor(column),
-            self.conditions.axis_y_mm,
-        );
+            chord: self.slope.factor(column),
+            axis_y_mm: self.conditions.axis_y_mm,
+        };
+        let by = bench.diameter_by(scale, &read);
         (self.covariance.variance(&by) + conditions).sqrt()
     }
 }

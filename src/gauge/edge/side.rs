@@ -6,7 +6,7 @@ use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::EdgeMisfit;
 use super::rejection::neighbour_test::{self, OutlierScratch};
 use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurScratch};
-use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
+use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, Placed, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
 use crate::gauge::edge::estimation::grey_ends::{self, Elsewhere};
@@ -14,7 +14,7 @@ use crate::gauge::edge::estimation::level_gradient::Falloff;
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
 use crate::gauge::edge::estimation::model_bias::{Expected, MisfitLesson, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
-use crate::gauge::edge::estimation::scoring_table::{FINE, Table};
+use crate::gauge::edge::estimation::scoring_table::{FINE, Table, Tabulation};
 use crate::gauge::edge::estimation::slanted_edge::{self, Lesson};
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
@@ -396,7 +396,7 @@ impl SideState {
         if let Some(found) = self.tables.iter().position(near) {
             return found;
         }
-        let table = Table::new(&self.shape, sigma, kappa, width, free_levels, FINE);
+        let table = Table::new(&self.shape, Tabulation { sigma, kappa, width, free_levels, per_px: FINE });
         let held: usize = self.tables.iter().map(Table::bytes).sum();
         if held + table.bytes() > self.most_table_bytes {
             self.tables.clear();
@@ -492,7 +492,7 @@ impl SideState {
                 contrast,
             };
             score_columns(&job, from..to, &mut normalised, line);
-            self.track.add(&job, from..to, &self.slope, line, &mut normalised);
+            self.track.add(&job, from..to, Placed { line, slope: &self.slope }, &mut normalised);
             if let Some(expected) = &mut expected {
                 expected.judge(&job, from..to, &mut normalised, line);
             }

@@ -10,7 +10,7 @@ use super::budget_conditions::{self, Row};
 pub use super::form_scatter::{Block, Scatter};
 use super::stated::stated;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel};
+use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel, ReadWidth};
 use crate::gauge::edges::{FrameEdges, FrameFigures};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
@@ -242,7 +242,8 @@ impl WidthReading {
         let (width_px, by) = match &calibration.bench {
             Some(bench) => {
                 let columns = Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
-                let by = bench.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
+                let (rows_px, chord, axis_y_mm) = (self.rows_px, self.chord, conditions.axis_y_mm);
+                let by = bench.diameter_by(scale, &ReadWidth { columns, rows_px, chord, axis_y_mm });
                 (by[0], Some(by))
             }
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),

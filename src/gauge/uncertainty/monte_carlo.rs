@@ -195,16 +195,25 @@ pub fn monte_carlo(
     summarise(parts, trials, probability)
 }
 
+/// When the adaptive procedure ends.
+#[derive(Clone, Copy, Debug)]
+pub struct StopRule {
+    /// Twice the standard deviation of the blocks' averages that is enough.
+    pub tolerance: f64,
+    /// Trials after which it ends in any case.
+    pub most: usize,
+}
+
 /// The adaptive procedure (7.9): blocks are added until twice the standard deviation of the blocks' averages of y, u and
-/// both ends of the interval lies below `tolerance`, or `most` trials are made.
+/// both ends of the interval lies below the tolerance, or the most trials are made.
 pub fn monte_carlo_adaptive(
     inputs: &[Input],
     model: impl Fn(&[f64]) -> Option<f64> + Sync,
-    tolerance: f64,
-    most: usize,
+    until: StopRule,
     probability: f64,
     seed: u64,
 ) -> Option<Propagated> {
+    let StopRule { tolerance, most } = until;
     let mut parts: Vec<Vec<f64>> = Vec::new();
     let mut figures: Vec<[f64; 4]> = Vec::new();
     loop {

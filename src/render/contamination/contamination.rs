@@ -140,8 +140,20 @@ impl Soiling {
     }
 }
 
-/// Marks the pixels of a column that an edge's move from row `clean` by `rise_px` changes.
-pub fn mark_rise(mask: &mut [u8], columns: usize, column: usize, clean: f64, rise_px: f64, blur_px: f64) {
+/// An edge that a film has moved.
+#[derive(Clone, Copy, Debug)]
+pub struct RisenEdge {
+    /// Row of the edge without the film.
+    pub clean: f64,
+    /// Its move, rows.
+    pub rise_px: f64,
+    /// Blur of the edge, px.
+    pub blur_px: f64,
+}
+
+/// Marks the pixels of a column that an edge's move changes.
+pub fn mark_rise(mask: &mut [u8], columns: usize, column: usize, edge: RisenEdge) {
+    let RisenEdge { clean, rise_px, blur_px } = edge;
     let sigma = (blur_px * blur_px + 1.0 / 12.0).sqrt();
     if rise_px.abs() * PEAK_OF_UNIT_GAUSSIAN / sigma < f64::from(mask::THRESHOLD) {
         return;

@@ -217,17 +217,15 @@ impl ContaminationField {
         Layers::new(air, (-self.settings.mist.haze_depth).exp() as f32, [row0, column0])
     }
 
-    /// Window and air of a frame on a clean map.
+    /// Window and air of a frame on a clean map of `[rows, columns]`, its first pixel at `[row0, column0]`.
     ///
     /// # Errors
     /// Refuses more than a hundred thousand things of a kind.
     pub fn frame(
         &self,
         frame_id: u64,
-        row0: usize,
-        column0: usize,
-        rows: usize,
-        columns: usize,
+        [row0, column0]: [usize; 2],
+        [rows, columns]: [usize; 2],
     ) -> Result<TransmissionMap, RenderError> {
         let mut map = TransmissionMap::new(rows, columns);
         map.lay(&self.window_layers(row0, column0));

@@ -28,7 +28,7 @@ pub mod shapes;
 mod tiles;
 
 pub use adhering_films::{AdheringFilms, Film};
-pub use contamination::{Rise, Soiling, mark_rise};
+pub use contamination::{Rise, RisenEdge, Soiling, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
 pub use map::TransmissionMap;
 pub use settings::{

@@ -161,14 +161,8 @@ fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts:
 /// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds light only where the two bands
 /// overlap.
 #[inline(always)]
-fn edge_pixels(
-    job: &Job<'_>,
-    cells: &[EdgeCell; 2],
-    side: usize,
-    at: At,
-    z: &[f32; CELL],
-    counts: &mut [f32; CELL],
-) {
+fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], counts: &mut [f32; CELL]) {
+    let CellSide { cells, side } = edge;
     let params = &job.params;
     let (mut light, mut means, mut near) = ([0.0; CELL], [0.0; CELL], [0.0; CELL]);
     cells[side].light(job, (at.column, side), at.row, &mut light);
@@ -202,6 +196,13 @@ fn edge_pixels(
 struct At {
     row: i32,
     column: usize,
+}
+
+/// One of the two edges in a cell.
+#[derive(Clone, Copy)]
+struct CellSide<'a> {
+    cells: &'a [EdgeCell; 2],
+    side: usize,
 }
 
 /// A block's edges.
@@ -292,7 +293,7 @@ fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], 
         for side in 0..2 {
             if cells[side].touches(at.row) {
                 let at = At { column: at.column + i * CELL, ..at };
-                edge_pixels(job, cells, side, at, z, counts);
+                edge_pixels(job, CellSide { cells, side }, at, z, counts);
             }
         }
     }

@@ -43,7 +43,7 @@ impl GaussianReference {
         factor: impl Fn(usize, usize) -> f64,
     ) -> Vec<f64> {
         let offsets = self.trapezoid(self.sigma_px / 4.0);
-        self.integrated(rows, columns, |_| offsets.clone(), edges, factor)
+        self.integrated([rows, columns], |_| offsets.clone(), edges, factor)
     }
 
     /// [`Self::frame`] for edges with corners: Simpson's rule at σ/8 between the columns given, ascending, at which `edges` may
@@ -61,7 +61,7 @@ impl GaussianReference {
             let ends: Vec<f64> = [-reach].into_iter().chain(inner).chain([reach]).collect();
             ends.windows(2).flat_map(|e| simpson(e[0], e[1], self.sigma_px / 8.0)).collect()
         };
-        self.integrated(rows, columns, nodes, edges, |_, _| 1.0)
+        self.integrated([rows, columns], nodes, edges, |_, _| 1.0)
     }
 
     /// [`Self::frame`] at another step of the trapezoidal sum, px: a bend of the edge errs with its square, a jump with it.
@@ -73,7 +73,7 @@ impl GaussianReference {
         edges: impl Fn(f64) -> [f64; 2],
     ) -> Vec<f64> {
         let offsets = self.trapezoid(step);
-        self.integrated(rows, columns, |_| offsets.clone(), edges, |_, _| 1.0)
+        self.integrated([rows, columns], |_| offsets.clone(), edges, |_, _| 1.0)
     }
 
     fn trapezoid(&self, step: f64) -> Vec<(f64, f64)> {
@@ -83,8 +83,7 @@ impl GaussianReference {
 
     fn integrated(
         &self,
-        rows: usize,
-        columns: usize,
+        [rows, columns]: [usize; 2],
         nodes: impl Fn(f64) -> Vec<(f64, f64)>,
         edges: impl Fn(f64) -> [f64; 2],
         factor: impl Fn(usize, usize) -> f64,

@@ -82,6 +82,17 @@ pub(crate) struct Pieces {
     pub sign: f64,
 }
 
+/// Rows of one column that light is added to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    /// The column.
+    pub(crate) at: f64,
+    /// The first row.
+    pub(crate) first: f64,
+    /// Share of the exposure.
+    pub(crate) weight: f64,
+}
+
 impl LaserShoulder {
     pub(crate) fn new(laser: &LaserShadow, pixel_um: f64, scale: f64) -> Self {
         let relative = laser.bandwidth_nm / FWHM / laser.wavelength_nm;
@@ -107,13 +118,12 @@ impl LaserShoulder {
         near.zip(&pieces.rows).filter(|(near, _)| *near).map(|(_, row)| *row)
     }
 
-    /// Adds weight·I of the rows from `first` on in the column `at`.
+    /// Adds weight·I of the rows of a column.
     pub(crate) fn add(
         &self,
         pieces: &Pieces,
         (esf, place): (&EsfTable, &TablePlace),
-        (at, first): (f64, f64),
-        weight: f64,
+        Rows { at, first, weight }: Rows,
         light: &mut [f64],
     ) {
         let count = pieces.rows.len();

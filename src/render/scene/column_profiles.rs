@@ -25,7 +25,7 @@ use crate::render::kernel::params::Window;
 use crate::render::optics::edge_spread::LaserShadow;
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
 use crate::render::optics::esf_table::{EsfTable, Node, TablePlace, gaussian};
-use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces, SEEN_UNITS};
+use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces, Rows, SEEN_UNITS};
 use crate::render::silhouette::Turned;
 
 /// Reach of the Gaussian in σ: 1 - Φ(5.25) = 8e-8.
@@ -337,7 +337,8 @@ impl Profiles<'_> {
         let (first, count) = self.rows(range, f64::from(esf.reach) * place.scale_px + 0.5)?;
         let mut light = vec![0.0; count];
         for (instant, pieces) in self.instants.iter().zip(&pieces) {
-            laser.add(pieces, (esf, &place), (at, f64::from(first)), instant.weight, &mut light);
+            let rows = Rows { at, first: f64::from(first), weight: instant.weight };
+            laser.add(pieces, (esf, &place), rows, &mut light);
         }
         Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
     }
@@ -366,11 +367,11 @@ impl Profiles<'_> {
         let mut light = vec![0.0; count];
         let place = self.table(column, 0.0);
         for (instant, points) in self.instants.iter().zip(windows) {
-            let image = Image { points, side, sigma, at };
+            let image = Image { points, side, sigma, at, weight: instant.weight };
             if self.esf.widens {
-                image.add_gaussian(f64::from(first), instant.weight, &mut light);
+                image.add_gaussian(f64::from(first), &mut light);
             } else {
-                image.add_family(self, &place, f64::from(first), instant.weight, &mut light);
+                image.add_family(self, &place, f64::from(first), &mut light);
             }
         }
         Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
@@ -383,11 +384,13 @@ struct Image<'a> {
     side: usize,
     sigma: f64,
     at: f64,
+    /// Share of the exposure.
+    weight: f64,
 }
 
 impl Image<'_> {
     /// Adds weight·I(x, y) for the rows from `first` on.
-    fn add_gaussian(&self, first: f64, weight: f64, light: &mut [f64]) {
+    fn add_gaussian(&self, first: f64, light: &mut [f64]) {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let weights: Vec<(f64, f64)> = self
             .points
@@ -395,7 +398,7 @@ impl Image<'_> {
             .flat_map(|p| {
                 let t = self.at - p.column;
                 let along = gaussian((t + 0.5) / self.sigma).0 - gaussian((t - 0.5) / self.sigma).0;
-                p.borders(self.side).map(move |(row, share)| (row, share * weight * p.weight * along))
+                p.borders(self.side).map(move |(row, share)| (row, share * self.weight * p.weight * along))
             })
             .collect();
         for (r, light) in light.iter_mut().enumerate() {
@@ -411,7 +414,7 @@ impl Image<'_> {
     }
 
     /// As [`Self::add_gaussian`] for a family that has only a table.
-    fn add_family(&self, all: &Profiles<'_>, place: &TablePlace, first: f64, weight: f64, light: &mut [f64]) {
+    fn add_family(&self, all: &Profiles<'_>, place: &TablePlace, first: f64, light: &mut [f64]) {
         for node in all.quadrature_over_pixel() {
             let x = self.at + node.0;
             let weights: Vec<f64> = self
@@ -422,7 +425,7 @@ impl Image<'_> {
             let total: f64 = weights.iter().sum();
             for (r, light) in light.iter_mut().enumerate() {
                 let d = self.distance(x, first + r as f64 + node.1, &weights, total);
-                *light += weight * node.2 * all.esf.sample(place, d);
+                *light += self.weight * node.2 * all.esf.sample(place, d);
             }
         }
     }

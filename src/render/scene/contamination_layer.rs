@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::request::FrameRequest;
 use super::true_optics::OpticalBench;
-use crate::render::contamination::{Asked, Rise, mark_rise};
+use crate::render::contamination::{Asked, Rise, RisenEdge, mark_rise};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::ColumnEdges;
 use crate::render::kernel::light_map::LightMap;
@@ -82,8 +82,11 @@ pub(crate) fn contamination(
     }
     let blur_px = seen.blur_px;
     for (column, (e, rise)) in seen.edges.iter().zip(seen.rises).enumerate() {
-        mark_rise(&mut map.mask, size[1], column, e.top_px + rise.top_px, -rise.top_px, blur_px);
-        mark_rise(&mut map.mask, size[1], column, e.bottom_px - rise.bottom_px, rise.bottom_px, blur_px);
+        let top = RisenEdge { clean: e.top_px + rise.top_px, rise_px: -rise.top_px, blur_px };
+        let bottom = RisenEdge { clean: e.bottom_px - rise.bottom_px, rise_px: rise.bottom_px, blur_px };
+        for edge in [top, bottom] {
+            mark_rise(&mut map.mask, size[1], column, edge);
+        }
     }
     Ok(Some(map))
 }

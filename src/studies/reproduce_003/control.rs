@@ -26,8 +26,17 @@ fn settings(input: &PidInput) -> PidSettings {
     }
 }
 
-/// Errors of a plant e(k+1) = α·e(k) - g·u(k) + w under a controller.
-fn sequence(settings: &PidSettings, first: f64, alpha: f64, gain: f64, w: f64, passes: usize) -> Vec<f64> {
+/// A plant e(k+1) = α·e(k) - g·u(k) + w.
+#[derive(Clone, Copy)]
+struct ErrorPlant {
+    alpha: f64,
+    gain: f64,
+    w: f64,
+}
+
+/// Errors of a plant under a controller.
+fn sequence(settings: &PidSettings, first: f64, plant: ErrorPlant, passes: usize) -> Vec<f64> {
+    let ErrorPlant { alpha, gain, w } = plant;
     let mut pid = Pid::new(settings, 1);
     let mut errors = vec![first];
     while errors.len() < passes {
@@ -95,7 +104,8 @@ fn equation_18(input: &PidInput) -> Vec<Row> {
         }
         errors
     };
-    let absolute = |settings: &PidSettings| sequence(settings, first, 0.0, gain, first, 4);
+    let absolute =
+        |settings: &PidSettings| sequence(settings, first, ErrorPlant { alpha: 0.0, gain, w: first }, 4);
     let row = |id: &str, reading: &str, errors: &[f64]| {
         let apart = errors.iter().zip(&input.compensated_mm).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let quantity = format!("largest distance from Fig. 11b on a plant of gain {gain}, {reading}");
@@ -118,8 +128,8 @@ fn transfer_plant(input: &PidInput) -> Vec<Row> {
     let (alpha, gain) = (input.transfer_alpha, input.transfer_gain);
     let first = input.uncompensated_mm[0];
     let nothing = PidSettings { kp: 0.0, ki: 0.0, kd: 0.0, ..settings(input) };
-    let without = sequence(&nothing, first, alpha, 0.0, 0.0, 4);
-    let with = sequence(&settings(input), first, alpha, gain, 0.0, 9);
+    let without = sequence(&nothing, first, ErrorPlant { alpha, gain: 0.0, w: 0.0 }, 4);
+    let with = sequence(&settings(input), first, ErrorPlant { alpha, gain, w: 0.0 }, 9);
     let assumption = format!(
         "error-transfer plant e(k+1) = {alpha}·e(k) - {gain}·u(k) identified from Fig. 11, K_i restored in eq. 18"
     );

@@ -5,7 +5,7 @@
 
 use super::levels::LevelCurve;
 use super::scoring::{dot, locate, normalise};
-use super::scoring_table::{COARSE, Table};
+use super::scoring_table::{COARSE, Table, Tabulation};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::{EdgeShape, SIGMA_RANGE};
 use crate::gauge::edge::model::gaussian::column_sigma;
@@ -143,6 +143,14 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) relative_variance: f64,
 }
 
+impl BlurContext<'_> {
+    /// The table of a blur tried.
+    fn tabulation(&self, sigma: f64) -> Tabulation {
+        let (kappa, width) = (self.kappa, self.windows.width);
+        Tabulation { sigma, kappa, width, free_levels: false, per_px: COARSE }
+    }
+}
+
 /// Memory of [`refine`].
 #[derive(Clone, Debug)]
 pub(crate) struct BlurScratch {
@@ -164,7 +172,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     let BlurScratch { table, normalised } = scratch;
     normalised.resize(context.windows.width, 0.0);
     for _ in 0..8 {
-        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        table.fill(context.shape, context.tabulation(sigma));
         for (block, sum) in sums.iter_mut().enumerate() {
             *sum = block_sums(context, table, sample(block, columns), normalised);
         }
@@ -201,7 +209,7 @@ fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratc
     let mut best = (f64::INFINITY, start);
     for k in -steps..=steps {
         let sigma = start * (1.0 + f64::from(k) * step);
-        table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+        table.fill(context.shape, context.tabulation(sigma));
         // Few columns show: a pattern is shared by all of them.
         let sums = block_sums(context, table, samples(columns).step_by(8), normalised);
         let left = sums.residual / sums.count;

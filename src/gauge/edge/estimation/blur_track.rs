@@ -56,6 +56,14 @@ pub(crate) struct BlurTrack {
     sums: [BlurSums; BLOCKS],
 }
 
+/// A side's edges just placed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed<'a> {
+    pub(crate) line: &'a [Edge],
+    /// Their slope, px per column.
+    pub(crate) slope: &'a [f32],
+}
+
 fn basis(block: usize) -> Vector3<f64> {
     let t = middle(block);
     Vector3::new(1.0, t, t * t - 1.0 / 12.0)
@@ -77,8 +85,7 @@ impl BlurTrack {
         &mut self,
         job: &ColumnJob<'_>,
         columns: std::ops::Range<usize>,
-        slope: &[f32],
-        line: &[Edge],
+        Placed { line, slope }: Placed<'_>,
         normalised: &mut [f32],
     ) {
         if !self.follows || columns.is_empty() {

@@ -8,7 +8,7 @@ use wide::f32x4;
 
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
-use super::scoring::{Place, locate, locate_core, locate_four, normalise};
+use super::scoring::{FourWindows, Place, locate, locate_core, locate_four, normalise};
 use super::scoring_table::{CorePhase, Cores, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edges::{Edge, EdgeState};
@@ -100,7 +100,8 @@ fn fit_four<const C: usize>(
     }
     let (skip, width) = (job.table.core().0, job.windows.width);
     let cores = job.windows.pixels.get(first * width..)?;
-    let found = locate_four(cores, (skip, width), dark, contrast, job.table, phases)?;
+    let four_windows = FourWindows { pixels: cores, skip, width, dark, contrast };
+    let found = locate_four(&four_windows, job.table, phases)?;
     let [a, b, c, d] = found.phases;
     let (a, b, c, d) = (&a.scalars, &b.scalars, &c.scalars, &d.scalars);
     // ∂x/∂light = Σ w E/contrast and ∂x/∂dark = (Σ w − Σ w E)/contrast.
@@ -191,7 +192,7 @@ mod tests {
     use rand_pcg::Pcg64;
 
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::FINE;
+    use crate::gauge::edge::estimation::scoring_table::{FINE, Tabulation};
     use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::image::window_layout::{half, window_width};
     use crate::gauge::edge::model::edge_spread::EdgeShape;
@@ -252,7 +253,8 @@ mod tests {
             [(0.6, 5.0), (1.0, 50.0), (1.0, 10.0), (1.6, 20.0), (2.2, 50.0)].into_iter().enumerate()
         {
             let windows = scene(sigma, sd, seed as u64);
-            let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, windows.width, false, FINE);
+            let of = Tabulation { sigma, kappa: 0.0, width: windows.width, free_levels: false, per_px: FINE };
+            let table = Table::new(&EdgeShape::Gaussian, of);
             let noise = Noise::PhotonTransfer {
                 gain_counts_per_electron: 0.0,
                 read_noise_counts: sd,

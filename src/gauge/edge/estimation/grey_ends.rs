@@ -83,7 +83,7 @@ pub(crate) fn find_end(
     collect(windows, level, CLOSELY / windows.flat.max(1), pool);
     let contrast = elsewhere.levels[1] - elsewhere.levels[0];
     let found = judge(pool, elsewhere.step, contrast, |end, least, step| {
-        reference_noise(windows, level, end, elsewhere, (least, step), squares)
+        reference_noise(windows, level, Presumed { end, least, step }, elsewhere, squares)
     });
     found.map(|(end, step)| (level.sign() * end, step))
 }
@@ -164,13 +164,23 @@ fn grid(pool: &mut [f32]) -> f32 {
     if least.is_finite() { least } else { 0.0 }
 }
 
+/// An end of the grey values that is to be confirmed.
+#[derive(Clone, Copy, Debug)]
+struct Presumed {
+    /// The grey value, sign turned in the dark.
+    end: f32,
+    /// Least scatter that counts, counts.
+    least: f64,
+    /// Distance of two grey values, counts.
+    step: f64,
+}
+
 /// Noise that the level should show, counts: the largest of what is seen below the end, on the other level and on the flank.
 fn reference_noise(
     windows: &Windows,
     level: Level,
-    end: f32,
+    Presumed { end, least, step }: Presumed,
     elsewhere: &Elsewhere,
-    (least, step): (f64, f64),
     squares: &mut Vec<f32>,
 ) -> f64 {
     let rounding = step * step / 12.0;

@@ -411,7 +411,7 @@ fn shift(table: &Table, flat: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::FINE;
+    use crate::gauge::edge::estimation::scoring_table::{FINE, Tabulation};
     use crate::gauge::edge::image::window_layout::window_width;
     use crate::gauge::edge::model::edge_spread::EdgeShape;
     use crate::gauge::edge::model::gaussian::EdgeSample;
@@ -422,7 +422,8 @@ mod tests {
         let (shape, gradient) = (EdgeShape::Gaussian, 0.004);
         for (sigma, kappa) in [(0.7, 0.0), (1.0, 1.5), (2.0, 0.8)] {
             let width = window_width(&shape, sigma);
-            let table = Table::new(&shape, sigma, kappa, width, false, FINE);
+            let table =
+                Table::new(&shape, Tabulation { sigma, kappa, width, free_levels: false, per_px: FINE });
             let flat = 4;
             let middle = half(width) as f64;
             let mut samples = vec![EdgeSample::default(); width - 1];

@@ -212,22 +212,33 @@ pub(crate) struct Four<'a, const C: usize> {
     pub(crate) phases: [&'a CorePhase<C>; 4],
 }
 
-/// [`locate_core`] of four neighbouring windows (each `width` long, its core from `skip` on) with the same operations a lane; `None`
-/// unless all of them settle.
+/// Four neighbouring windows, a lane each.
+pub(crate) struct FourWindows<'a> {
+    /// Pixels from the first window on.
+    pub(crate) pixels: &'a [f32],
+    /// Pixels of a window before its core.
+    pub(crate) skip: usize,
+    /// Pixels of a window.
+    pub(crate) width: usize,
+    /// Levels of the shadow, counts.
+    pub(crate) dark: f32x4,
+    /// Light less shadow, counts.
+    pub(crate) contrast: f32x4,
+}
+
+/// [`locate_core`] of four neighbouring windows with the same operations a lane; `None` unless all of them settle.
 #[inline(always)]
 pub(crate) fn locate_four<'a, const C: usize>(
-    windows: &[f32],
-    (skip, width): (usize, usize),
-    dark: f32x4,
-    contrast: f32x4,
+    windows: &FourWindows<'_>,
     table: &Table,
     phases: &'a [CorePhase<C>],
 ) -> Option<Four<'a, C>> {
+    let FourWindows { pixels, skip, width, dark, contrast } = *windows;
     let (dark, scale) = (dark.to_array(), (f32x4::ONE / contrast).to_array());
     let mut cores = [[Lanes::ZERO; C]; 4];
     let mut parts = [f32x4::ZERO; 4];
     for k in 0..4 {
-        let window = windows.get(k * width + skip..)?.as_chunks::<8>().0.first_chunk::<C>()?;
+        let window = pixels.get(k * width + skip..)?.as_chunks::<8>().0.first_chunk::<C>()?;
         (cores[k], parts[k]) = normalise_core(window, dark[k], scale[k]);
     }
     let mut x = f32x4::splat(empty_core::<C>()) - totals(parts) - f32x4::splat(table.centroid);

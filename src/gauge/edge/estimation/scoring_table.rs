@@ -100,6 +100,21 @@ pub(crate) enum Cores {
     Whole,
 }
 
+/// What a table is made for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tabulation {
+    /// Blur, px.
+    pub(crate) sigma: f64,
+    /// Noise slope κ, −2 < κ < 2.
+    pub(crate) kappa: f64,
+    /// Pixels of the window, a multiple of 8.
+    pub(crate) width: usize,
+    /// Whether each column has levels of its own.
+    pub(crate) free_levels: bool,
+    /// Phases per pixel.
+    pub(crate) per_px: u32,
+}
+
 /// Scoring weights for one blur and one noise slope.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
@@ -133,17 +148,10 @@ impl Table {
         }
     }
 
-    /// Tabulates the weights. `free_levels`: each column has levels of its own.
-    pub(crate) fn new(
-        shape: &EdgeShape,
-        sigma: f64,
-        kappa: f64,
-        width: usize,
-        free_levels: bool,
-        per_px: u32,
-    ) -> Self {
+    /// Tabulates the weights.
+    pub(crate) fn new(shape: &EdgeShape, of: Tabulation) -> Self {
         let mut table = Self::empty();
-        table.fill(shape, sigma, kappa, width, free_levels, per_px);
+        table.fill(shape, of);
         table.fill_core();
         // What only the filling needed.
         table.borders = Vec::new();
@@ -179,15 +187,8 @@ impl Table {
     }
 
     /// Fills all but the core, which only the placing of edges needs.
-    pub(crate) fn fill(
-        &mut self,
-        shape: &EdgeShape,
-        sigma: f64,
-        kappa: f64,
-        width: usize,
-        free_levels: bool,
-        per_px: u32,
-    ) {
+    pub(crate) fn fill(&mut self, shape: &EdgeShape, of: Tabulation) {
+        let Tabulation { sigma, kappa, width, free_levels, per_px } = of;
         let steps = (PHASE_REACH * per_px as f32) as usize;
         let count = 2 * steps + 1;
         (self.sigma, self.kappa, self.width, self.per_px) = (sigma, kappa, width, per_px as f32);
@@ -215,7 +216,7 @@ impl Table {
                 *sample = EdgeSample::between(&borders[left], &borders[left + pixel]);
             }
             let rows = &mut self.arrays[index * ARRAYS * width..(index + 1) * ARRAYS * width];
-            let (scalars, blur) = fill_phase(samples, phase, kappa, reach, free_levels, rows, width);
+            let (scalars, blur) = fill_phase(samples, phase, reach, of, rows);
             self.scalars.push(scalars);
             self.blur.push(blur);
         }
@@ -293,12 +294,11 @@ impl Table {
 fn fill_phase(
     samples: &[EdgeSample],
     phase: f64,
-    kappa: f64,
     reach: f64,
-    free_levels: bool,
+    of: Tabulation,
     rows: &mut [f32],
-    width: usize,
 ) -> (PhaseScalars, BlurScalars) {
+    let Tabulation { kappa, width, free_levels, .. } = of;
     let centre = half(width) as f64;
     let inverse_variance = |k: usize| {
         let inside = (k as f64 - centre - phase).abs() <= reach;
@@ -359,14 +359,9 @@ mod tests {
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
-            let table = Table::new(
-                &EdgeShape::Gaussian,
-                0.8,
-                1.2,
-                window_width(&EdgeShape::Gaussian, 0.8),
-                free,
-                FINE,
-            );
+            let width = window_width(&EdgeShape::Gaussian, 0.8);
+            let of = Tabulation { sigma: 0.8, kappa: 1.2, width, free_levels: free, per_px: FINE };
+            let table = Table::new(&EdgeShape::Gaussian, of);
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
                 EdgeShape::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
@@ -386,7 +381,8 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, 32, false, FINE);
+        let of = Tabulation { sigma, kappa: 0.0, width: 32, free_levels: false, per_px: FINE };
+        let table = Table::new(&EdgeShape::Gaussian, of);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");

@@ -11,7 +11,7 @@
 use super::levels::LevelCurve;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::half;
-use crate::gauge::edge::model::edge_spread::StepTable;
+use crate::gauge::edge::model::edge_spread::{Knot, StepTable};
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::Edge;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
@@ -113,7 +113,7 @@ fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach
 fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> StepTable {
     let far = reach.ceil() + 4.0;
     let count = (2.0 * far * TABLE_PER_PX) as usize;
-    let (mut integral, mut value) = (Vec::with_capacity(count + 1), Vec::with_capacity(count + 1));
+    let mut knots = Vec::with_capacity(count + 1);
     for k in 0..=count {
         let v = -far + k as f64 / TABLE_PER_PX;
         let (mut i, mut f) = (v * phi_cdf(v / sigma) + sigma * phi_pdf(v / sigma), phi_cdf(v / sigma));
@@ -123,13 +123,12 @@ fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> StepTable {
             (i, f) = (i + s, f + slope);
             at -= 1.0;
         }
-        integral.push(i);
-        value.push(f);
+        knots.push(Knot { integral: i, value: f });
     }
     let area: f64 = deviation.coefficients.iter().sum::<f64>() * deviation.step;
     let far_from_ends = (0..deviation.coefficients.len())
         .map(|k| -reach + k as f64 * deviation.step)
         .filter(|u| deviation.at(*u).0.abs() > 2e-3)
         .fold(0.0, |far: f64, u| far.max(u.abs()));
-    StepTable::learnt(far, integral, value, sigma, -area, far_from_ends)
+    StepTable::learnt(far, knots, sigma, -area, far_from_ends)
 }

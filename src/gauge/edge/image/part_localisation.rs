@@ -183,6 +183,35 @@ impl Coarse {
         }
     }
 
+    /// Whole-pixel edges of one column.
+    fn refine<T: Sample>(
+        &self,
+        plane: &Plane<'_, T>,
+        level: &impl Fn(usize) -> f32,
+        column: usize,
+        min_diameter_px: f64,
+    ) -> (CoarseEdge, CoarseEdge) {
+        let cell = column / self.thinned.column_step;
+        let nearest =
+            if column % self.thinned.column_step > self.thinned.column_step / 2 { cell + 1 } else { cell };
+        let span = self.spans.get(nearest).copied().flatten().map(|span| (span, nearest));
+        let Some(((first, last), cell)) = span.or_else(|| self.spans[cell].map(|span| (span, cell))) else {
+            return (Err(Reason::NoEdge), Err(Reason::NoEdge));
+        };
+        let threshold = level(cell);
+        let (first, last) =
+            (first * self.thinned.row_step, (last * self.thinned.row_step).min(plane.rows - 1));
+        let reach = 4 * self.thinned.row_step.max(self.thinned.column_step) + 8;
+        let top = walk_out(plane, column, &Walk { start: first, down: false, threshold, reach });
+        let bottom = walk_out(plane, column, &Walk { start: last, down: true, threshold, reach });
+        match (top, bottom) {
+            (Ok(t), Ok(b)) if f64::from(width(t, b)) < NECK * min_diameter_px => {
+                (Err(Reason::NoEdge), Err(Reason::NoEdge))
+            }
+            pair => pair,
+        }
+    }
+
     /// Whole-pixel edges of every column along the spans, a pixel being shadow below `level` of its cell's column.
     fn refine_all<T: Sample>(
         &mut self,
@@ -191,7 +220,7 @@ impl Coarse {
         level: impl Fn(usize) -> f32,
     ) {
         for column in 0..plane.columns {
-            let (top, bottom) = refine(plane, &self.thinned, &self.spans, &level, column, min_diameter_px);
+            let (top, bottom) = self.refine(plane, &level, column, min_diameter_px);
             self.top.push(top);
             self.bottom.push(bottom);
         }
@@ -348,42 +377,21 @@ fn width(top: i32, bottom: i32) -> i32 {
     bottom - top + 2
 }
 
-fn refine<T: Sample>(
-    plane: &Plane<'_, T>,
-    thinned: &Thinned,
-    spans: &[Span],
-    level: &impl Fn(usize) -> f32,
-    column: usize,
-    min_diameter_px: f64,
-) -> (CoarseEdge, CoarseEdge) {
-    let cell = column / thinned.column_step;
-    let nearest = if column % thinned.column_step > thinned.column_step / 2 { cell + 1 } else { cell };
-    let span = spans.get(nearest).copied().flatten().map(|span| (span, nearest));
-    let Some(((first, last), cell)) = span.or_else(|| spans[cell].map(|span| (span, cell))) else {
-        return (Err(Reason::NoEdge), Err(Reason::NoEdge));
-    };
-    let threshold = level(cell);
-    let (first, last) = (first * thinned.row_step, (last * thinned.row_step).min(plane.rows - 1));
-    let reach = 4 * thinned.row_step.max(thinned.column_step) + 8;
-    let top = walk_out(plane, column, first, false, threshold, reach);
-    let bottom = walk_out(plane, column, last, true, threshold, reach);
-    match (top, bottom) {
-        (Ok(t), Ok(b)) if f64::from(width(t, b)) < NECK * min_diameter_px => {
-            (Err(Reason::NoEdge), Err(Reason::NoEdge))
-        }
-        pair => pair,
-    }
+/// A way out of the shadow along a column.
+struct Walk {
+    /// A row in the shadow, or near its border.
+    start: usize,
+    /// Towards higher rows.
+    down: bool,
+    /// Grey value below which a pixel is shadow.
+    threshold: f32,
+    /// Rows within which the border is expected.
+    reach: usize,
 }
 
 /// From a shadow pixel (or one near the border of the shadow) outwards to the last shadow pixel.
-fn walk_out<T: Sample>(
-    plane: &Plane<'_, T>,
-    column: usize,
-    start: usize,
-    down: bool,
-    threshold: f32,
-    reach: usize,
-) -> CoarseEdge {
+fn walk_out<T: Sample>(plane: &Plane<'_, T>, column: usize, walk: &Walk) -> CoarseEdge {
+    let Walk { start, down, threshold, reach } = *walk;
     let outward: i32 = if down { 1 } else { -1 };
     let inside = |row: i32| row >= 0 && (row as usize) < plane.rows;
     let dark = |row: i32| inside(row) && plane.at(row as usize, column) < threshold;

@@ -37,8 +37,7 @@ const GAUSSIAN_REACH: f64 = 3.6;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StepTable {
     reach: f64,
-    integral: Vec<f64>,
-    value: Vec<f64>,
+    knots: Vec<Knot>,
     /// σ₀, px.
     sigma: f64,
     /// Mean of the line-spread function, px.
@@ -49,6 +48,15 @@ pub(crate) struct StepTable {
     ringed: bool,
 }
 
+/// An edge-spread function at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Knot {
+    /// I, px.
+    pub(crate) integral: f64,
+    /// F.
+    pub(crate) value: f64,
+}
+
 impl StepTable {
     /// Tabulates a function that is 0 before −`reach` px and 1 after `reach` px.
     pub(crate) fn new(reach: f64, f: impl Fn(f64) -> f64) -> Self {
@@ -56,59 +64,54 @@ impl StepTable {
         let step = 2.0 * reach / count as f64;
         let at = |k: f64| f(-reach + k * step);
         let value: Vec<f64> = (0..=count).map(|k| at(k as f64)).collect();
-        let mut integral = vec![0.0; count + 1];
+        let mut knots = vec![Knot { integral: 0.0, value: value[0] }; count + 1];
         for k in 0..count {
             let middle = at(k as f64 + 0.5);
-            integral[k + 1] = integral[k] + step / 6.0 * (value[k] + 4.0 * middle + value[k + 1]);
+            let integral = knots[k].integral + step / 6.0 * (value[k] + 4.0 * middle + value[k + 1]);
+            knots[k + 1] = Knot { integral, value: value[k + 1] };
         }
-        Self::from_knots(reach, integral, value)
+        Self::from_knots(reach, knots)
     }
 
     /// From values and integrals at equidistant knots over ±`reach` px.
-    pub(crate) fn from_knots(reach: f64, integral: Vec<f64>, value: Vec<f64>) -> Self {
-        let count = value.len() - 1;
+    pub(crate) fn from_knots(reach: f64, knots: Vec<Knot>) -> Self {
+        let count = knots.len() - 1;
         let step = 2.0 * reach / count as f64;
-        let steepest = value.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) / step;
-        let ringed = value.iter().any(|v| *v > RINGED);
+        let steepest = knots.windows(2).map(|w| w[1].value - w[0].value).fold(0.0, f64::max) / step;
+        let ringed = knots.iter().any(|k| k.value > RINGED);
         let sigma = 1.0 / (steepest * (2.0 * std::f64::consts::PI).sqrt()).clamp(1e-2, 8.0);
-        let centroid = reach - integral[count];
+        let centroid = reach - knots[count].integral;
         let away = |k: usize| (-reach + k as f64 * step).abs();
         let far = |k: &usize| {
             let end = if 2 * k < count { 0.0 } else { 1.0 };
-            (value[*k] - end).abs() > TAIL
+            (knots[*k].value - end).abs() > TAIL
         };
         let tail = (0..=count).filter(far).map(away).fold(0.0, f64::max) / sigma;
-        Self { reach, integral, value, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
+        Self { reach, knots, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
     }
 
     /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up to `far_px`.
-    pub(crate) fn learnt(
-        reach: f64,
-        integral: Vec<f64>,
-        value: Vec<f64>,
-        sigma: f64,
-        centroid: f64,
-        far_px: f64,
-    ) -> Self {
+    pub(crate) fn learnt(reach: f64, knots: Vec<Knot>, sigma: f64, centroid: f64, far_px: f64) -> Self {
         let tail = (far_px / sigma).clamp(GAUSSIAN_REACH, FARTHEST);
-        Self { reach, integral, value, sigma, centroid, tail, ringed: false }
+        Self { reach, knots, sigma, centroid, tail, ringed: false }
     }
 
     /// I and F at `t` px.
     fn at(&self, t: f64) -> (f64, f64) {
-        let count = self.value.len() - 1;
+        let count = self.knots.len() - 1;
         if t <= -self.reach {
             return (0.0, 0.0);
         }
         if t >= self.reach {
-            return (self.integral[count] + t - self.reach, 1.0);
+            return (self.knots[count].integral + t - self.reach, 1.0);
         }
         let step = 2.0 * self.reach / count as f64;
         let place = (t + self.reach) / step;
         let k = (place as usize).min(count - 1);
         let s = place - k as f64;
-        let (a, b) = (self.integral[k], self.integral[k + 1]);
-        let (da, db) = (step * self.value[k], step * self.value[k + 1]);
+        let (left, right) = (self.knots[k], self.knots[k + 1]);
+        let (a, b) = (left.integral, right.integral);
+        let (da, db) = (step * left.value, step * right.value);
         let (c2, c3) = (3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db);
         (a + s * (da + s * (c2 + s * c3)), (da + s * (2.0 * c2 + 3.0 * s * c3)) / step)
     }

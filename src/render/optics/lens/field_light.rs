@@ -83,8 +83,8 @@ impl FieldLight {
         )
     }
 
-    /// Factors of one row of a sensor, for the renderer: `out[i]` belongs to column `column0 + i`.
-    pub fn row(&self, row: usize, column0: usize, rows: usize, columns: usize, out: &mut [f32]) {
+    /// Factors of one row of a sensor of `[rows, columns]`: `out[i]` belongs to column `column0 + i`.
+    pub fn row(&self, row: usize, column0: usize, [rows, columns]: [usize; 2], out: &mut [f32]) {
         for (i, f) in out.iter_mut().enumerate() {
             *f = self.at_px(row as f64, (column0 + i) as f64, rows, columns) as f32;
         }

@@ -98,7 +98,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// Edge and shape terms in the pixels of a window of `width`, the edge at `x` from its central pixel.
-    fn samples(&self, width: usize, x: f64, sigma: f64, edge: &mut [EdgeSample], terms: &mut [[f64; TERMS]]) {
+    fn samples(&self, width: usize, x: f64, sigma: f64, out: &mut [Sample]) {
         let table = NormalTable::get();
         let first = -(half(width) as f64);
         let border = |k: usize| {
@@ -107,7 +107,7 @@ impl<'a> Likelihood<'a> {
             (self.shape.border(u, sigma, normal), term_border(u, sigma, normal[1]))
         };
         let mut left = border(0);
-        for (k, (terms, edge)) in terms.iter_mut().zip(edge.iter_mut()).enumerate() {
+        for (k, Sample { edge, terms }) in out.iter_mut().enumerate() {
             let right = border(k + 1);
             *edge = EdgeSample::between(&left.0, &right.0);
             let plain = [right.1[0] - left.1[0], right.1[1] - left.1[1]];
@@ -122,11 +122,11 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::default();
         let used = (width - 1).min(MOST);
         let mut samples = Vec::with_capacity(PHASES as usize * used);
-        let (mut edge, mut terms) = ([EdgeSample::default(); MOST], [[0.0; TERMS]; MOST]);
+        let mut of_window = [Sample::default(); MOST];
         for phase in 0..PHASES {
             let x = (f64::from(phase) + 0.5) / f64::from(PHASES) - 0.5;
-            self.samples(width, x, column.sigma, &mut edge[..used], &mut terms[..used]);
-            samples.extend(edge[..used].iter().zip(&terms[..used]).map(|(edge, terms)| {
+            self.samples(width, x, column.sigma, &mut of_window[..used]);
+            samples.extend(of_window[..used].iter().map(|Sample { edge, terms }| {
                 let mean = column.dark + (column.light - column.dark) * edge.value;
                 let weight = (self.noise.at(mean) + self.noise.misfit).recip();
                 ([edge.by_position, edge.by_sigma], *terms, weight)
@@ -135,23 +135,21 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::separate(samples.into_iter());
     }
 
-    /// What the pixels of a column's window state with its edge at `x` px from the central pixel, those left out not; their number, and that of hot ones.
+    /// What the pixels of a column's window state, those left out not; their number, and that of hot ones.
     fn pixels(
         &self,
-        window: &[f32],
-        x: f64,
-        column: Column,
+        Placed { window, x, column }: Placed<'_>,
         Taken { strict, flank }: Taken,
         mut each: impl FnMut(&Pixel),
     ) -> [usize; 2] {
         let used = (window.len() - 1).min(MOST);
-        let (mut edge, mut terms) = ([EdgeSample::default(); MOST], [[0.0; TERMS]; MOST]);
-        self.samples(window.len(), x, column.sigma, &mut edge[..used], &mut terms[..used]);
+        let mut samples = [Sample::default(); MOST];
+        self.samples(window.len(), x, column.sigma, &mut samples[..used]);
         let contrast = column.light - column.dark;
         let (mut stray, mut hot) = (0, 0);
         let least = if flank { FLAT } else { 0.0 };
-        let all = edge[..used].iter().zip(&terms[..used]).zip(window);
-        for ((edge, terms), m) in all.filter(|((edge, _), _)| edge.by_position.abs() >= least) {
+        let all = samples[..used].iter().zip(window);
+        for (Sample { edge, terms }, m) in all.filter(|(s, _)| s.edge.by_position.abs() >= least) {
             let value = edge.value + self.terms[0] * terms[0] + self.terms[1] * terms[1];
             let mean = column.dark + contrast * value;
             let noise = self.noise.at(mean);
@@ -186,7 +184,7 @@ impl<'a> Likelihood<'a> {
         let contrast = column.light - column.dark;
         let mut taken = 0.0;
         let mut score = Score::default();
-        [score.stray, score.hot] = self.pixels(window, x, column, self.all(), |pixel| {
+        [score.stray, score.hot] = self.pixels(Placed { window, x, column }, self.all(), |pixel| {
             let Pixel { edge, terms, value, s, sampled, weight, .. } = pixel;
             let by = Gradient::new(
                 contrast * edge.by_position,
@@ -228,7 +226,7 @@ impl<'a> Likelihood<'a> {
     /// Logarithm of the likelihood of a column's window.
     pub(crate) fn log_likelihood(&self, window: &[f32], x: f64, column: Column) -> f64 {
         let mut sum = 0.0;
-        self.pixels(window, x, column, self.all(), |pixel| {
+        self.pixels(Placed { window, x, column }, self.all(), |pixel| {
             sum += Censored::log_likelihood(pixel.m, pixel.mean, pixel.s, self.ends);
         });
         sum
@@ -238,7 +236,7 @@ impl<'a> Likelihood<'a> {
     fn step(&self, window: &[f32], x: f64, column: Column, strict: bool) -> f64 {
         let contrast = column.light - column.dark;
         let (mut gradient, mut information) = (0.0, 0.0);
-        self.pixels(window, x, column, Taken { strict, flank: true }, |pixel| {
+        self.pixels(Placed { window, x, column }, Taken { strict, flank: true }, |pixel| {
             let by = contrast * pixel.edge.by_position / pixel.s;
             gradient += by * pixel.sampled.residual * pixel.weight;
             information += by * by * pixel.sampled.information * pixel.weight;
@@ -267,6 +265,21 @@ impl<'a> Likelihood<'a> {
         }
         None
     }
+}
+
+/// A column's window with its edge at `x` px from the central pixel.
+#[derive(Clone, Copy)]
+struct Placed<'a> {
+    window: &'a [f32],
+    x: f64,
+    column: Column,
+}
+
+/// The light that an edge puts into one pixel, and the shape terms in it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    edge: EdgeSample,
+    terms: [f64; TERMS],
 }
 
 /// Which pixels of a window are taken.
