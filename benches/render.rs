@@ -52,7 +52,7 @@ fn frames(c: &mut Criterion) -> Result<(), RenderError> {
     ];
     for (name, scene, request) in &cases {
         c.bench_function(&format!("job, {name}"), |b| {
-            b.iter(|| black_box(scene.job(request).map(|j| j.params.rows)));
+            b.iter(|| black_box(scene.job(request).map(|j| j.params.size.rows)));
         });
         let job = scene.job(request)?;
         let mut spare: Option<Buffer> = None;

@@ -13,7 +13,7 @@ use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
-use crate::gauge::calibration::Date;
+use crate::gauge::calibration::{BenchCalibration, Date};
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
@@ -123,39 +123,42 @@ fn check(calibration: &Calibration) -> bool {
     calibration.bench.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
 
+/// What `--json` prints.
+fn summary(calibrated: &Calibrated, bench: &BenchCalibration) -> serde_json::Value {
+    let calibration = &calibrated.calibration;
+    let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
+    json!({
+        // Without a check pin nothing but the masters speaks for the calibration.
+        "accepted": bench.check.map(|c| c.accepted),
+        "optics_id": calibration.optics_id,
+        "scale_mm_per_px": calibration.scale_mm_per_px,
+        "offset_mm": calibration.offset_mm,
+        "lens": bench.lens,
+        "birge_ratio": bench.birge_ratio,
+        "rms_residual_um": residual_um,
+        "check": bench.check,
+        "edge_model": calibration.edge_model,
+        "unlearnt_frames": calibrated.unlearnt_frames,
+        "misfit_chi2": calibration.misfit().map(|m| m.chi2),
+        "expires": bench.validity.expires(),
+        "sensor": bench.sensor.as_ref().map(|s| json!({
+            "gain_counts_per_electron": s.gain_counts_per_electron,
+            "read_noise_electrons": s.read_noise_electrons,
+            "prnu": s.prnu,
+            "black_counts": s.black_counts,
+        })),
+        "defective_pixels": bench.flat_field.as_ref().map(|f| f.defects.len()),
+        // For one version also under the name of the list in the calibration file.
+        "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
+        "response": bench.flat_field.as_ref().and_then(|f| f.response),
+    })
+}
+
 fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     let calibration = &calibrated.calibration;
     let Some(bench) = &calibration.bench else { return };
     if args.json {
-        let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
-        say_line!(
-            "{}",
-            json!({
-                // Without a check pin nothing but the masters speaks for the calibration.
-                "accepted": bench.check.map(|c| c.accepted),
-                "optics_id": calibration.optics_id,
-                "scale_mm_per_px": calibration.scale_mm_per_px,
-                "offset_mm": calibration.offset_mm,
-                "lens": bench.lens,
-                "birge_ratio": bench.birge_ratio,
-                "rms_residual_um": residual_um,
-                "check": bench.check,
-                "edge_model": calibration.edge_model,
-                "unlearnt_frames": calibrated.unlearnt_frames,
-                "misfit_chi2": calibration.misfit().map(|m| m.chi2),
-                "expires": bench.validity.expires(),
-                "sensor": bench.sensor.as_ref().map(|s| json!({
-                    "gain_counts_per_electron": s.gain_counts_per_electron,
-                    "read_noise_electrons": s.read_noise_electrons,
-                    "prnu": s.prnu,
-                    "black_counts": s.black_counts,
-                })),
-                "defective_pixels": bench.flat_field.as_ref().map(|f| f.defects.len()),
-                // For one version also under the name of the list in the calibration file.
-                "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
-                "response": bench.flat_field.as_ref().and_then(|f| f.response),
-            })
-        );
+        say_line!("{}", summary(calibrated, bench));
         return;
     }
     say_line!("{:<42} {:>14} {:>12}", calibration.optics_id, "value", "u");
@@ -172,6 +175,15 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
         );
     }
     say_line!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
+    say_sensor(bench);
+    say_check(bench);
+    if let Some(budget) = &calibrated.example {
+        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(None));
+    }
+}
+
+/// What photon transfer and flat field state of the sensor.
+fn say_sensor(bench: &BenchCalibration) {
     if let Some(sensor) = &bench.sensor {
         say_line!(
             "sensor: {:.4} electrons a count, read noise {:.2} e, PRNU {:.3} %",
@@ -196,6 +208,10 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * response.residual
         );
     }
+}
+
+/// Whether the check pin agrees.
+fn say_check(bench: &BenchCalibration) {
     if bench.check.is_none() {
         say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
     }
@@ -208,9 +224,6 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             check.e_n,
             if check.accepted { "accepted" } else { "REFUSED" }
         );
-    }
-    if let Some(budget) = &calibrated.example {
-        say!("\nbudget of a part like the master of {:.3} mm\n{}", budget.diameter_mm, budget.to_table(None));
     }
 }
 

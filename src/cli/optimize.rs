@@ -133,13 +133,8 @@ struct FrontRow {
     depth_mm: f64,
 }
 
-fn write(
-    folder: &StudyFolder,
-    config: &OptimizeConfig,
-    problem: &Problem,
-    study: &Study,
-) -> Result<(), Failure> {
-    let rows: Vec<FrontRow> = study
+fn front_rows(study: &Study) -> Vec<FrontRow> {
+    study
         .front
         .iter()
         .map(|s| FrontRow {
@@ -149,9 +144,11 @@ fn write(
             feed_mm_per_rev: s.point.feed_mm_per_rev,
             depth_mm: s.point.depth_mm,
         })
-        .collect();
-    let svg = front_chart(problem, study).to_svg().map_err(Failure::fail)?;
-    let mut page = Page::new(format!("Cutting data: {}", config.name));
+        .collect()
+}
+
+/// What was found, in words.
+fn verdict(page: &mut Page, study: &Study) {
     match (&study.conflict, &study.optimum) {
         (Some(conflict), _) => {
             page.text(&format!("Infeasible: {}.", conflict.explanation));
@@ -168,6 +165,18 @@ fn write(
     study.notes.iter().for_each(|note| {
         page.text(note);
     });
+}
+
+fn write(
+    folder: &StudyFolder,
+    config: &OptimizeConfig,
+    problem: &Problem,
+    study: &Study,
+) -> Result<(), Failure> {
+    let rows = front_rows(study);
+    let svg = front_chart(problem, study).to_svg().map_err(Failure::fail)?;
+    let mut page = Page::new(format!("Cutting data: {}", config.name));
+    verdict(&mut page, study);
     page.table(
         &[
             "point",

@@ -449,6 +449,10 @@ mod tests {
             assert!(matches!(error, ToleranceError::Wrong { .. }) && told.contains(reason), "{text}: {told}");
             assert!(told.contains("25 h6"), "{told}");
         }
+    }
+
+    #[test]
+    fn what_this_gauge_does_not_judge_is_refused_with_the_reason() {
         for (text, reason) in [
             ("25 H7", "class of a hole"),
             ("25 JS6", "class of a hole"),

@@ -347,12 +347,15 @@ mod tests {
         }
     }
 
+    /// Geometric mean of a step's ends; the first begins at 3 mm.
+    fn mean(ends: &[f64], i: usize) -> f64 {
+        if i == 0 { 3.0_f64.sqrt() } else { (ends[i - 1] * ends[i]).sqrt() }
+    }
+
     /// The standard's own derivation: IT6 to IT18 are 10, 16, 25, 40, 64, 100 … times i = 0.45·∛D + 0.001·D, fundamental deviations
     /// geometric means and powers of D; its rounding moves them by a tenth at most (a twentieth above 50 µm).
     #[test]
-    fn tables_follow_the_formulae_of_the_standard() {
-        let mean =
-            |ends: &[f64], i: usize| if i == 0 { 3.0_f64.sqrt() } else { (ends[i - 1] * ends[i]).sqrt() };
+    fn tolerance_grades_follow_the_formula_of_the_standard() {
         for (row, it) in IT_UM.iter().enumerate() {
             let d = mean(&MAIN_STEPS_MM, row);
             let unit = 0.45 * d.cbrt() + 0.001 * d;
@@ -369,6 +372,11 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Fundamental deviations, likewise.
+    #[test]
+    fn deviations_follow_the_formulae_of_the_standard() {
         let near = |letters: &str, of: &dyn Fn(f64, usize) -> f64, least_step: usize| {
             for (step, end_mm) in STEPS_MM.iter().enumerate().skip(least_step) {
                 let main = MAIN_STEPS_MM.iter().position(|end| end_mm <= end).unwrap();
@@ -406,6 +414,10 @@ mod tests {
         near("za", &|d, m| it(8, m) + 3.15 * d, 3);
         near("zb", &|d, m| it(9, m) + 4.0 * d, 2);
         near("zc", &|d, m| it(10, m) + 5.0 * d, 2);
+    }
+
+    #[test]
+    fn deviations_between_two_letters_are_their_geometric_mean() {
         let between = |letters: &str, below: &str, above: &str| {
             for (step, end_mm) in STEPS_MM.iter().enumerate().take(9) {
                 let main = MAIN_STEPS_MM.iter().position(|end| end_mm <= end).unwrap();

@@ -185,6 +185,16 @@ pub enum Blur {
     },
 }
 
+impl Blur {
+    /// The blur where it is given, px.
+    pub fn given_px(&self) -> Option<f64> {
+        match self {
+            Self::Given { sigma_px } => Some(*sigma_px),
+            Self::Estimated {} => None,
+        }
+    }
+}
+
 impl Default for Blur {
     fn default() -> Self {
         Self::Estimated {}

@@ -200,7 +200,7 @@ impl Renderer {
     ) -> Result<(Frame, Option<Vec<u8>>), RenderError> {
         let mut job = scene.job_with(request, with_mask)?;
         let buffer = self.draw(&job, reuse.map(Frame::into_buffer))?;
-        let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
+        let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
         let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request))
             .map_err(|e| RenderError::Device { what: e.to_string() })?;
         let contamination = job.contamination.take();
@@ -242,7 +242,7 @@ impl Renderer {
 
 /// A buffer of the job's format and size, the old allocation where it fits.
 fn fitting(job: &Job<'_>, reuse: Option<Buffer>) -> Buffer {
-    let count = job.params.rows as usize * job.params.columns as usize;
+    let count = job.params.size.rows as usize * job.params.size.columns as usize;
     match (job.format, reuse) {
         (PixelFormat::Mono8, Some(Buffer::U8(mut p))) => {
             p.resize(count, 0);
@@ -264,8 +264,8 @@ fn fitting(job: &Job<'_>, reuse: Option<Buffer>) -> Buffer {
 
 /// Copies packed rows into a frame's buffer, leaving out what fills up the last word of a row.
 fn unpack(job: &Job<'_>, words: &[u32], buffer: &mut Buffer) {
-    let columns = job.params.columns as usize;
-    let words_a_row = job.params.words as usize;
+    let columns = job.params.size.columns as usize;
+    let words_a_row = job.params.size.words as usize;
     match buffer {
         Buffer::U8(p) => unpack_rows(bytemuck::cast_slice(words), 4 * words_a_row, columns, p),
         Buffer::U16(p) => unpack_rows(bytemuck::cast_slice(words), 2 * words_a_row, columns, p),

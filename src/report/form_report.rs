@@ -9,6 +9,46 @@ use super::plot::{Chart, Mark, Series};
 use crate::gauge::diameter::sections::PartForm;
 use crate::run_folder::{FormRow, PartFormRow};
 
+/// A row a pass: the worst section and the axis.
+fn pass_table(rows: &[FormRow], parts: &[PartFormRow]) -> Vec<Vec<String>> {
+    let um = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{:.3}", 1e3 * v));
+    parts
+        .iter()
+        .map(|p| {
+            let worst = rows.iter().filter(|r| r.pass == p.pass).map(|r| r.mzci_mm).fold(0.0, f64::max);
+            vec![
+                p.pass.to_string(),
+                p.sections.to_string(),
+                um(Some(worst)),
+                um(p.total_run_out_mm),
+                um(p.cylindricity_mm),
+                um(p.axis_straightness_mm),
+                um(p.generatrix_straightness_mm),
+                um(p.taper.map(|t| 100.0 * t)),
+            ]
+        })
+        .collect()
+}
+
+/// Sizes of a pass along z about the least-squares size.
+fn sizes_chart(rows: &[FormRow], pass: u32) -> Chart {
+    let of_pass = |f: &dyn Fn(&FormRow) -> f64| -> Vec<(f64, f64)> {
+        rows.iter().filter(|r| r.pass == pass).map(|r| (r.z_mm, f(r))).collect()
+    };
+    let base = |r: &FormRow| r.gg_mm;
+    Chart {
+        x_label: "z from the chuck / mm".into(),
+        y_label: "size − GG / µm".into(),
+        series: vec![
+            Series::new("GN, circumscribed", Mark::Line, 1, of_pass(&|r| 1e3 * (r.gn_mm - base(r)))),
+            Series::new("greatest caliper", Mark::Faint, 1, of_pass(&|r| 1e3 * (r.max_caliper_mm - base(r)))),
+            Series::new("least caliper", Mark::Faint, 0, of_pass(&|r| 1e3 * (r.min_caliper_mm - base(r)))),
+            Series::new("GX, inscribed", Mark::Line, 0, of_pass(&|r| 1e3 * (r.gx_mm - base(r)))),
+        ],
+        ..Chart::default()
+    }
+}
+
 /// Adds the section.
 ///
 /// # Errors
@@ -24,23 +64,6 @@ pub fn form_section(
         "Sizes and roundness of the sections' convex hulls, which is what silhouettes show (ISO 14405 sizes of the hull; \
          Gaussian filter 50 upr as far as the angles reach). Angles over half a turn take the spindle as still: odd lobes are form + spindle.",
     );
-    let um = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{:.3}", 1e3 * v));
-    let table: Vec<Vec<String>> = parts
-        .iter()
-        .map(|p| {
-            let worst = rows.iter().filter(|r| r.pass == p.pass).map(|r| r.mzci_mm).fold(0.0, f64::max);
-            vec![
-                p.pass.to_string(),
-                p.sections.to_string(),
-                um(Some(worst)),
-                um(p.total_run_out_mm),
-                um(p.cylindricity_mm),
-                um(p.axis_straightness_mm),
-                um(p.generatrix_straightness_mm),
-                um(p.taper.map(|t| 100.0 * t)),
-            ]
-        })
-        .collect();
     let header = [
         "pass",
         "sections",
@@ -51,22 +74,8 @@ pub fn form_section(
         "of flanks / µm",
         "taper / (µm/100 mm)",
     ];
-    page.table(&header, &table);
-    let of_pass = |f: &dyn Fn(&FormRow) -> f64| -> Vec<(f64, f64)> {
-        rows.iter().filter(|r| r.pass == pass).map(|r| (r.z_mm, f(r))).collect()
-    };
-    let base = |r: &FormRow| r.gg_mm;
-    let chart = Chart {
-        x_label: "z from the chuck / mm".into(),
-        y_label: "size − GG / µm".into(),
-        series: vec![
-            Series::new("GN, circumscribed", Mark::Line, 1, of_pass(&|r| 1e3 * (r.gn_mm - base(r)))),
-            Series::new("greatest caliper", Mark::Faint, 1, of_pass(&|r| 1e3 * (r.max_caliper_mm - base(r)))),
-            Series::new("least caliper", Mark::Faint, 0, of_pass(&|r| 1e3 * (r.min_caliper_mm - base(r)))),
-            Series::new("GX, inscribed", Mark::Line, 0, of_pass(&|r| 1e3 * (r.gx_mm - base(r)))),
-        ],
-        ..Chart::default()
-    };
+    page.table(&header, &pass_table(rows, parts));
+    let chart = sizes_chart(rows, pass);
     let svg = chart.to_svg().map_err(ReportError::Draw)?;
     page.figure(&svg, &format!("Sizes of the sections after pass {pass} about their least-squares size GG."));
     let Some(section) = last.and_then(|f| f.sections.get(f.sections.len() / 2)) else { return Ok(()) };

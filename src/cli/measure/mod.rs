@@ -31,9 +31,7 @@ use self::crests::CrestStream;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
 use self::judge::{Follower, JudgeArgs, stated_budget};
-use self::statistics::statistics_line;
-use self::table::print_table;
-use self::turn::turn_table;
+use self::table::{print_budgets, print_series, print_table};
 use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
@@ -294,16 +292,14 @@ fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>)
     })
 }
 
-fn measure_all(
+/// Measures every frame of the source; gives the frames too where they are to be timed.
+fn measure_each(
     args: &MeasureArgs,
     gauge: &Gauge,
     calibration: Option<&Calibration>,
-    conditions: Conditions,
-    paths: Vec<PathBuf>,
-) -> CommandResult {
-    let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
-    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
-    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
+    conditions: &Conditions,
+    source: &mut Frames<'_>,
+) -> (Vec<Measured>, Vec<Frame>) {
     let mut stream = (gauge.stream(), CrestStream::new(gauge.settings()));
     let (mut results, mut frames) = (Vec::new(), Vec::new());
     while let Some((stem, read)) = source.next_frame() {
@@ -314,7 +310,7 @@ fn measure_all(
                 let meta = frame.meta.clone();
                 let measured = measure_one(args, &mut stream, stem, meta, &view(args, &frame));
                 let accepted = args.judge.accepts_blur();
-                results.push(if accepted { measured } else { sharp(measured, calibration, &conditions) });
+                results.push(if accepted { measured } else { sharp(measured, calibration, conditions) });
                 if args.bench.is_some() {
                     frames.push(frame);
                 }
@@ -331,6 +327,41 @@ fn measure_all(
             }
         }
     }
+    (results, frames)
+}
+
+/// Adds to a frame's row what the choice of the shadow and the series before it give.
+fn add_follower(args: &MeasureArgs, measured: &Measured, follower: &mut Option<Follower<'_>>, row: &mut Value) {
+    let edges = measured.result.as_ref().ok();
+    let Some(row) = row.as_object_mut() else { return };
+    if let Some(edges) = edges {
+        args.choice.report(&measured.stem, edges, row);
+        if let Some(pitch_px) = measured.pitch_px {
+            crests::report(&measured.stem, pitch_px, row);
+        }
+    }
+    if let Some(follower) = follower {
+        follower.add(&measured.meta, edges, row);
+        if edges.is_some_and(|edges| args.choice.is_ambiguous(edges)) {
+            follower.not_proven(row);
+            if row.contains_key("judged") {
+                row.insert("judged".to_owned(), json!({ "what": "frame", "flag": "several_shadows" }));
+            }
+        }
+    }
+}
+
+fn measure_all(
+    args: &MeasureArgs,
+    gauge: &Gauge,
+    calibration: Option<&Calibration>,
+    conditions: Conditions,
+    paths: Vec<PathBuf>,
+) -> CommandResult {
+    let edges = args.edges.as_deref().map(|path| claim_edges(args, path, &paths)).transpose()?;
+    let edges_on_stdout = edges.as_ref().is_some_and(OutputFile::is_stdout);
+    let mut source = Frames::new(paths, &args.frames, calibration, args.um_per_px);
+    let (results, frames) = measure_each(args, gauge, calibration, &conditions, &mut source);
     report_refusals(&results)?;
     report_unlearnt(gauge, &results);
     if let Some(file) = edges {
@@ -350,22 +381,7 @@ fn measure_all(
     let mut figures = Vec::new();
     for measured in &results {
         let mut row = frame_figures(args, measured, calibration, &conditions);
-        let edges = measured.result.as_ref().ok();
-        if let (Some(edges), Some(row)) = (edges, row.as_object_mut()) {
-            args.choice.report(&measured.stem, edges, row);
-            if let Some(pitch_px) = measured.pitch_px {
-                crests::report(&measured.stem, pitch_px, row);
-            }
-        }
-        if let (Some(follower), Some(row)) = (&mut follower, row.as_object_mut()) {
-            follower.add(&measured.meta, edges, row);
-            if edges.is_some_and(|edges| args.choice.is_ambiguous(edges)) {
-                follower.not_proven(row);
-                if row.contains_key("judged") {
-                    row.insert("judged".to_owned(), json!({ "what": "frame", "flag": "several_shadows" }));
-                }
-            }
-        }
+        add_follower(args, measured, &mut follower, &mut row);
         figures.push(row);
     }
     if let Some(follower) = &mut follower {
@@ -381,33 +397,9 @@ fn measure_all(
         if args.judge.budget() {
             print_budgets(args, &results, calibration, &conditions);
         }
-        if let Some(statistics) = out.get("statistics").filter(|s| s["count"].as_u64() > Some(1)) {
-            say_line!("{}", statistics_line(statistics));
-        }
-        if let Some(turn) = out.get("turn") {
-            say!("{}", turn_table(turn));
-        }
+        print_series(&out);
     }
     Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
-}
-
-fn print_budgets(
-    args: &MeasureArgs,
-    results: &[Measured],
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-) {
-    for measured in results {
-        let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
-        let least = args.judge.least_stretch(Some(calibration));
-        if let Some(reading) = WidthReading::of_largest(edges, calibration, least) {
-            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
-            say!(
-                "{}",
-                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
-            );
-        }
-    }
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {

@@ -49,16 +49,36 @@ struct Figure {
     chart: Chart,
 }
 
-fn figures(found: &Reproduction) -> Vec<Figure> {
-    let curves = &found.curves;
-    let z = |y_label: &str, series: Vec<Series>| Chart {
+/// A chart over the cutting point.
+fn z(y_label: &str, series: Vec<Series>) -> Chart {
+    Chart {
         x_label: "cutting point z / mm from the chuck".to_owned(),
         y_label: y_label.to_owned(),
         series,
         ..Chart::default()
-    };
+    }
+}
+
+fn figures(found: &Reproduction) -> Vec<Figure> {
+    let curves = &found.curves;
+    let mut figures = deflection_figures(curves);
+    figures.extend(pass_figures(curves));
+    figures.push(Figure {
+        heading: "Fig. 11 at 250 mm",
+        file: "fig11",
+        caption: "Error after each pass, the paper's, the error-transfer plant's and the physical plant's."
+            .to_owned(),
+        chart: fig_11(&found.rows),
+    });
+    figures.extend(generations(curves));
+    figures.push(passes(curves));
+    figures
+}
+
+/// Figs 7 to 9: what the cutting force leaves.
+fn deflection_figures(curves: &Curves) -> Vec<Figure> {
     let error = "size error / µm of diameter";
-    let mut figures = vec![
+    vec![
         Figure {
             heading: "Fig. 7: depth of cut",
             file: "fig7_z",
@@ -79,6 +99,12 @@ fn figures(found: &Reproduction) -> Vec<Figure> {
             caption: "The same with Table 1's law at a depth and speed that are not printed; dots: printed.".to_owned(),
             chart: z(error, over_z(&curves.fig_9)),
         },
+    ]
+}
+
+/// Fig. 11: errors over the passes.
+fn pass_figures(curves: &Curves) -> Vec<Figure> {
+    let mut figures = vec![
         Figure {
             heading: "Fig. 11a: four passes without compensation",
             file: "fig11a_z",
@@ -105,15 +131,6 @@ fn figures(found: &Reproduction) -> Vec<Figure> {
             ),
         });
     }
-    figures.push(Figure {
-        heading: "Fig. 11 at 250 mm",
-        file: "fig11",
-        caption: "Error after each pass, the paper's, the error-transfer plant's and the physical plant's."
-            .to_owned(),
-        chart: fig_11(&found.rows),
-    });
-    figures.extend(generations(curves));
-    figures.push(passes(curves));
     figures
 }
 

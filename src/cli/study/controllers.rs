@@ -97,7 +97,8 @@ fn print(study: &ControllerStudy) {
     }
 }
 
-fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
+/// Error over the passes, a line a controller.
+fn error_chart(study: &ControllerStudy) -> Chart {
     let mut series = Vec::new();
     for (i, c) in study.controllers.iter().enumerate() {
         let line = |f: fn(&controllers::PassSummary) -> f64| {
@@ -111,7 +112,7 @@ fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
             series.push(Series::new("", Mark::Line, i, ends));
         }
     }
-    let svg = Chart {
+    Chart {
         x_label: "pass".to_owned(),
         y_label: "largest true error / µm".to_owned(),
         series,
@@ -119,19 +120,10 @@ fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
         x_labels: study.controllers.first().map(|c| c.passes.len()),
         ..Chart::default()
     }
-    .to_svg()
-    .map_err(Failure::fail)?;
-    let mut page = Page::new("Controllers on equal terms");
-    page.text(&format!(
-        "{} shafts, the same for every controller; each pass cut, rendered, measured and corrected from the pixels. The \
-         first pass knows no correction.",
-        study.shafts
-    ));
-    page.figure(
-        &svg,
-        "Mean over the shafts of the largest true error, with its 95 % interval (Student's t).",
-    );
-    let rows: Vec<Vec<String>> = study
+}
+
+fn pass_rows(study: &ControllerStudy) -> Vec<Vec<String>> {
+    study
         .controllers
         .iter()
         .flat_map(|c| {
@@ -147,10 +139,24 @@ fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
                 ]
             })
         })
-        .collect();
+        .collect()
+}
+
+fn write(folder: &StudyFolder, study: &ControllerStudy) -> Result<(), Failure> {
+    let svg = error_chart(study).to_svg().map_err(Failure::fail)?;
+    let mut page = Page::new("Controllers on equal terms");
+    page.text(&format!(
+        "{} shafts, the same for every controller; each pass cut, rendered, measured and corrected from the pixels. The \
+         first pass knows no correction.",
+        study.shafts
+    ));
+    page.figure(
+        &svg,
+        "Mean over the shafts of the largest true error, with its 95 % interval (Student's t).",
+    );
     page.table(
         &["controller", "pass", "mean / µm", "95 %", "median / µm", "worst / µm", "worst share of none"],
-        &rows,
+        &pass_rows(study),
     );
     let held: Vec<Vec<String>> = study
         .runs

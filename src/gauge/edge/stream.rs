@@ -291,14 +291,9 @@ impl AreaStream {
             side.set_shape(self.shape.clone());
             side.track = BlurTrack::default();
         }
-        let given = match self.settings.blur {
-            Blur::Given { sigma_px } => Some(sigma_px),
-            Blur::Estimated {} => None,
-        };
-        let mut sigma = match given.or(self.shape.own_sigma()) {
-            Some(sigma) => sigma,
-            None => self.rough_blur(plane)?,
-        };
+        let given = self.settings.blur.given_px();
+        let own = given.or(self.shape.own_sigma());
+        let mut sigma = own.map_or_else(|| self.rough_blur(plane), Ok)?;
         let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
         let clear = self.leave_out_stuck(plane, scale, scene);
         scene = match clear {

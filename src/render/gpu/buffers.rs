@@ -40,7 +40,7 @@ impl Size {
             bytes(ESF_UNIFORM_SEGMENTS, 16),
             bytes(job.esf.segments.len() + job.profiles.len(), 16),
             // Whole steps of `fill`, which writes rows beyond the last one too.
-            u64::from(job.params.words) * u64::from(job.params.rows.next_multiple_of(FILL_ROWS)) * 4,
+            u64::from(job.params.size.words) * u64::from(job.params.size.rows.next_multiple_of(FILL_ROWS)) * 4,
             bytes(light_words(job).len().max(4), 4),
         ])
     }
@@ -130,7 +130,7 @@ impl Buffers {
             layout,
             entries: &entries,
         });
-        let frame_bytes = u64::from(job.params.words) * u64::from(job.params.rows) * 4;
+        let frame_bytes = u64::from(job.params.size.words) * u64::from(job.params.size.rows) * 4;
         Self { group, size, inputs, light, frame_bytes, image, readback }
     }
 
@@ -157,7 +157,7 @@ impl Buffers {
             }
         }
         for rows in lit_rows(job) {
-            let each = job.params.light_words as usize;
+            let each = job.params.light.words as usize;
             let words = &light_words(job)[rows.start as usize * each..rows.end as usize * each];
             if !words.is_empty() {
                 queue.write_buffer(&self.light, 4 * u64::from(rows.start) * each as u64, cast_slice(words));

@@ -183,7 +183,7 @@ impl Gpu {
         if needed <= self.largest_bytes {
             return Ok(());
         }
-        let (rows, columns) = (job.params.rows, job.params.columns);
+        let (rows, columns) = (job.params.size.rows, job.params.size.columns);
         let most = self.largest_bytes;
         let what = format!(
             "a frame of {rows} x {columns} pixels needs a buffer of {needed} bytes, the adapter's largest has {most}"
@@ -223,24 +223,24 @@ impl Gpu {
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, buffers: &Buffers, job: &Job<'_>, work: Work) {
         let Some(pipelines) = self.pipelines.get(&variant(job)) else { return };
-        let groups = job.params.words.div_ceil(GROUP);
+        let groups = job.params.size.words.div_ceil(GROUP);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_bind_group(0, &buffers.group, &[]);
         match work {
             Work::Constant => {
                 pass.set_pipeline(&pipelines.constant);
-                pass.dispatch_workgroups(groups, job.params.rows, 1);
+                pass.dispatch_workgroups(groups, job.params.size.rows, 1);
             }
             Work::Frame => {
-                let dark = job.params.dark_steps;
+                let dark = job.params.dark.steps;
                 if dark > 0 {
                     pass.set_pipeline(&pipelines.shade);
                     pass.dispatch_workgroups(groups, dark, 1);
                 }
                 pass.set_pipeline(&pipelines.fill);
-                pass.dispatch_workgroups(groups, job.params.rows.div_ceil(FILL_ROWS) - dark, 1);
+                pass.dispatch_workgroups(groups, job.params.size.rows.div_ceil(FILL_ROWS) - dark, 1);
                 pass.set_pipeline(&pipelines.band);
-                pass.dispatch_workgroups(groups, 2 * job.params.band_rows, 1);
+                pass.dispatch_workgroups(groups, 2 * job.params.edge.band_rows, 1);
             }
         }
     }

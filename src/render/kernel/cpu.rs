@@ -37,7 +37,7 @@ fn flat_pixels(
     z: &[f32; BLOCK],
     counts: &mut [f32; BLOCK],
 ) {
-    let (bright, shadow) = (params.flat_bright, params.flat_shadow);
+    let (bright, shadow) = (params.flat.bright, params.flat.shadow);
     for ((out, z), cells) in counts.chunks_exact_mut(CELL).zip(z.chunks_exact(CELL)).zip(cells) {
         let inside = between(cells, row);
         for i in 0..CELL {
@@ -64,9 +64,9 @@ fn even_pixels(k: [f32; 4], z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
 /// The fixed pattern of neighbouring pixels of known means.
 #[inline(always)]
 fn pattern_pixels<const N: usize>(params: &Params, at: At, means: &[f32; N], counts: &mut [f32; N]) {
-    let key = row_key(params.pattern_key, sensor_row(params, at.row as u32));
+    let key = row_key(params.keys.pattern, sensor_row(params, at.row as u32));
     for i in 0..N {
-        let column = (params.column0 + at.column as u32).wrapping_add(i as u32);
+        let column = (params.place.column0 + at.column as u32).wrapping_add(i as u32);
         counts[i] += fixed_pattern(params, means[i], key, column);
     }
 }
@@ -76,10 +76,10 @@ fn pattern_pixels<const N: usize>(params: &Params, at: At, means: &[f32; N], cou
 fn flat_means(job: &Job<'_>, place: Place<'_>, row: i32, factors: &[f32; BLOCK], means: &mut [f32; BLOCK]) {
     let params = &job.params;
     match place.extent.even(row) {
-        Some(false) => means.fill(params.shadow),
+        Some(false) => means.fill(params.signal.shadow),
         Some(true) => {
             for i in 0..BLOCK {
-                means[i] = params.shadow + params.contrast * factors[i];
+                means[i] = params.signal.shadow + params.signal.contrast * factors[i];
             }
         }
         None => {
@@ -87,7 +87,7 @@ fn flat_means(job: &Job<'_>, place: Place<'_>, row: i32, factors: &[f32; BLOCK],
             for ((means, factors), cells) in lanes.zip(place.cells) {
                 let inside = between(cells, row);
                 for i in 0..CELL {
-                    means[i] = params.shadow + if inside[i] { 0.0 } else { params.contrast * factors[i] };
+                    means[i] = params.signal.shadow + if inside[i] { 0.0 } else { params.signal.contrast * factors[i] };
                 }
             }
         }
@@ -101,9 +101,9 @@ fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) 
     let row = sensor_row(params, at.row as u32);
     let count = N.min(job.columns.len() - at.column);
     for (i, factor) in factors.iter_mut().enumerate() {
-        *factor = field_light(params, row, (params.column0 + at.column as u32).wrapping_add(i as u32));
+        *factor = field_light(params, row, (params.place.column0 + at.column as u32).wrapping_add(i as u32));
     }
-    let Some(map) = job.contamination.as_ref().filter(|_| params.light > 1) else { return };
+    let Some(map) = job.contamination.as_ref().filter(|_| params.light.kind > 1) else { return };
     clear_light(job, map, at, &mut factors[..count]);
 }
 
@@ -111,7 +111,7 @@ fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) 
 #[inline(always)]
 fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
     let (row, count) = (at.row as usize, factors.len());
-    let first = row * job.params.light_words as usize + at.column / 2;
+    let first = row * job.params.light.words as usize + at.column / 2;
     let words = &map.words[first..first + count.div_ceil(2)];
     for (i, (factors, words)) in factors.chunks_mut(CELL).zip(words.chunks(CELL / 2)).enumerate() {
         if !map.is_touched(row, at.column + i * CELL) {
@@ -131,7 +131,7 @@ fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N],
     for i in 0..N {
         counts[i] = sample(shaped(&job.params, means[i]), z[i]);
     }
-    if job.params.pattern != 0 {
+    if job.params.pixels.pattern != 0 {
         pattern_pixels(&job.params, at, means, counts);
     }
 }
@@ -141,18 +141,18 @@ fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N],
 fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts: &mut [f32; BLOCK]) {
     let params = &job.params;
     let even = place.extent.even(at.row);
-    if params.light != 0 && even != Some(false) {
-        let (mut factors, mut means) = ([1.0; BLOCK], [params.shadow; BLOCK]);
+    if params.light.kind != 0 && even != Some(false) {
+        let (mut factors, mut means) = ([1.0; BLOCK], [params.signal.shadow; BLOCK]);
         field_factors(job, at, &mut factors);
         flat_means(job, place, at.row, &factors, &mut means);
         return pixels(job, at, &means, z, counts);
     }
     match even {
-        Some(lit) => even_pixels(if lit { params.flat_bright } else { params.flat_shadow }, z, counts),
+        Some(lit) => even_pixels(if lit { params.flat.bright } else { params.flat.shadow }, z, counts),
         None => flat_pixels(params, place.cells, at.row, z, counts),
     }
-    if params.pattern != 0 {
-        let mut means = [params.shadow; BLOCK];
+    if params.pixels.pattern != 0 {
+        let mut means = [params.signal.shadow; BLOCK];
         flat_means(job, place, at.row, &[1.0; BLOCK], &mut means);
         pattern_pixels(params, at, &means, counts);
     }
@@ -166,14 +166,14 @@ fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], count
     let params = &job.params;
     let (mut light, mut means, mut near) = ([0.0; CELL], [0.0; CELL], [0.0; CELL]);
     cells[side].light(job, (at.column, side), at.row, &mut light);
-    if params.overlap != 0 {
+    if params.pixels.overlap != 0 {
         let mut other = [0.0; CELL];
         cells[1 - side].light(job, (at.column, 1 - side), at.row, &mut other);
         for i in 0..CELL {
             light[i] += other[i];
         }
     }
-    if params.light != 0 {
+    if params.light.kind != 0 {
         let mut factors = [1.0; CELL];
         field_factors(job, at, &mut factors);
         for i in 0..CELL {
@@ -181,11 +181,11 @@ fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], count
         }
     }
     for i in 0..CELL {
-        means[i] = params.shadow + params.contrast * light[i];
+        means[i] = params.signal.shadow + params.signal.contrast * light[i];
     }
     pixels(job, at, &means, z, &mut near);
     for i in 0..CELL {
-        if cells[side].in_band(i, at.row, params.band_rows) {
+        if cells[side].in_band(i, at.row, params.edge.band_rows) {
             counts[i] = near[i];
         }
     }
@@ -246,7 +246,7 @@ struct Blocks {
 
 /// Renders a frame into `out`, row-major, `rows * columns` pixels, on the current thread pool.
 pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
-    let columns = job.params.columns as usize;
+    let columns = job.params.size.columns as usize;
     let extents = (0..columns).step_by(BLOCK).map(|first| BlockExtent::new(job, first)).collect();
     let blocks = Blocks { extents, cells: edge_cells(job) };
     out.par_chunks_mut(columns * TASK_ROWS).enumerate().for_each(|(task, rows)| {
@@ -260,17 +260,17 @@ pub fn render<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
     dispatcher = "direct"
 )]
 fn fill_rows<P: Pixel>(job: &Job<'_>, blocks: &Blocks, first: usize, out: &mut [P]) {
-    let columns = job.params.columns as usize;
+    let columns = job.params.size.columns as usize;
     let (mut counts, mut z) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
     for (r, line) in out.chunks_exact_mut(columns).enumerate() {
         let row = (first + r) as i32;
-        let key = row_key(job.params.noise_key, sensor_row(&job.params, row as u32));
+        let key = row_key(job.params.keys.noise, sensor_row(&job.params, row as u32));
         for (block, pixels) in line.chunks_mut(BLOCK).enumerate() {
             let at = At { row, column: block * BLOCK };
             let cells = &blocks.cells[at.column / CELL..];
             let place =
                 Place { extent: &blocks.extents[block], cells: &cells[..cells.len().min(BLOCK / CELL)] };
-            deviates(key, job.params.column0 + at.column as u32, &mut z);
+            deviates(key, job.params.place.column0 + at.column as u32, &mut z);
             fill_block(job, place, at, &z, &mut counts);
             fill_edges(job, place.cells, at, &z, &mut counts);
             for (pixel, c) in pixels.iter_mut().zip(&counts) {
@@ -301,7 +301,7 @@ fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], 
 
 /// Writes one value into every pixel: the write floor.
 pub fn constant<P: Pixel>(job: &Job<'_>, out: &mut [P]) {
-    let value = P::from_counts(&job.params, job.params.words as f32);
-    let columns = job.params.columns as usize;
+    let value = P::from_counts(&job.params, job.params.size.words as f32);
+    let columns = job.params.size.columns as usize;
     out.par_chunks_mut(columns * TASK_ROWS).for_each(|rows| rows.fill(value));
 }

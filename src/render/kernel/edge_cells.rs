@@ -37,7 +37,7 @@ impl EdgeCell {
         let group = job.columns.len().div_ceil(job.bands.start.len().max(1)).max(1);
         let lane = |i: usize| first + i.min(count - 1);
         let edge = |i: usize| edge_of(job, lane(i), side);
-        let band_rows = job.params.band_rows as i32;
+        let band_rows = job.params.edge.band_rows as i32;
         let start = |i: usize| job.bands.start[lane(i) / group][side];
         let starts = (0..count).map(start);
         let from = starts.clone().min().unwrap_or(0);
@@ -49,7 +49,7 @@ impl EdgeCell {
             across: std::array::from_fn(|i| edge(i).across),
             along: std::array::from_fn(|i| edge(i).along),
             blend: std::array::from_fn(|i| edge(i).blend),
-            segment: std::array::from_fn(|i| edge(i).table.wrapping_mul(job.params.esf_segments)),
+            segment: std::array::from_fn(|i| edge(i).table.wrapping_mul(job.params.edge.segments)),
             straight: (0..count).all(|i| edge(i).table < PROFILE),
             rows: from..to,
         }
@@ -90,7 +90,7 @@ impl EdgeCell {
             }
             let mut light = edge_spreads(job, &u, &self.segment, 0);
             if job.stacked {
-                let next = edge_spreads(job, &u, &self.segment, job.params.esf_segments);
+                let next = edge_spreads(job, &u, &self.segment, job.params.edge.segments);
                 for i in 0..CELL {
                     light[i] += self.blend[i] * (next[i] - light[i]);
                 }
@@ -112,10 +112,10 @@ fn edge_of<'a>(job: &'a Job<'_>, column: usize, side: usize) -> &'a Edge {
 #[inline(always)]
 fn edge_spreads(job: &Job<'_>, u: &[f32; CELL], tables: &[u32; CELL], skip: u32) -> [f32; CELL] {
     let params = &job.params;
-    let (segments, last) = (params.esf_segments as f32, params.esf_segments - 1);
+    let (segments, last) = (params.edge.segments as f32, params.edge.segments - 1);
     let (mut t, mut index) = ([0.0f32; CELL], [0u32; CELL]);
     for i in 0..CELL {
-        let place = (u[i] + params.esf_reach) * params.esf_per_unit;
+        let place = (u[i] + params.edge.reach) * params.edge.per_unit;
         // Plain comparisons: those of f32 mind NaN, which costs three instructions.
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < segments { place } else { segments };

@@ -6,10 +6,40 @@ use crate::frame::PixelFormat;
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub const FILL_ROWS: u32 = 16;
 
-/// Uniforms of `shaders/shadowgraph.wgsl`.
+/// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: groups follow each other as its members do.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Params {
+    /// Size of the frame, and nodes of the quadrature.
+    pub size: SizeParams,
+    /// Where the frame lies on the sensor.
+    pub place: PlaceParams,
+    /// Keys of noise and pattern.
+    pub keys: KeyParams,
+    /// Edge-spread table and bands.
+    pub edge: EdgeParams,
+    /// Grey values, and noise of the signal.
+    pub signal: SignalParams,
+    /// How the light varies.
+    pub light: LightParams,
+    /// Noise of pixels far from the edges.
+    pub flat: FlatParams,
+    /// What becomes of a pixel's signal.
+    pub pixels: PixelParams,
+    /// Light over the field.
+    pub field: FieldParams,
+    /// Rows in the shadow over all columns.
+    pub dark: DarkParams,
+    /// Counts an electron.
+    pub counts_per_electron: f32,
+    /// Fills up 16 bytes.
+    pub padding: u32,
+}
+
+/// Size of the frame, and nodes of the quadrature.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct SizeParams {
     /// Rows of the frame.
     pub rows: u32,
     /// Columns of the frame.
@@ -18,6 +48,12 @@ pub struct Params {
     pub words: u32,
     /// Nodes of the quadrature over a pixel.
     pub nodes: u32,
+}
+
+/// Where the frame lies on the sensor.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct PlaceParams {
     /// Sensor row of the frame's row 0.
     pub row0: u32,
     /// Sensor column of the frame's column 0.
@@ -26,18 +62,36 @@ pub struct Params {
     pub split: u32,
     /// Sensor rows left out between the two windows.
     pub skip: u32,
+}
+
+/// Keys of noise and pattern.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct KeyParams {
     /// Keys of the frame's noise.
-    pub noise_key: [u32; 2],
+    pub noise: [u32; 2],
     /// Keys of the sensor's fixed pattern.
-    pub pattern_key: [u32; 2],
+    pub pattern: [u32; 2],
+}
+
+/// Edge-spread table and bands.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct EdgeParams {
     /// Rows of a band.
     pub band_rows: u32,
     /// Segments of the edge-spread table.
-    pub esf_segments: u32,
+    pub segments: u32,
     /// Reach of the edge-spread table in its own units.
-    pub esf_reach: f32,
+    pub reach: f32,
     /// Segments of the edge-spread table a unit.
-    pub esf_per_unit: f32,
+    pub per_unit: f32,
+}
+
+/// Grey values, and noise of the signal.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct SignalParams {
     /// Grey value of the shadow, counts.
     pub shadow: f32,
     /// Bright field less shadow, counts.
@@ -50,14 +104,32 @@ pub struct Params {
     pub read_variance: f32,
     /// 1 with noise, 0 without.
     pub noise: f32,
+}
+
+/// How the light varies.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct LightParams {
     /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it as well.
-    pub light: u32,
+    pub kind: u32,
     /// 32-bit words a row of the contamination's factors.
-    pub light_words: u32,
+    pub words: u32,
+}
+
+/// Noise of pixels far from the edges.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct FlatParams {
     /// Noise polynomial of the bright field.
-    pub flat_bright: [f32; 4],
+    pub bright: [f32; 4],
     /// Noise polynomial of the shadow.
-    pub flat_shadow: [f32; 4],
+    pub shadow: [f32; 4],
+}
+
+/// What becomes of a pixel's signal.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct PixelParams {
     /// Largest count, the format's full scale.
     pub most: i32,
     /// 1 where a pixel may see both edges.
@@ -74,23 +146,40 @@ pub struct Params {
     pub hot: f32,
     /// Counts at which the full well clips.
     pub ceiling: f32,
+}
+
+/// Light over the field.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct FieldParams {
     /// Vignetting of second and fourth order, gain of the backlight along columns and down rows.
-    pub field: [f32; 4],
+    pub polynomial: [f32; 4],
     /// Loss of the backlight half a diagonal from the axis.
     pub sag: f32,
     /// Half diagonals of the sensor a pixel.
     pub half_diagonals: f32,
     /// Sensor column and row of the optical axis.
     pub axis: [f32; 2],
-    /// First of the steps of 16 rows that lie in the shadow over all columns.
-    pub dark_from: u32,
-    /// Number of these steps.
-    pub dark_steps: u32,
-    /// Counts an electron.
-    pub counts_per_electron: f32,
-    /// Fills up 16 bytes.
-    pub padding: u32,
 }
+
+/// Rows in the shadow over all columns.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct DarkParams {
+    /// First of the steps of 16 rows that lie in the shadow over all columns.
+    pub from: u32,
+    /// Number of these steps.
+    pub steps: u32,
+}
+
+// The places of the groups are those of the shader's members (bytes).
+const _: () = {
+    use std::mem::offset_of;
+    assert!(offset_of!(Params, place) == 16 && offset_of!(Params, keys) == 32 && offset_of!(Params, edge) == 48);
+    assert!(offset_of!(Params, signal) == 64 && offset_of!(Params, light) == 88 && offset_of!(Params, flat) == 96);
+    assert!(offset_of!(Params, pixels) == 128 && offset_of!(Params, field) == 160);
+    assert!(offset_of!(Params, dark) == 192 && size_of::<Params>() == 208);
+};
 
 /// Levels and noise of a sensor, in counts of one format.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,39 +295,51 @@ impl Params {
         // A signal this far beyond any scale is clipped by it; f32 counts stay exact.
         let ceiling = ceiling.min(4.0e6);
         Self {
-            rows: window.rows,
-            columns: window.columns,
-            words: window.columns.div_ceil(pixels_per_word(format)),
-            row0: window.row,
-            column0: window.column,
-            split: windows.first.rows,
-            skip: windows.skip(),
-            noise_key: frame_key(keys.seed, keys.frame_id),
-            pattern_key: frame_key(keys.pattern_seed, u64::MAX),
-            shadow: levels.shadow as f32,
-            contrast: (levels.bright - levels.shadow) as f32,
-            black: levels.black as f32,
-            electrons_per_count: levels.electrons_per_count as f32,
+            size: SizeParams {
+                rows: window.rows,
+                columns: window.columns,
+                words: window.columns.div_ceil(pixels_per_word(format)),
+                nodes: 0,
+            },
+            place: PlaceParams {
+                row0: window.row,
+                column0: window.column,
+                split: windows.first.rows,
+                skip: windows.skip(),
+            },
+            keys: KeyParams {
+                noise: frame_key(keys.seed, keys.frame_id),
+                pattern: frame_key(keys.pattern_seed, u64::MAX),
+            },
+            signal: SignalParams {
+                shadow: levels.shadow as f32,
+                contrast: (levels.bright - levels.shadow) as f32,
+                black: levels.black as f32,
+                electrons_per_count: levels.electrons_per_count as f32,
+                read_variance: (levels.read_noise_e * levels.read_noise_e) as f32,
+                noise: f32::from(u8::from(noise)),
+            },
+            light: LightParams { kind: 0, words: window.columns.div_ceil(2) },
+            pixels: PixelParams {
+                most: format.full_scale().map_or(i32::from(i16::MAX), i32::from),
+                overlap: 0,
+                pattern: u32::from(levels.prnu > 0.0 || levels.dsnu_e > 0.0 || levels.hot_ppm > 0.0),
+                hot_share: (levels.hot_ppm * 1e-6 * 2f64.powi(32)) as u32,
+                prnu: levels.prnu as f32,
+                dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
+                hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
+                ceiling: ceiling as f32,
+            },
             counts_per_electron: (1.0 / levels.electrons_per_count) as f32,
-            read_variance: (levels.read_noise_e * levels.read_noise_e) as f32,
-            noise: f32::from(u8::from(noise)),
-            most: format.full_scale().map_or(i32::from(i16::MAX), i32::from),
-            pattern: u32::from(levels.prnu > 0.0 || levels.dsnu_e > 0.0 || levels.hot_ppm > 0.0),
-            hot_share: (levels.hot_ppm * 1e-6 * 2f64.powi(32)) as u32,
-            prnu: levels.prnu as f32,
-            dsnu: (levels.dsnu_e / levels.electrons_per_count) as f32,
-            hot: (levels.hot_pixel_e / levels.electrons_per_count) as f32,
-            ceiling: ceiling as f32,
-            light_words: window.columns.div_ceil(2),
             ..bytemuck::Zeroable::zeroed()
         }
     }
 
     /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light to work out.
     pub fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
-        let step = |row: i32| row.clamp(0, self.rows as i32) as u32;
+        let step = |row: i32| row.clamp(0, self.size.rows as i32) as u32;
         let (from, to) = (step(rows.start).div_ceil(FILL_ROWS), step(rows.end) / FILL_ROWS);
-        let steps = if self.light != 0 { to.saturating_sub(from) } else { 0 };
-        (self.dark_from, self.dark_steps) = (from, steps);
+        let steps = if self.light.kind != 0 { to.saturating_sub(from) } else { 0 };
+        self.dark = DarkParams { from, steps };
     }
 }

@@ -9,7 +9,7 @@ use super::params::Params;
 /// Row of the sensor that a row of the frame shows: a second window may follow the first.
 #[inline(always)]
 pub(super) fn sensor_row(params: &Params, row: u32) -> u32 {
-    params.row0 + row + if row >= params.split { params.skip } else { 0 }
+    params.place.row0 + row + if row >= params.place.split { params.place.skip } else { 0 }
 }
 
 /// Keys of a sensor row from those of the frame: one of them is different in every row.
@@ -53,14 +53,14 @@ fn most(a: f32, b: f32) -> f32 {
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
 #[inline(always)]
 pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
-    let electrons = most((mean - params.black) * params.electrons_per_count, 0.0);
-    let variance = most(params.read_variance + electrons, 1e-6);
+    let electrons = most((mean - params.signal.black) * params.signal.electrons_per_count, 0.0);
+    let variance = most(params.signal.read_variance + electrons, 1e-6);
     let inverse = 1.0 / variance;
-    let sd = params.noise * variance.sqrt() * params.counts_per_electron;
+    let sd = params.signal.noise * variance.sqrt() * params.counts_per_electron;
     let ratio = electrons * inverse;
     let kurtosis = ratio * inverse;
     let skew2 = ratio * kurtosis;
-    let k2 = params.noise * params.counts_per_electron * 0.166_666_67 * ratio;
+    let k2 = params.signal.noise * params.counts_per_electron * 0.166_666_67 * ratio;
     let k1 = sd * (1.0 - kurtosis * 0.125 + skew2 * 0.138_888_9);
     let k3 = sd * (kurtosis * 0.041_666_668 - skew2 * 0.055_555_556);
     [mean - k2, k1, k2, k3]
@@ -76,27 +76,27 @@ pub(super) fn sample(k: [f32; 4], z: f32) -> f32 {
 pub(super) fn fixed_pattern(params: &Params, mean: f32, key: [u32; 2], column: u32) -> f32 {
     let a = hash(key, column);
     let b = hash([key[1], key[0]], column);
-    let response = params.prnu * (mean - params.black) * standard_normal(a);
-    let dark = params.dsnu * standard_normal(b);
-    let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.hot_share { params.hot } else { 0.0 };
+    let response = params.pixels.prnu * (mean - params.signal.black) * standard_normal(a);
+    let dark = params.pixels.dsnu * standard_normal(b);
+    let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.pixels.hot_share { params.pixels.hot } else { 0.0 };
     response + dark + hot
 }
 
 /// Counts as bits: rounded half to even by adding 1.5·2²³, then clamped as integers.
 #[inline(always)]
 fn quantise(params: &Params, counts: f32) -> u32 {
-    ((counts.min(params.ceiling) + 12_582_912.0).to_bits() as i32)
+    ((counts.min(params.pixels.ceiling) + 12_582_912.0).to_bits() as i32)
         .wrapping_sub(0x4b40_0000)
-        .clamp(0, params.most) as u32
+        .clamp(0, params.pixels.most) as u32
 }
 
 /// Share of the light at u, by one tabulated edge-spread function.
 #[inline(always)]
 fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32, table: u32) -> f32 {
-    let place = ((u + params.esf_reach) * params.esf_per_unit).max(0.0).min(params.esf_segments as f32);
-    let segment = (place as u32).min(params.esf_segments - 1);
+    let place = ((u + params.edge.reach) * params.edge.per_unit).max(0.0).min(params.edge.segments as f32);
+    let segment = (place as u32).min(params.edge.segments - 1);
     let t = place - segment as f32;
-    let c = esf[(table * params.esf_segments + segment) as usize];
+    let c = esf[(table * params.edge.segments + segment) as usize];
     c[0] + t * (c[1] + t * (c[2] + t * c[3]))
 }
 
@@ -134,11 +134,11 @@ pub(crate) fn transmitted(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
 /// Light over the field: vignetting times the backlight's gradient, 1 on the axis.
 #[inline(always)]
 pub(super) fn field_light(params: &Params, row: u32, column: u32) -> f32 {
-    let u = (column as f32 - params.axis[0]) * params.half_diagonals;
-    let v = (row as f32 - params.axis[1]) * params.half_diagonals;
+    let u = (column as f32 - params.field.axis[0]) * params.field.half_diagonals;
+    let v = (row as f32 - params.field.axis[1]) * params.field.half_diagonals;
     let r2 = u * u + v * v;
-    let lens = 1.0 - r2 * (params.field[0] + r2 * params.field[1]);
-    lens * (1.0 + params.field[2] * u + params.field[3] * v - params.sag * r2)
+    let lens = 1.0 - r2 * (params.field.polynomial[0] + r2 * params.field.polynomial[1]);
+    lens * (1.0 + params.field.polynomial[2] * u + params.field.polynomial[3] * v - params.field.sag * r2)
 }
 
 /// How counts become pixels of a container.
@@ -164,6 +164,6 @@ impl Pixel for u16 {
 impl Pixel for f32 {
     #[inline(always)]
     fn from_counts(params: &Params, counts: f32) -> Self {
-        counts.min(params.ceiling)
+        counts.min(params.pixels.ceiling)
     }
 }

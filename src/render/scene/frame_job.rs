@@ -9,7 +9,7 @@ use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest};
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{FrameKeys, Params, Window, Windows, pixels_per_word};
+use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, Params, Window, Windows, pixels_per_word};
 use crate::render::kernel::shadowgraph::shaped;
 use crate::render::optics::esf_table::{Node, pixel_quadrature};
 
@@ -43,19 +43,7 @@ impl Scene {
         let window = windows.span();
         let format = self.format(request);
         let halo = self.blur.reach();
-        let mut instants = exposure::instants(self, request, window, halo)?;
-        if !self.wiped {
-            for instant in &mut instants {
-                let edges = &mut instant.edges;
-                instant.rises = contamination_layer::raise_edges(
-                    &self.bench,
-                    self.outline.shaft(),
-                    request,
-                    window,
-                    edges,
-                )?;
-            }
-        }
+        let instants = self.filmed_instants(request, window, halo)?;
         let edges = exposure::mean(&instants);
         let mut stacked = edges.clone();
         stack(&mut stacked, windows)?;
@@ -95,20 +83,20 @@ impl Scene {
         };
         let contamination =
             contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
-        let keys = FrameKeys {
-            seed: request.seed,
-            frame_id: request.frame_id,
-            pattern_seed: self.bench.pattern_seed,
+        let levels = self.levels(format);
+        let mut params = Params::new(windows, format, &levels, request.noise, self.keys(request));
+        params.flat = FlatParams {
+            bright: shaped(&params, params.signal.shadow + params.signal.contrast),
+            shadow: shaped(&params, params.signal.shadow),
         };
-        let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
-        params.flat_bright = shaped(&params, params.shadow + params.contrast);
-        params.flat_shadow = shaped(&params, params.shadow);
-        params.nodes = quadrature.len() as u32;
-        params.band_rows = bands.rows;
-        params.overlap = u32::from(bands.overlap);
-        params.esf_segments = esf.per_table;
-        params.esf_reach = esf.reach;
-        params.esf_per_unit = esf.per_unit;
+        params.size.nodes = quadrature.len() as u32;
+        params.pixels.overlap = u32::from(bands.overlap);
+        params.edge = EdgeParams {
+            band_rows: bands.rows,
+            segments: esf.per_table,
+            reach: esf.reach,
+            per_unit: esf.per_unit,
+        };
         self.light_params(&mut params, contamination.as_ref());
         params.set_dark(&bands.dark);
         Ok(Job {
@@ -124,17 +112,44 @@ impl Scene {
         })
     }
 
+    /// Instants of the exposure, their edges raised by the films that adhere to the part.
+    fn filmed_instants(
+        &self,
+        request: &FrameRequest,
+        window: Window,
+        halo: usize,
+    ) -> Result<Vec<Instant<'_>>, RenderError> {
+        let mut instants = exposure::instants(self, request, window, halo)?;
+        if !self.wiped {
+            for instant in &mut instants {
+                let edges = &mut instant.edges;
+                instant.rises = contamination_layer::raise_edges(
+                    &self.bench,
+                    self.outline.shaft(),
+                    request,
+                    window,
+                    edges,
+                )?;
+            }
+        }
+        Ok(instants)
+    }
+
+    fn keys(&self, request: &FrameRequest) -> FrameKeys {
+        FrameKeys { seed: request.seed, frame_id: request.frame_id, pattern_seed: self.bench.pattern_seed }
+    }
+
     fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
-        params.light = match contamination {
+        params.light.kind = match contamination {
             Some(map) if !map.words.is_empty() => 2,
             _ => u32::from(!self.bench.nominal.light.field.is_even()),
         };
         let light = &self.bench.nominal.light.field;
-        params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
+        params.field.polynomial = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
             .map(|k| k as f32);
-        params.sag = light.sag as f32;
-        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
-        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
+        params.field.sag = light.sag as f32;
+        params.field.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
+        params.field.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
     }
 
     /// Where axis and surface of every column lie; empty where all edges share a table and its scale.

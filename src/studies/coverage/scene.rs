@@ -85,88 +85,129 @@ fn laid(height_mm: f64, y_mm: f64) -> Position {
     Position { frames: None, height_mm, y_mm }
 }
 
-/// Settings of a class. What a class is named after dominates its budget.
-fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError> {
-    let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
-    (simulate.camera.rows, simulate.camera.columns) = (ROWS, COLUMNS);
-    simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.3 + 0.6 * draws.even() });
-    simulate.light.bright_counts = 2400.0 + 900.0 * draws.even();
-    let mut u_certificate = 2e-4;
-    let mut lens = LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 };
-    let mut gauge = GaugeSettings::default();
-    let mut positions = [(-0.3, -3.0), (0.0, 0.0), (0.3, 3.0)].map(|(height_mm, y_mm)| laid(height_mm, y_mm));
-    let mut thermometer = Thermometer {
-        temperature_c: 20.5,
-        limit_temperature_k: 0.1,
-        limit_expansion_um_per_m_k: 0.5,
-        ..Thermometer::default()
-    };
-    let mut conditions = Conditions {
-        temperature_c: 21.0,
-        limit_temperature_k: 0.1,
-        limit_expansion_um_per_m_k: 0.5,
-        limit_axis_y_mm: 0.2,
-        limit_edge_um: 0.05,
-        limit_drift_ppm: 2.0,
-        ..Conditions::default()
-    };
-    match class {
-        Class::Certificates => u_certificate = 2e-3,
-        Class::Noise | Class::LowContrast => {
-            simulate.light.bright_counts = 420.0 + 80.0 * draws.even();
-            simulate.sensor.read_noise_e = 12.0;
-            simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 2.0 + 0.6 * draws.even() });
+/// What a class sets before its calibration is planned.
+struct Setup {
+    simulate: SimulatedPlan,
+    /// Expanded uncertainty of a master, mm.
+    u_certificate: f64,
+    lens: LensLimits,
+    gauge: GaugeSettings,
+    positions: [Position; 3],
+    thermometer: Thermometer,
+    conditions: Conditions,
+}
+
+impl Setup {
+    /// What all classes begin with.
+    fn usual(seed: u64, draws: &mut Draws) -> Self {
+        let mut simulate = SimulatedPlan { seed, frames_each: 1, ..SimulatedPlan::default() };
+        (simulate.camera.rows, simulate.camera.columns) = (ROWS, COLUMNS);
+        simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.3 + 0.6 * draws.even() });
+        simulate.light.bright_counts = 2400.0 + 900.0 * draws.even();
+        Self {
+            simulate,
+            u_certificate: 2e-4,
+            lens: LensLimits { telecentricity_deg: 0.02, distortion_percent: 0.0, keystone_percent: 0.0 },
+            gauge: GaugeSettings::default(),
+            positions: [(-0.3, -3.0), (0.0, 0.0), (0.3, 3.0)].map(|(height_mm, y_mm)| laid(height_mm, y_mm)),
+            thermometer: Thermometer {
+                temperature_c: 20.5,
+                limit_temperature_k: 0.1,
+                limit_expansion_um_per_m_k: 0.5,
+                ..Thermometer::default()
+            },
+            conditions: Conditions {
+                temperature_c: 21.0,
+                limit_temperature_k: 0.1,
+                limit_expansion_um_per_m_k: 0.5,
+                limit_axis_y_mm: 0.2,
+                limit_edge_um: 0.05,
+                limit_drift_ppm: 2.0,
+                ..Conditions::default()
+            },
         }
-        Class::Temperature => {
-            thermometer.limit_temperature_k = 2.0;
-            conditions.temperature_c = 26.0;
-            conditions.limit_temperature_k = 3.0;
-            conditions.limit_expansion_um_per_m_k = 2.0;
-        }
-        Class::Focus => conditions.limit_axis_y_mm = 3.0,
-        Class::Finish => conditions.limit_edge_um = 1.0,
-        Class::Lens => {
-            lens.distortion_percent = 0.1;
-            lens.keystone_percent = 0.1;
-        }
-        Class::Mixed => {
-            lens.distortion_percent = 0.02;
-            lens.keystone_percent = 0.01;
-            u_certificate = 4e-4;
-            conditions.limit_temperature_k = 1.5;
-            conditions.limit_axis_y_mm = 1.0;
-            conditions.limit_edge_um = 0.15;
-        }
-        Class::Diffraction | Class::GivenEsf => {
-            let given = class == Class::GivenEsf;
-            simulate.optics.esf = Esf::PartiallyCoherent(coherent(given, (2.0 * draws.even()).round()));
-            simulate.departures.blur_rel = 0.0;
-            if given {
-                gauge.esf = EsfModel::Table(samples(&coherent(true, 0.0), &simulate)?);
-            }
-            // Out of the plane the rings change: one set of tables serves every scene.
-            positions = positions.map(|p| Position { y_mm: 0.0, ..p });
-            conditions.limit_axis_y_mm = 0.0;
-        }
-        Class::Gradient => {
-            simulate.light.field.gradient_down = 0.05 * draws.even();
-            simulate.light.field.gradient_along = 0.1 * draws.even();
-        }
-        Class::Defocus => conditions.limit_axis_y_mm = 2.0,
-        Class::Form | Class::Tilt | Class::Lobes => {}
-        Class::OtherLight => {
-            simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: OTHER_BLUR_PX });
-            simulate.departures.blur_rel = 0.0;
-            positions = positions.map(|p| Position { y_mm: 0.0, ..p });
-            conditions.limit_axis_y_mm = 0.0;
-        }
-        Class::Vibration
-        | Class::LossOfFocus
-        | Class::WarmPart
-        | Class::OtherFinish
-        | Class::Overexposed
-        | Class::Clipped => {}
     }
+
+    /// What a class is named after dominates its budget.
+    fn of_class(class: Class, seed: u64, draws: &mut Draws) -> Result<Self, RenderError> {
+        let mut setup = Self::usual(seed, draws);
+        let Self { simulate, u_certificate, lens, thermometer, conditions, .. } = &mut setup;
+        match class {
+            Class::Certificates => *u_certificate = 2e-3,
+            Class::Noise | Class::LowContrast => {
+                simulate.light.bright_counts = 420.0 + 80.0 * draws.even();
+                simulate.sensor.read_noise_e = 12.0;
+                simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 2.0 + 0.6 * draws.even() });
+            }
+            Class::Temperature => {
+                thermometer.limit_temperature_k = 2.0;
+                conditions.temperature_c = 26.0;
+                conditions.limit_temperature_k = 3.0;
+                conditions.limit_expansion_um_per_m_k = 2.0;
+            }
+            Class::Focus => conditions.limit_axis_y_mm = 3.0,
+            Class::Finish => conditions.limit_edge_um = 1.0,
+            Class::Lens => {
+                lens.distortion_percent = 0.1;
+                lens.keystone_percent = 0.1;
+            }
+            Class::Mixed => {
+                lens.distortion_percent = 0.02;
+                lens.keystone_percent = 0.01;
+                *u_certificate = 4e-4;
+                conditions.limit_temperature_k = 1.5;
+                conditions.limit_axis_y_mm = 1.0;
+                conditions.limit_edge_um = 0.15;
+            }
+            Class::Diffraction => setup.in_coherent_light(false, draws)?,
+            Class::GivenEsf => setup.in_coherent_light(true, draws)?,
+            Class::Gradient => {
+                simulate.light.field.gradient_down = 0.05 * draws.even();
+                simulate.light.field.gradient_along = 0.1 * draws.even();
+            }
+            Class::Defocus => conditions.limit_axis_y_mm = 2.0,
+            Class::OtherLight => {
+                simulate.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: OTHER_BLUR_PX });
+                setup.in_focus();
+            }
+            Class::Form
+            | Class::Tilt
+            | Class::Lobes
+            | Class::Vibration
+            | Class::LossOfFocus
+            | Class::WarmPart
+            | Class::OtherFinish
+            | Class::Overexposed
+            | Class::Clipped => {}
+        }
+        Ok(setup)
+    }
+
+    /// Partially coherent light, its edge given to the gauge or not.
+    fn in_coherent_light(&mut self, given: bool, draws: &mut Draws) -> Result<(), RenderError> {
+        self.simulate.optics.esf = Esf::PartiallyCoherent(coherent(given, (2.0 * draws.even()).round()));
+        // Out of the plane the rings change: one set of tables serves every scene.
+        self.in_focus();
+        if given {
+            self.gauge.esf = EsfModel::Table(samples(&coherent(true, 0.0), &self.simulate)?);
+        }
+        Ok(())
+    }
+
+    /// Masters and part in the plane of best focus, of the blur planned.
+    fn in_focus(&mut self) {
+        self.simulate.departures.blur_rel = 0.0;
+        for position in &mut self.positions {
+            position.y_mm = 0.0;
+        }
+        self.conditions.limit_axis_y_mm = 0.0;
+    }
+}
+
+/// A scene of a class: its calibration, and the conditions of its part.
+fn draw(class: Class, seed: u64, draws: &mut Draws) -> Result<Drawn, RenderError> {
+    let Setup { simulate, u_certificate, lens, gauge, positions, thermometer, conditions } =
+        Setup::of_class(class, seed, draws)?;
     let mut plan = CalibrationPlan {
         channel: None,
         optics_id: "coverage".to_owned(),

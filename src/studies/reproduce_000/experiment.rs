@@ -124,18 +124,18 @@ fn part(job: &Job, compensated: bool, renderer: &Renderer) -> Result<Part, Exper
     Ok(part)
 }
 
+/// Mean diameter of a group, and its largest error, mm.
+fn group_figures(parts: &[Part], compensated: bool, target_mm: f64) -> (f64, f64) {
+    let group = || parts.iter().filter(move |part| part.compensated == compensated);
+    let mean = group().map(Part::mean_mm).sum::<f64>() / group().count().max(1) as f64;
+    let errors = group().flat_map(|part| part.measured_mm.iter().map(|p| (p.1 - target_mm).abs()));
+    (mean, errors.fold(0.0, f64::max))
+}
+
 /// The rows of the experiment.
 pub fn rows(inputs: &Inputs, parts: &[Part]) -> Vec<Row> {
-    let of = |compensated: bool| parts.iter().filter(move |part| part.compensated == compensated);
-    let mean = |compensated: bool| {
-        of(compensated).map(Part::mean_mm).sum::<f64>() / of(compensated).count().max(1) as f64
-    };
-    let limit = |compensated: bool| {
-        let errors =
-            of(compensated).flat_map(|part| part.measured_mm.iter().map(|p| (p.1 - inputs.target_mm).abs()));
-        errors.fold(0.0, f64::max)
-    };
-    let (with, without) = (mean(true), mean(false));
+    let [(with, limit_with), (without, limit_without)] =
+        [true, false].map(|compensated| group_figures(parts, compensated, inputs.target_mm));
     let assumed = format!(
         "{PARTS} parts a group of {LENGTH_MM} mm, the line of eqs 5 and 6 as the machine's error, positions within {REPEATABILITY_UM} µm"
     );
@@ -172,12 +172,12 @@ pub fn rows(inputs: &Inputs, parts: &[Part]) -> Vec<Row> {
                 "%",
             ),
             Some(inputs.reduction_percent),
-            100.0 * (1.0 - limit(true) / limit(false)),
+            100.0 * (1.0 - limit_with / limit_without),
             Accept::Absolute(1.0),
             format!(
                 "largest errors {:.1} µm and {:.1} µm; ours, of a simulated machine",
-                1e3 * limit(true),
-                1e3 * limit(false)
+                1e3 * limit_with,
+                1e3 * limit_without
             ),
         )
         .needs(&[super::limit_errors(inputs)]),

@@ -124,20 +124,18 @@ fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, 
     Some(Ends { high: soft_knee::trusted([dark, ends.high], ends.step), ..ends })
 }
 
-fn fit_joint<'a>(
+fn first_places(windows: &Windows, columns: &[usize]) -> Vec<f64> {
+    columns.iter().map(|c| windows.first_place(*c)).collect()
+}
+
+/// The fit to few columns (`scouts`) with the number of knots that they ask for, and the contrast seen; `able`: all that may be fitted.
+fn with_best_knots<'a>(
     windows: &Windows,
     slope: &[f32],
     start: &ClippedStart<'a>,
-) -> Option<(Joint<'a>, Settled, f64)> {
-    let able: Vec<usize> = (0..windows.centre.len())
-        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
-        .collect();
-    let some = |most: usize| -> Vec<usize> {
-        able.iter().copied().step_by(able.len().div_ceil(most).max(1)).collect()
-    };
-    if able.len() < 8 {
-        return None;
-    }
+    able: &[usize],
+    scouts: &[usize],
+) -> Option<(Joint<'a>, f64)> {
     let ends = start.ends;
     let [dark, light] = start.levels;
     let low = if ends.low.is_finite() { ends.low } else { dark.mean };
@@ -156,16 +154,14 @@ fn fit_joint<'a>(
         false => (dark.mean.max(low), start.variance[0]),
     };
     let noise = Noise { level, variance, gain: 0.0, floor: start.floor, misfit: 0.0 };
-    let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
-    let scouts = some(SCOUTS);
     let mut best = Joint {
         likelihood: Likelihood::new(start.shape, ends, noise),
         dark: known(dark, ends.low.is_finite(), KNOTS[0], -0.02 * seen),
         light: known(light, ends.high.is_finite(), KNOTS[0], 0.02 * seen),
         sigma: start.sigma,
         sigma_prior: start.sigma_is_given.then_some((start.sigma, GIVEN_TO * start.sigma)),
-        places: places(&scouts),
-        columns: scouts,
+        places: first_places(windows, scouts),
+        columns: scouts.to_vec(),
     };
     let mut least = price(&best.settle(windows, slope, seen)?, KNOTS[0]);
     let mut last = best.clone();
@@ -183,8 +179,27 @@ fn fit_joint<'a>(
             (least, best) = (dearer, finer);
         }
     }
+    Some((best, seen))
+}
+
+fn fit_joint<'a>(
+    windows: &Windows,
+    slope: &[f32],
+    start: &ClippedStart<'a>,
+) -> Option<(Joint<'a>, Settled, f64)> {
+    let able: Vec<usize> = (0..windows.centre.len())
+        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
+        .collect();
+    let some = |most: usize| -> Vec<usize> {
+        able.iter().copied().step_by(able.len().div_ceil(most).max(1)).collect()
+    };
+    if able.len() < 8 {
+        return None;
+    }
+    let (mut best, seen) = with_best_knots(windows, slope, start, &able, &some(SCOUTS))?;
+    let ends = start.ends;
     let teachers = some(TEACHERS);
-    best.places = places(&teachers);
+    best.places = first_places(windows, &teachers);
     best.columns = teachers;
     for (column, place) in best.columns.iter().zip(&mut best.places) {
         let at = best.likelihood.place(
