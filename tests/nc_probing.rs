@@ -297,7 +297,11 @@ fn every_program_measures_again_or_says_that_it_does_not() {
             }
         }
     }
-    // the whole program measures again without an alarm where the tolerance belongs to the last pass
+}
+
+/// The whole program measures again without an alarm where the tolerance belongs to the last pass.
+#[test]
+fn an_earlier_pass_is_measured_again_without_an_alarm() {
     for dialect in Dialect::ALL {
         let settings = settings();
         let earlier = ProbingProgram { limits_mm: None, ..program(&settings) };
@@ -308,10 +312,14 @@ fn every_program_measures_again_or_says_that_it_does_not() {
         );
         assert!(!text.contains("PART UNDERSIZE"), "{text}");
     }
-    let none = Workpiece { tolerance_mm: None, ..piece };
+}
+
+#[test]
+fn nothing_is_said_where_no_tolerance_is_stated() {
+    let none = Workpiece { tolerance_mm: None, ..program(&settings()).piece };
     let settings = NcSettings { probe: None, ..settings() };
     let turning = TurningProgram {
-        plan: &plan,
+        plan: &plan(),
         settings: &settings,
         piece: &none,
         limits_mm: None,

@@ -306,15 +306,8 @@ fn frames_without_a_ring_are_refused_with_a_reason() {
 // ---------------------------------------------------------------------------------------------------------------------
 // Calibration
 
-/// A lens that distorts as `LensModel` says: the drawn ring is warped by its inverse.
-#[test]
-fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
-    let lens = LensModel {
-        radial: 2e-3,
-        keystone_across: 8e-4,
-        keystone_along: -5e-4,
-        ..LensModel::perfect(SIZE.0, SIZE.1)
-    };
+/// The ring as a lens shows it.
+fn ring_through(lens: &LensModel) -> Frame {
     let (outer, inner) = (Table::new(RING.outer, RING.sigma), Table::new(RING.inner, RING.sigma));
     // Every pixel shows the place that the lens takes it for, averaged over its area.
     let parts = 6;
@@ -331,9 +324,11 @@ fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
             counts.push(200.0 - 186.0 * shadow / f64::from(parts * parts));
         }
     }
-    let frame = expose(&counts, 0.0, SIZE, PixelFormat::F32, 1);
-    let mut found = measure_ring(&frame.view(), &RingSettings::default()).unwrap();
-    let seen = found.clone();
+    expose(&counts, 0.0, SIZE, PixelFormat::F32, 1)
+}
+
+/// Calibrations of scale and offset alone, and with the lens.
+fn calibrations(lens: LensModel) -> (Calibration, Calibration) {
     let certificate = MasterCertificate { diameter_mm: 1.0, expanded_u_mm: 1e-4, coverage_factor: 2.0 };
     let figure = |width_px: f64| MasterFigure {
         certificate: MasterCertificate { diameter_mm: 0.02 * width_px + 0.01, ..certificate },
@@ -356,6 +351,22 @@ fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
     let validity = Validity { date: "2026-01-01".parse().unwrap(), valid_days: 365 };
     let bench = BenchCalibration::new(&adjusted, SIZE, validity, RING.sigma);
     let full = Calibration::of_bench(&adjusted, plain.masters.clone(), bench);
+    (plain, full)
+}
+
+/// A lens that distorts as `LensModel` says: the drawn ring is warped by its inverse.
+#[test]
+fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
+    let lens = LensModel {
+        radial: 2e-3,
+        keystone_across: 8e-4,
+        keystone_along: -5e-4,
+        ..LensModel::perfect(SIZE.0, SIZE.1)
+    };
+    let frame = ring_through(&lens);
+    let mut found = measure_ring(&frame.view(), &RingSettings::default()).unwrap();
+    let seen = found.clone();
+    let (plain, full) = calibrations(lens);
     let warm = Conditions { temperature_c: 30.0, ..Conditions::default() };
     found.calibrate(&full, &warm, 50.0).unwrap();
     let (out, bore) = (found.outer.mm.unwrap(), found.inner.as_ref().unwrap().mm.unwrap());

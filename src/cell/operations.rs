@@ -34,7 +34,7 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let diameter_mm = self.masters_mm[index];
+        let diameter_mm = self.masters.diameter_mm[index];
         // the calibration's pins lie as the seed says; a pin looked at again after a pass lies elsewhere
         let again = u64::from(self.pass) << 40;
         let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
@@ -44,7 +44,7 @@ impl TurningCell for SimulatedCell<'_> {
                 Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
             })
             .collect();
-        self.master_frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
+        self.masters.frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
         Ok(self.film(scenes?, stops, Film::Master))
     }
@@ -87,7 +87,7 @@ impl TurningCell for SimulatedCell<'_> {
         }
         self.batch.part = part;
         self.seed = self.batch.first_seed + part;
-        self.process = self.process.next_blank(self.stock, self.seed ^ PROCESS_STREAM)?;
+        self.process = self.process.next_blank(self.batch.stock, self.seed ^ PROCESS_STREAM)?;
         self.part = self.clamped(self.process.blank());
         self.begin_pass(0);
         Ok(())
@@ -115,7 +115,7 @@ impl SimulatedCell<'_> {
     fn touches(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {
         let Some(probe) = self.probe.clone() else { return Err(CellError::NoProbe) };
         let shaft = match master {
-            Some(index) => Shaft::cylinder(self.masters_mm[index]),
+            Some(index) => Shaft::cylinder(self.masters.diameter_mm[index]),
             None => self.part.clone(),
         };
         let outline = Outline::new(shaft)?;

@@ -23,16 +23,23 @@ pub struct SimulatedCell<'a> {
     pub(super) part: Shaft,
     /// `[shaft.deflection]`: what bends the axis besides the process.
     pub(super) deflection: Vec<AxisKnot>,
-    pub(super) masters_mm: Vec<f64>,
+    pub(super) masters: TrueMasters,
     pub(super) seed: u64,
     pub(super) frame_id: u64,
-    pub(super) master_frame_id: u64,
     pub(super) clock_ns: u64,
     /// Pass cut last; 0 before the first.
     pub(super) pass: u32,
-    pub(super) stock: Stock,
     pub(super) batch: Batch,
     pub(super) probe: Option<TrueProbe>,
+}
+
+/// The master pins as they are.
+#[derive(Clone, Debug)]
+pub(super) struct TrueMasters {
+    /// Their diameters, mm.
+    pub(super) diameter_mm: Vec<f64>,
+    /// Id of the next frame of one.
+    pub(super) frame_id: u64,
 }
 
 /// What is filmed: the two count their frames apart.
@@ -43,8 +50,10 @@ pub(super) enum Film {
 }
 
 /// Which part of a batch, cut by which insert.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Batch {
+    /// What every part is turned from.
+    pub(super) stock: Stock,
     pub(super) name: String,
     pub(super) first_seed: u64,
     pub(super) part: u64,
@@ -105,17 +114,15 @@ impl<'a> SimulatedCell<'a> {
             process,
             part,
             deflection: formed.deflection,
-            masters_mm: true_masters_mm(&job.masters.pins, job.seed),
+            masters: TrueMasters { diameter_mm: true_masters_mm(&job.masters.pins, job.seed), frame_id: 0 },
             seed: job.seed,
             frame_id: 0,
-            master_frame_id: 0,
             clock_ns: 0,
             pass: 0,
-            stock,
             probe: job.probe.as_ref().map(|probe| {
                 TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
             }),
-            batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
+            batch: Batch { stock, name: job.name.clone(), first_seed: job.seed, part: 0, insert: 0 },
         })
     }
 }
@@ -151,7 +158,7 @@ impl SimulatedCell<'_> {
             next: 0,
             frame_id: match film {
                 Film::Part => &mut self.frame_id,
-                Film::Master => &mut self.master_frame_id,
+                Film::Master => &mut self.masters.frame_id,
             },
             clock_ns: &mut self.clock_ns,
             seed: self.seed,

@@ -7,11 +7,17 @@
 use super::context::PartEvent;
 use super::settings::PartsSettings;
 
+/// Ideal offset of a station and its change from part to part, mm.
+#[derive(Clone, Copy, Debug, Default)]
+struct LevelTrend {
+    level: f64,
+    trend: f64,
+}
+
 /// One pass number across the parts.
 #[derive(Clone, Debug, Default)]
 struct PassMemory {
-    level: Vec<f64>,
-    trend: Vec<f64>,
+    stations: Vec<LevelTrend>,
     /// Ideal offsets of the first part after each kind of event.
     after_insert: Option<Vec<f64>>,
     after_cold: Option<Vec<f64>>,
@@ -21,7 +27,7 @@ struct PassMemory {
 
 impl PassMemory {
     fn forecast(&self) -> Vec<f64> {
-        self.level.iter().zip(&self.trend).map(|(l, t)| l + t).collect()
+        self.stations.iter().map(|s| s.level + s.trend).collect()
     }
 
     fn restart(&mut self, event: PartEvent) {
@@ -31,17 +37,20 @@ impl PassMemory {
             PartEvent::ColdStart => &self.after_cold,
         };
         let parts = f64::from(self.since);
-        self.level = match known {
-            Some(first) => first.iter().zip(&self.trend).map(|(f, t)| f - t).collect(),
-            None => self.level.iter().zip(&self.trend).map(|(l, t)| l - parts * t).collect(),
-        };
+        match known {
+            Some(first) => {
+                for (station, first) in self.stations.iter_mut().zip(first) {
+                    station.level = first - station.trend;
+                }
+            }
+            None => self.stations.iter_mut().for_each(|s| s.level -= parts * s.trend),
+        }
         self.since = 0;
     }
 
     fn record(&mut self, ideal: &[f64], event: PartEvent, settings: &PartsSettings) {
-        if self.level.is_empty() {
-            self.level = ideal.to_vec();
-            self.trend = vec![0.0; ideal.len()];
+        if self.stations.is_empty() {
+            self.stations = ideal.iter().map(|&level| LevelTrend { level, trend: 0.0 }).collect();
             // the first part of all stands for both events until one is seen
             self.after_insert = Some(ideal.to_vec());
             self.after_cold = Some(ideal.to_vec());
@@ -55,7 +64,7 @@ impl PassMemory {
         }
         // the jump of an event says nothing of the trend
         let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
-        for ((level, trend), i) in self.level.iter_mut().zip(&mut self.trend).zip(ideal) {
+        for (LevelTrend { level, trend }, i) in self.stations.iter_mut().zip(ideal) {
             let forecast = *level + *trend;
             let next = forecast + settings.level_weight * (i - forecast);
             *trend += trend_weight * (next - *level - *trend);

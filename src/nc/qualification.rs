@@ -19,7 +19,7 @@ use super::dialect::{Dialect, number};
 use super::error::NcError;
 use super::probe::{BALL, CORRECTION, DEVIATION, QUALIFIED, RUN_OUT, signed};
 use super::probe_settings::{NcProbe, ProbeReference};
-use super::replay::{self, Scene, Surface};
+use super::replay::{self, CommandedCut, Scene, Surface};
 use super::route::Workpiece;
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -140,8 +140,7 @@ impl<'a> Qualification<'a> {
     fn scene_of<'s>(&self, skeleton: &Skeleton<'s>, surface: Surface) -> Scene<'s> {
         let mut scene = skeleton.scene(vec![(0.0, self.reference.diameter_mm)]);
         // nothing is cut: any feed but the probe's is too deep, and no length must be covered
-        scene.commanded.clear();
-        scene.cut_between = (0.0, 0.0);
+        scene.cut = CommandedCut::default();
         let before = match &surface.before[..] {
             [] => vec![(0.0, self.reference.diameter_mm)],
             given => given.to_vec(),

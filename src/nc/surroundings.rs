@@ -6,7 +6,7 @@
 
 use super::machine::{Centre, Direction, Tailstock};
 use super::probe::{CORRECTION, QUALIFIED};
-use super::replay::{Convex, Scene, Solid};
+use super::replay::{CommandedCut, Convex, Scene, Solid};
 use super::route::{QUILL_MM, Route, Workpiece};
 use super::skeleton::{RAN_LAST, Skeleton};
 
@@ -99,8 +99,7 @@ impl<'a> Skeleton<'a> {
             probe: s.probe.map(|p| p.outlines()).unwrap_or_default(),
             surface: None,
             change: route.change,
-            commanded,
-            cut_between: (route.z_first.min(route.z_last), end),
+            cut: CommandedCut { commanded, between: (route.z_first.min(route.z_last), end) },
             travel: s.travel,
             variables,
         }

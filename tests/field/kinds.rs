@@ -258,6 +258,11 @@ impl Kind {
             "{}, frame {number}: {size_px:.2} px (bore {bore_px:?}), σ {sigma:.2}, {dark:.1} to {full:.1} counts, noise {read:.2} and {gain:.3}, slope {slope:.3}, {lit}, {stuck}",
             self.name
         );
+        Drawn { frame: self.read_out(&counts, rows, columns), size_px, bore_px, slope, words }
+    }
+
+    /// The frame in 8 bits, turned where the part stands upright.
+    fn read_out(&self, counts: &[f64], rows: usize, columns: usize) -> Frame {
         let mut pixels = vec![0_u8; rows * columns];
         for (k, value) in counts.iter().enumerate() {
             let (row, column) = (k / columns, k % columns);
@@ -265,9 +270,7 @@ impl Kind {
             pixels[place] = value.round().clamp(0.0, 255.0) as u8;
         }
         let (rows, columns) = if self.vertical { (columns, rows) } else { (rows, columns) };
-        let frame =
-            Frame::new(Buffer::U8(pixels), PixelFormat::Mono8, rows, columns, FrameMeta::default()).unwrap();
-        Drawn { frame, size_px, bore_px, slope, words }
+        Frame::new(Buffer::U8(pixels), PixelFormat::Mono8, rows, columns, FrameMeta::default()).unwrap()
     }
 
     /// Sets stuck lines.

@@ -318,6 +318,20 @@ fn a_job_is_calibrated_by_its_own_config() {
     }
 }
 
+/// A level pin teaches nothing: it was fitted by a Gaussian under another name.
+#[test]
+fn a_level_pin_teaches_no_edge_model() {
+    let folder = Folder::new();
+    folder.write("job.toml", &job(COHERENT, ""));
+    let simulated = "config = \"job.toml\"\nframes_each = 1\nlimit_tilt_mrad = 0.3";
+    let level = folder.write("level.toml", &plan(simulated));
+    let out = folder.path("learnt.json");
+    let (code, said, _) =
+        folder.run(&["calibrate", &level, "--out", &out, "--esf", "learnt", "--backend", "cpu"]);
+    assert!(code == 3 && said.contains("must travel 1.5 rows") && said.contains("--esf gaussian"), "{said}");
+    assert!(!Path::new(&out).exists());
+}
+
 /// Which edge model was fitted stands in text, JSON, report and file; another is refused, without one the file's own is taken.
 #[test]
 fn a_calibration_says_and_keeps_its_edge_model() {
@@ -326,16 +340,8 @@ fn a_calibration_says_and_keeps_its_edge_model() {
     let edge = folder.write("edge.csv", &table(&folder, &config, &["--with-blur"]));
     let other =
         folder.write("other.csv", &table(&folder, &folder.write("other.toml", &job(GAUSSIAN, "")), &[]));
-    let simulated =
-        |tilt: f64| plan(&format!("config = \"job.toml\"\nframes_each = 1\nlimit_tilt_mrad = {tilt:.1}"));
-    let level = folder.write("level.toml", &simulated(0.3));
-    let oblique = folder.write("oblique.toml", &simulated(40.0));
-    // A level pin teaches nothing: it was fitted by a Gaussian under another name.
-    let out = folder.path("learnt.json");
-    let (code, said, _) =
-        folder.run(&["calibrate", &level, "--out", &out, "--esf", "learnt", "--backend", "cpu"]);
-    assert!(code == 3 && said.contains("must travel 1.5 rows") && said.contains("--esf gaussian"), "{said}");
-    assert!(!Path::new(&out).exists());
+    let simulated = "config = \"job.toml\"\nframes_each = 1\nlimit_tilt_mrad = 40.0";
+    let oblique = folder.write("oblique.toml", &plan(simulated));
     let [gaussian, learnt, by_table] =
         [("gaussian", "gaussian.json"), ("learnt", "learnt.json"), (edge.as_str(), "table.json")]
             .map(|(esf, out)| folder.calibrate(&oblique, out, &["--esf", esf]));

@@ -127,19 +127,15 @@ fn doubled() -> Picture {
 }
 
 fn gauges() -> Vec<Case> {
-    let shaft = || Picture::shadow(40.3, 101.7);
-    let small = |picture: Picture, rows| Picture { rows, ..picture };
-    let row = |at: f64| {
-        move |r: f64, c: f64| if r == at { 250.0 } else { 15.0 + 165.0 * shadow(40.3, 101.7, 1.0)(r, c) }
-    };
-    let moved = |r: f64, _: f64| {
-        let ramp = |d: f64| (0.5 + d / 16.0).clamp(0.0, 1.0);
-        15.0 + 165.0 * (ramp(40.0 - r) + ramp(r - 101.0))
-    };
-    let two = |r: f64, c: f64| {
-        15.0 + 165.0 * (shadow(15.3, 55.6, 1.0)(r, c) + shadow(75.4, 115.5, 1.0)(r, c) - 1.0)
-    };
-    let wires: &[&str] = &["--min-diameter-px", "5"];
+    let mut cases = empty_frames();
+    cases.extend(shafts());
+    cases.extend(wires());
+    cases
+}
+
+/// Nothing to measure, or not enough of it.
+fn empty_frames() -> Vec<Case> {
+    let few_rows = Picture { rows: 20, ..Picture::shadow(40.3, 101.7) };
     vec![
         (
             "no part",
@@ -153,12 +149,23 @@ fn gauges() -> Vec<Case> {
             &[],
             ["same value", "12 times the noise", "light it from behind"],
         ),
-        (
-            "few rows",
-            small(shaft(), 20),
-            &[],
-            ["20 rows x 200 columns", "at least 24 rows", "try --vertical"],
-        ),
+        ("few rows", few_rows, &[], ["20 rows x 200 columns", "at least 24 rows", "try --vertical"]),
+    ]
+}
+
+fn shafts() -> Vec<Case> {
+    let shaft = Picture::shadow(40.3, 101.7);
+    let row = |at: f64| {
+        move |r: f64, c: f64| if r == at { 250.0 } else { 15.0 + 165.0 * shadow(40.3, 101.7, 1.0)(r, c) }
+    };
+    let moved = |r: f64, _: f64| {
+        let ramp = |d: f64| (0.5 + d / 16.0).clamp(0.0, 1.0);
+        15.0 + 165.0 * (ramp(40.0 - r) + ramp(r - 101.0))
+    };
+    let two = |r: f64, c: f64| {
+        15.0 + 165.0 * (shadow(15.3, 55.6, 1.0)(r, c) + shadow(75.4, 115.5, 1.0)(r, c) - 1.0)
+    };
+    vec![
         (
             "one edge",
             Picture::shadow(60.3, 400.0),
@@ -193,6 +200,18 @@ fn gauges() -> Vec<Case> {
             ["no shadow 3", "2 of 24 px or more", "--which"],
         ),
         (
+            "a shaft at the border",
+            Picture { rows: 106, ..shaft },
+            &[],
+            ["too near the border", "px of light are needed", "move the part"],
+        ),
+    ]
+}
+
+fn wires() -> Vec<Case> {
+    let wires: &[&str] = &["--min-diameter-px", "5"];
+    vec![
+        (
             "a blurred wire",
             Picture::new(|r, c| 15.0 + 165.0 * shadow(66.0, 74.0, 3.2)(r, c)),
             wires,
@@ -206,15 +225,9 @@ fn gauges() -> Vec<Case> {
         ),
         (
             "a wire at the border",
-            small(Picture::shadow(24.3, 36.6), 40),
+            Picture { rows: 40, ..Picture::shadow(24.3, 36.6) },
             wires,
             ["too near the border", "7 px of light", "move the part"],
-        ),
-        (
-            "a shaft at the border",
-            small(shaft(), 106),
-            &[],
-            ["too near the border", "px of light are needed", "move the part"],
         ),
     ]
 }

@@ -205,8 +205,20 @@ fn a_calibration_is_made_and_used() {
     }
     let random = number(&frame["u_random_mm"]).hypot(number(&frame["u_common_mm"]));
     assert!((random / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9);
-    // A file that names one condition leaves the others, and so u, as the calibration has them.
-    let one = path(folder.path(), "one.toml");
+    // One value has no scatter.
+    let first = path(folder.path(), "part/000.png");
+    let single = json(&shadowgauge(&["measure", &first, "--um-per-px", "15.27", "--json", "--budget"]));
+    assert!(single["statistics"]["sd_mm"].is_null() && number(&single["statistics"]["u_mean_mm"]) > 0.0);
+    let stated = single["frames"][0]["budget"].as_array().unwrap();
+    assert!(stated.iter().any(|row| row["input"] == "not stated" && row["u_mm"] == 0.0), "{stated:?}");
+    conditions_are_taken(folder.path(), frame, &measure);
+    tolerances_are_judged(&input, &measure);
+}
+
+/// A file that names one condition leaves the others, and so u, as the calibration has them.
+fn conditions_are_taken(folder: &Path, frame: &Value, measure: &dyn Fn(&[&str]) -> Output) {
+    let number = |v: &Value| v.as_f64().unwrap();
+    let one = path(folder, "one.toml");
     std::fs::write(&one, "temperature_c = 20.0\n").unwrap();
     let same = json(&measure(&["--conditions", &one]));
     assert_eq!(same["frames"][0]["u_max_mm"], frame["u_max_mm"]);
@@ -217,17 +229,14 @@ fn a_calibration_is_made_and_used() {
     std::fs::write(&one, "limit_axis_y_mm = 3.0\n").unwrap();
     let far = json(&measure(&["--conditions", &one]));
     assert!(number(&far["frames"][0]["u_max_mm"]) > number(&frame["u_max_mm"]));
-    // One value has no scatter.
-    let first = path(folder.path(), "part/000.png");
-    let single = json(&shadowgauge(&["measure", &first, "--um-per-px", "15.27", "--json", "--budget"]));
-    assert!(single["statistics"]["sd_mm"].is_null() && number(&single["statistics"]["u_mean_mm"]) > 0.0);
-    let stated = single["frames"][0]["budget"].as_array().unwrap();
-    assert!(stated.iter().any(|row| row["input"] == "not stated" && row["u_mm"] == 0.0), "{stated:?}");
     // Ten kelvin warmer: 11.5 ppm a kelvin smaller at 20 °C.
     let warm = json(&measure(&["--part-temperature", "30"]));
     let ratio = number(&warm["frames"][0]["max_diameter_mm"]) / number(&frame["max_diameter_mm"]);
     assert!((ratio - 1.0 / (1.0 + 1.15e-4)).abs() < 1e-9, "{ratio}");
-    // Judgement, averages, statistics.
+}
+
+/// Judgement, averages, statistics.
+fn tolerances_are_judged(input: &str, measure: &dyn Fn(&[&str]) -> Output) {
     let good = measure(&["--tolerance", "4.99..5.01", "--average", "moving:2"]);
     assert_eq!(good.status.code(), Some(0));
     let good = json(&good);
@@ -239,7 +248,7 @@ fn a_calibration_is_made_and_used() {
     let none = measure(&["--tolerance", "4.9999..5.0001"]);
     assert_eq!(none.status.code(), Some(1));
     assert!(text(&none.stderr).contains("leaves no acceptance zone"), "{}", text(&none.stderr));
-    let human = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--tolerance", "4.9..5.1"]);
+    let human = shadowgauge(&["measure", input, "--um-per-px", "15.27", "--tolerance", "4.9..5.1"]);
     let (said, warned) = (text(&human.stdout), text(&human.stderr));
     assert!(said.contains("mean diameters of 4 frames: mean ") && !said.contains('{'), "{said}");
     assert!(warned.contains("scale and edge offset are not calibrated"), "{warned}");

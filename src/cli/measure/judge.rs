@@ -189,6 +189,13 @@ struct Judged {
     freedom: f64,
 }
 
+/// Frames of a part that turns.
+struct FollowedTurn {
+    frames: Vec<(FrameMeta, ColumnDiameters)>,
+    history: TurnHistory,
+    jumps: Vec<Jump>,
+}
+
 /// Follows the frames of one command.
 pub struct Follower<'a> {
     args: &'a JudgeArgs,
@@ -200,9 +207,7 @@ pub struct Follower<'a> {
     /// Random variances of the values in the statistics, mm².
     noise: RunningStatistics,
     worst: Judgement,
-    turn: Vec<(FrameMeta, ColumnDiameters)>,
-    history: TurnHistory,
-    jumps: Vec<Jump>,
+    turn: FollowedTurn,
     frames: usize,
     no_zone_told: bool,
 }
@@ -254,9 +259,11 @@ impl<'a> Follower<'a> {
             means: FrameMeans::default(),
             noise: RunningStatistics::default(),
             worst: Judgement::GO,
-            turn: Vec::new(),
-            history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
-            jumps: Vec::new(),
+            turn: FollowedTurn {
+                frames: Vec::new(),
+                history: TurnHistory::new(&plausibility, args.station_mm.unwrap_or(TURN_STRETCH_MM)),
+                jumps: Vec::new(),
+            },
             frames: 0,
             no_zone_told: false,
         })
@@ -320,7 +327,7 @@ impl<'a> Follower<'a> {
         let values = self.to_be_judged(&meta, &diameters, averaged, largest);
         self.judge_frame(&values, out);
         if self.args.turn {
-            self.turn.push((meta, diameters));
+            self.turn.frames.push((meta, diameters));
         }
     }
 
@@ -367,7 +374,7 @@ impl<'a> Follower<'a> {
     ) {
         let valid = |d: &ColumnDiameters| d.readings.iter().filter(|r| r.value().is_some()).count();
         let before = valid(diameters);
-        let jumps = self.history.check(meta, diameters);
+        let jumps = self.turn.history.check(meta, diameters);
         if jumps.is_empty() {
             return;
         }
@@ -379,7 +386,7 @@ impl<'a> Follower<'a> {
         if let Some(count) = out.get("valid").and_then(Value::as_u64) {
             out.insert("valid".to_owned(), json!(count.saturating_sub(refused as u64)));
         }
-        self.jumps.extend(jumps);
+        self.turn.jumps.extend(jumps);
     }
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
@@ -505,15 +512,15 @@ impl<'a> Follower<'a> {
         // Over a turn the means differ by the form that is measured.
         words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
-            let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;
+            let form = part_form(&self.turn.frames, self.args.station_mm, self.args.cutoff_upr)?;
             words.extend(scatter_word(&form));
             let length = self.args.station_mm.unwrap_or(f64::INFINITY);
-            let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn, z_mm, length));
-            turn["implausible"] = json!(self.jumps);
-            turn["axis"] = axis_json(&axis_line(&self.turn, self.args.station_mm, self.calibration));
+            let mut turn = turn_json(&form, |z_mm| common_mm(&self.turn.frames, z_mm, length));
+            turn["implausible"] = json!(self.turn.jumps);
+            turn["axis"] = axis_json(&axis_line(&self.turn.frames, self.args.station_mm, self.calibration));
             if let (Some((judge, _)), Some(tolerance)) = (&self.judge, &self.args.tolerance) {
-                let envelope = envelope(&self.turn, self.args.cutoff_upr);
-                let common = |z_mm: f64| common_mm(&self.turn, z_mm, length);
+                let envelope = envelope(&self.turn.frames, self.args.cutoff_upr);
+                let common = |z_mm: f64| common_mm(&self.turn.frames, z_mm, length);
                 if let Some(judged) = judge_turn(tolerance, judge.rule(), &form, &envelope, &common) {
                     self.worst = worse(self.worst, judged.judgement);
                     turn["judged"] = judged.json;

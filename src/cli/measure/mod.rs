@@ -30,7 +30,7 @@ use self::choice::ChoiceArgs;
 use self::crests::CrestStream;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{Follower, JudgeArgs, stated_budget};
+use self::judge::{Follower, JudgeArgs};
 use self::table::{print_budgets, print_series, print_table};
 use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -331,7 +331,12 @@ fn measure_each(
 }
 
 /// Adds to a frame's row what the choice of the shadow and the series before it give.
-fn add_follower(args: &MeasureArgs, measured: &Measured, follower: &mut Option<Follower<'_>>, row: &mut Value) {
+fn add_follower(
+    args: &MeasureArgs,
+    measured: &Measured,
+    follower: &mut Option<Follower<'_>>,
+    row: &mut Value,
+) {
     let edges = measured.result.as_ref().ok();
     let Some(row) = row.as_object_mut() else { return };
     if let Some(edges) = edges {

@@ -6,7 +6,7 @@ use super::judge::stated_budget;
 use super::statistics::statistics_line;
 use super::turn::turn_table;
 use super::words::{judged_by, stretch_text};
-use super::{Measured, MeasureArgs};
+use super::{MeasureArgs, Measured};
 use crate::gauge::Calibration;
 use crate::gauge::budget::WidthReading;
 use crate::gauge::calibration::Conditions;

@@ -109,7 +109,7 @@ fn one(
     let start = Instant::now();
     let buffer = renderer.draw_constant(&job, Some(buffer)).map_err(of_render)?;
     let floor_ms = ms(start);
-    let (rows, columns) = (job.params.rows as usize, job.params.columns as usize);
+    let (rows, columns) = (job.params.size.rows as usize, job.params.size.columns as usize);
     let frame = Frame::new(buffer, job.format, rows, columns, scene.meta(request)).map_err(Failure::fail)?;
     scene.give_back(job);
     Ok((frame_ms, floor_ms, frame))

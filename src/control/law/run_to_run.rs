@@ -50,25 +50,31 @@ impl Law for EwmaLaw {
     }
 }
 
+/// a and p of a station.
+#[derive(Clone, Copy, Debug, Default)]
+struct LevelTrend {
+    level: f64,
+    trend: f64,
+}
+
 /// Double EWMA per station.
 #[derive(Clone, Debug)]
 pub(crate) struct DoubleEwmaLaw {
     settings: DoubleEwmaSettings,
     started: bool,
-    level: Vec<f64>,
-    trend: Vec<f64>,
+    stations: Vec<LevelTrend>,
 }
 
 impl DoubleEwmaLaw {
     pub(crate) fn new(settings: &DoubleEwmaSettings, stations: usize) -> Self {
-        let rest = vec![0.0; stations];
-        Self { settings: settings.clone(), started: false, level: rest.clone(), trend: rest }
+        let stations = vec![LevelTrend::default(); stations];
+        Self { settings: settings.clone(), started: false, stations }
     }
 }
 
 impl Law for DoubleEwmaLaw {
     fn begin(&mut self, _stock_mm: Option<Vec<f64>>) {
-        *self = Self::new(&self.settings, self.level.len());
+        *self = Self::new(&self.settings, self.stations.len());
     }
 
     fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
@@ -76,13 +82,12 @@ impl Law for DoubleEwmaLaw {
         let gain = s.gain_estimate;
         let first = s.mean_start && !self.started;
         let (l1, l2) = if first { (1.0, 0.0) } else { (s.level_weight, s.trend_weight) };
-        let loops = self.level.iter_mut().zip(&mut self.trend).zip(disturbance(seen, gain));
-        for ((level, trend), m) in loops {
-            let innovation = m - *level;
-            *trend += l2 * (innovation - *trend);
-            *level += l1 * innovation;
+        for (station, m) in self.stations.iter_mut().zip(disturbance(seen, gain)) {
+            let innovation = m - station.level;
+            station.trend += l2 * (innovation - station.trend);
+            station.level += l1 * innovation;
         }
         self.started = true;
-        self.level.iter().zip(&self.trend).map(|(a, p)| (a + p) / gain).collect::<Vec<_>>().into()
+        self.stations.iter().map(|s| (s.level + s.trend) / gain).collect::<Vec<_>>().into()
     }
 }

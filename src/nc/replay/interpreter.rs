@@ -97,12 +97,7 @@ pub(super) enum Motion {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Modal {
     pub(super) motion: Option<Motion>,
-    /// Diameter of one unit of X.
-    x_unit: Option<f64>,
-    plane: bool,
-    millimetres: bool,
-    no_nose_compensation: bool,
-    absolute: bool,
+    positions: Positions,
     pub(super) feed_per_revolution: bool,
     pub(super) feed: Option<f64>,
     speed: bool,
@@ -111,6 +106,17 @@ pub(super) struct Modal {
     pub(super) oriented_deg: Option<f64>,
     tool_selected: Option<u32>,
     tool_called: bool,
+}
+
+/// How positions are to be read, as far as the program has said it.
+#[derive(Clone, Debug, Default)]
+struct Positions {
+    /// Diameter of one unit of X.
+    x_unit: Option<f64>,
+    plane: bool,
+    millimetres: bool,
+    no_nose_compensation: bool,
+    absolute: bool,
 }
 
 /// A program being run.
@@ -168,8 +174,11 @@ impl<'a> Interpreter<'a> {
             touches: 0,
             modal: Modal {
                 // system A: X and Z are absolute, X a diameter by parameter
-                x_unit: is_lathe_control.then_some(1.0),
-                absolute: is_lathe_control,
+                positions: Positions {
+                    x_unit: is_lathe_control.then_some(1.0),
+                    absolute: is_lathe_control,
+                    ..Positions::default()
+                },
                 ..Modal::default()
             },
             events: Vec::new(),
@@ -385,14 +394,14 @@ impl<'a> Interpreter<'a> {
         match (code, linuxcnc) {
             (0, _) => self.modal.motion = Some(Motion::Rapid),
             (10, _) => self.modal.motion = Some(Motion::Feed),
-            (70, true) => self.modal.x_unit = Some(1.0),
-            (80, true) => self.modal.x_unit = Some(2.0),
+            (70, true) => self.modal.positions.x_unit = Some(1.0),
+            (80, true) => self.modal.positions.x_unit = Some(2.0),
             (100, false) => self.write_offset(words)?,
             (310, false) | (382, true) => {}
-            (180, _) => self.modal.plane = true,
-            (210, _) => self.modal.millimetres = true,
+            (180, _) => self.modal.positions.plane = true,
+            (210, _) => self.modal.positions.millimetres = true,
             (280, false) => self.go_to_reference(line, words)?,
-            (400, _) => self.modal.no_nose_compensation = true,
+            (400, _) => self.modal.positions.no_nose_compensation = true,
             (430 | 490, true) => self.shift = 0.0,
             (500, false) => {
                 if words.get('S').is_none_or(|s| s <= 0.0) || words.get('X').or(words.get('Z')).is_some() {
@@ -401,7 +410,7 @@ impl<'a> Interpreter<'a> {
             }
             (650, false) => return self.alarm(line, words).map(Some),
             (800, true) => self.modal.motion = None,
-            (900, true) => self.modal.absolute = true,
+            (900, true) => self.modal.positions.absolute = true,
             (950, true) | (990, false) => self.feed_mode(true),
             (940, true) | (980, false) => self.feed_mode(false),
             (960 | 970, _) => {}
@@ -418,7 +427,7 @@ impl<'a> Interpreter<'a> {
 
     /// Diameter of one unit of X, where absolute positions can be taken.
     pub(super) fn x_unit(&self) -> Result<f64, String> {
-        let m = &self.modal;
+        let m = &self.modal.positions;
         let unit =
             m.x_unit.filter(|_| m.absolute).ok_or("G7 or G8, and G90, must come before the first move")?;
         if !(m.plane && m.millimetres && m.no_nose_compensation) {

@@ -28,6 +28,15 @@ pub struct Solid {
     pub shape: Convex,
 }
 
+/// What a program is to leave.
+#[derive(Clone, Debug, Default)]
+pub struct CommandedCut {
+    /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
+    pub commanded: Vec<(f64, f64)>,
+    /// Programmed Z between which the part must be cut.
+    pub between: (f64, f64),
+}
+
 /// What a program moves among.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
@@ -49,10 +58,8 @@ pub struct Scene<'a> {
     pub surface: Option<Surface>,
     /// Where the tool is changed.
     pub change: ChangePosition,
-    /// Commanded diameters, (Z, X), Z ascending; level beyond both ends.
-    pub commanded: Vec<(f64, f64)>,
-    /// Programmed Z between which the part must be cut.
-    pub cut_between: (f64, f64),
+    /// What the program is to leave.
+    pub cut: CommandedCut,
     /// Where the tip can travel.
     pub travel: Option<Travel>,
     /// Variables that a run before left: they must not stop the program.
@@ -159,7 +166,7 @@ impl Scene<'_> {
     }
 
     fn starts_of(&self, tool: &[Convex]) -> Vec<Point> {
-        let end = self.change.z_mm.max(self.cut_between.1);
+        let end = self.change.z_mm.max(self.cut.between.1);
         let mut places = vec![self.at_change()];
         for i in 0..LATTICE.0 {
             for j in 0..LATTICE.1 {
@@ -279,14 +286,14 @@ impl Scene<'_> {
     /// Z at which commanded diameter or move bend, between `a` and `b`.
     fn bends(&self, a: f64, b: f64) -> Vec<f64> {
         let (low, high) = (a.min(b), a.max(b));
-        let first = self.commanded.partition_point(|p| p.0 < low);
-        let inside = self.commanded[first..].iter().map(|p| p.0).take_while(|z| *z <= high);
+        let first = self.cut.commanded.partition_point(|p| p.0 < low);
+        let inside = self.cut.commanded[first..].iter().map(|p| p.0).take_while(|z| *z <= high);
         [low, high].into_iter().chain(inside).collect()
     }
 
     fn commanded_at(&self, z: f64) -> f64 {
-        let right = self.commanded.partition_point(|p| p.0 < z);
-        match (right.checked_sub(1).and_then(|i| self.commanded.get(i)), self.commanded.get(right)) {
+        let right = self.cut.commanded.partition_point(|p| p.0 < z);
+        match (right.checked_sub(1).and_then(|i| self.cut.commanded.get(i)), self.cut.commanded.get(right)) {
             (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (z - a.0) / (b.0 - a.0),
             (Some(only), None) | (None, Some(only)) => only.1,
             (None, None) => f64::INFINITY,
@@ -318,7 +325,7 @@ impl Scene<'_> {
             }
         }
         cut.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (begin, end) = self.cut_between;
+        let (begin, end) = self.cut.between;
         let mut reached = begin;
         for (from, to) in cut {
             if from > reached + SAME_MM {

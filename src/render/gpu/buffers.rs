@@ -40,7 +40,9 @@ impl Size {
             bytes(ESF_UNIFORM_SEGMENTS, 16),
             bytes(job.esf.segments.len() + job.profiles.len(), 16),
             // Whole steps of `fill`, which writes rows beyond the last one too.
-            u64::from(job.params.size.words) * u64::from(job.params.size.rows.next_multiple_of(FILL_ROWS)) * 4,
+            u64::from(job.params.size.words)
+                * u64::from(job.params.size.rows.next_multiple_of(FILL_ROWS))
+                * 4,
             bytes(light_words(job).len().max(4), 4),
         ])
     }
@@ -62,11 +64,11 @@ fn lit_rows(job: &Job<'_>) -> [std::ops::Range<u32>; 2] {
     if light_words(job).is_empty() {
         return [0..0, 0..0];
     }
-    let from = (p.dark_from * FILL_ROWS).min(p.rows);
-    if p.dark_steps == 0 {
-        return [0..p.rows, 0..0];
+    let from = (p.dark.from * FILL_ROWS).min(p.size.rows);
+    if p.dark.steps == 0 {
+        return [0..p.size.rows, 0..0];
     }
-    [0..from, from + p.dark_steps * FILL_ROWS..p.rows]
+    [0..from, from + p.dark.steps * FILL_ROWS..p.size.rows]
 }
 
 /// The bind-group layout: uniforms (parameters, quadrature, short tables), read-only buffers, the image.

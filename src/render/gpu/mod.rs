@@ -67,7 +67,16 @@ fn variant(job: &Job<'_>) -> Variant {
     let p = &job.params;
     let (stack, profiles) = (u32::from(job.stacked), u32::from(!job.profiles.is_empty()));
     let small = u32::from(job.esf.segments.len() <= buffers::ESF_UNIFORM_SEGMENTS);
-    [pixels_per_word(job.format), p.pattern, p.overlap, p.light, stack, profiles, p.nodes, small]
+    [
+        pixels_per_word(job.format),
+        p.pixels.pattern,
+        p.pixels.overlap,
+        p.light.kind,
+        stack,
+        profiles,
+        p.size.nodes,
+        small,
+    ]
 }
 
 struct Pipelines {

@@ -87,13 +87,19 @@ pub struct EsfTable {
     pub widens: bool,
     /// Whether the light is already integrated over a pixel: for edges along the rows.
     pub over_pixel: bool,
+    origin: Origin,
+    folded: Folded,
+}
+
+/// What tables are made of.
+#[derive(Clone, Debug, PartialEq)]
+struct Origin {
     focus: Focus,
     /// Radii of reflecting surfaces that have tables of their own, ascending; empty without reflection.
     radii_mm: Vec<f64>,
     /// The tables in f64, µm on the object; empty for the plain Gaussian.
     sources: Arc<[EdgeSpread]>,
     pixel_mm: f64,
-    folded: Folded,
 }
 
 /// The same tables integrated over a pixel, made when first asked for; nothing where that fails.
@@ -181,23 +187,23 @@ impl EsfTable {
             Some(r) => over_radii(r, &tables, extent.radius_mm)?,
             None => (Vec::new(), tables),
         };
-        Self::from_tables(tables, focus, radii_mm, extent.pixel_mm)
+        let sources = tables.into();
+        Self::from_tables(Origin { focus, radii_mm, sources, pixel_mm: extent.pixel_mm })
     }
 
     /// The tables with a pixel's height folded in: what a pixel gets past an edge along its rows, so that one place of a table
     /// replaces the quadrature. `None` where they cannot be had.
     pub fn over_pixel(&self) -> Option<&Self> {
         let made = || {
-            if self.sources.is_empty() {
-                let focus = self.focus;
-                return Some(Box::new(Self {
-                    focus,
-                    ..Self::gaussian_over(self.scale_px, 0.0, self.pixel_mm, true)
-                }));
+            let origin = &self.origin;
+            if origin.sources.is_empty() {
+                let mut folded = Self::gaussian_over(self.scale_px, 0.0, origin.pixel_mm, true);
+                folded.origin.focus = origin.focus;
+                return Some(Box::new(folded));
             }
-            let over = |t: &EdgeSpread| t.averaged(self.pixel_mm * 1e3, TOLERANCE);
-            let tables = self.sources.iter().map(over).collect::<Result<Vec<_>, _>>().ok()?;
-            let folded = Self::from_tables(tables, self.focus, self.radii_mm.clone(), self.pixel_mm).ok()?;
+            let over = |t: &EdgeSpread| t.averaged(origin.pixel_mm * 1e3, TOLERANCE);
+            let sources = origin.sources.iter().map(over).collect::<Result<Vec<_>, _>>().ok()?.into();
+            let folded = Self::from_tables(Origin { sources, ..origin.clone() }).ok()?;
             Some(Box::new(Self { over_pixel: true, ..folded }))
         };
         self.folded.0.get_or_init(made).as_deref()
@@ -231,20 +237,17 @@ impl EsfTable {
             blur_px: sigma_px,
             sharp_px: sigma_px,
             widens: true,
-            focus: if na == 0.0 { Focus::Fixed } else { Focus::Widens { na } },
-            radii_mm: Vec::new(),
-            sources: Arc::new([]),
-            pixel_mm,
+            origin: Origin {
+                focus: if na == 0.0 { Focus::Fixed } else { Focus::Widens { na } },
+                radii_mm: Vec::new(),
+                sources: Arc::new([]),
+                pixel_mm,
+            },
         }
     }
 
-    fn from_tables(
-        tables: Vec<EdgeSpread>,
-        focus: Focus,
-        radii_mm: Vec<f64>,
-        pixel_mm: f64,
-    ) -> Result<Self, RenderError> {
-        let pixel_um = pixel_mm * 1e3;
+    fn from_tables(origin: Origin) -> Result<Self, RenderError> {
+        let (tables, pixel_um) = (&origin.sources, origin.pixel_mm * 1e3);
         let reach_um = tables.iter().map(|t| t.range_um().1.max(-t.range_um().0)).fold(0.0, f64::max);
         let step_um = tables.iter().map(EdgeSpread::step_um).fold(f64::INFINITY, f64::min);
         let count = (2.0 * reach_um / step_um).ceil().max(1.0) as usize;
@@ -269,36 +272,33 @@ impl EsfTable {
             widens: false,
             over_pixel: false,
             folded: Folded::default(),
-            focus,
-            radii_mm,
-            sources: tables.into(),
-            pixel_mm,
+            origin,
         })
     }
 
     /// Whether edges may lie between two tables.
     pub fn is_stacked(&self) -> bool {
-        matches!(self.focus, Focus::Stack { .. })
+        matches!(self.origin.focus, Focus::Stack { .. })
     }
 
     /// Whether an edge's table depends on where its axis lies or how thick it is.
     pub fn is_even(&self) -> bool {
-        self.focus == Focus::Fixed && self.radii_mm.len() < 2
+        self.origin.focus == Focus::Fixed && self.origin.radii_mm.len() < 2
     }
 
     /// Whether surfaces of different radius have tables of their own.
     pub fn has_radii(&self) -> bool {
-        self.radii_mm.len() > 1
+        self.origin.radii_mm.len() > 1
     }
 
     /// Table and scale of an edge whose axis lies `y_mm` before the plane of focus (towards the camera), on a surface of
     /// mean radius `radius_mm`; `extra_px2` widens the scale of the Gaussian.
     pub fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
         let scale = |variance: f64| (self.scale_px * self.scale_px + variance).sqrt();
-        match self.focus {
+        match self.origin.focus {
             Focus::Fixed if self.widens => TablePlace { table: 0, blend: 0.0, scale_px: scale(extra_px2) },
             Focus::Widens { na } => {
-                let defocus = (0.5 * y_mm * na / self.pixel_mm).powi(2);
+                let defocus = (0.5 * y_mm * na / self.origin.pixel_mm).powi(2);
                 TablePlace { table: 0, blend: 0.0, scale_px: scale(extra_px2 + defocus) }
             }
             Focus::Fixed => TablePlace { table: self.bin(radius_mm), blend: 0.0, scale_px: self.scale_px },
@@ -318,8 +318,8 @@ impl EsfTable {
 
     /// Which radius' tables serve a surface.
     fn bin(&self, radius_mm: f64) -> u32 {
-        let after = self.radii_mm.partition_point(|r| *r < radius_mm);
-        match (after.checked_sub(1).map(|i| self.radii_mm[i]), self.radii_mm.get(after)) {
+        let after = self.origin.radii_mm.partition_point(|r| *r < radius_mm);
+        match (after.checked_sub(1).map(|i| self.origin.radii_mm[i]), self.origin.radii_mm.get(after)) {
             (Some(a), Some(b)) if radius_mm * radius_mm < a * b => after as u32 - 1,
             (Some(_), None) => after as u32 - 1,
             _ => after as u32,
@@ -329,8 +329,8 @@ impl EsfTable {
     /// Light at a distance (px) into the light of an edge of the table given, in f64: for profiles, figures and tests.
     pub fn light(&self, at: &TablePlace, distance_px: f64) -> f64 {
         let u = distance_px / at.scale_px;
-        let one = |table: u32| match self.sources.get(table as usize) {
-            Some(source) => source.value(u * self.pixel_mm * 1e3),
+        let one = |table: u32| match self.origin.sources.get(table as usize) {
+            Some(source) => source.value(u * self.origin.pixel_mm * 1e3),
             None => gaussian(u).0,
         };
         let near = one(at.table);
@@ -354,7 +354,7 @@ impl EsfTable {
 
     /// The tables in f64, µm on the object; none for the plain Gaussian.
     pub fn sources(&self) -> &[EdgeSpread] {
-        &self.sources
+        &self.origin.sources
     }
 
     /// The first table at a distance into the light, px, as the kernel holds it: for figures and tests.

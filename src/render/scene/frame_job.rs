@@ -9,7 +9,9 @@ use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest};
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
-use crate::render::kernel::params::{EdgeParams, FlatParams, FrameKeys, Params, Window, Windows, pixels_per_word};
+use crate::render::kernel::params::{
+    EdgeParams, FlatParams, FrameKeys, Params, Window, Windows, pixels_per_word,
+};
 use crate::render::kernel::shadowgraph::shaped;
 use crate::render::optics::esf_table::{Node, pixel_quadrature};
 
@@ -145,10 +147,12 @@ impl Scene {
             _ => u32::from(!self.bench.nominal.light.field.is_even()),
         };
         let light = &self.bench.nominal.light.field;
-        params.field.polynomial = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
-            .map(|k| k as f32);
+        params.field.polynomial =
+            [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
+                .map(|k| k as f32);
         params.field.sag = light.sag as f32;
-        params.field.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
+        params.field.half_diagonals =
+            (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
         params.field.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
     }
 

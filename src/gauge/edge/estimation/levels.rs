@@ -32,13 +32,19 @@ pub(crate) struct LevelCurve {
     pub(crate) mean: f64,
 }
 
-/// Bins of a series: abscissa in columns, mean, number of columns.
-#[derive(Clone, Debug, Default)]
-struct Bins {
-    at: Vec<f64>,
-    mean: Vec<f64>,
-    count: Vec<f64>,
+/// Neighbouring columns of a series.
+#[derive(Clone, Copy, Debug)]
+struct Bin {
+    /// Their middle, columns.
+    at: f64,
+    mean: f64,
+    /// Their number.
+    count: f64,
 }
+
+/// Bins of a series, in ascending order.
+#[derive(Clone, Debug, Default)]
+struct Bins(Vec<Bin>);
 
 /// Pools levels; keeps its memory between frames.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +59,7 @@ impl LevelPool {
     /// False, with `curve` untouched, without any column.
     pub(crate) fn pool(&mut self, means: &[f32], sd: f32, max_knots: usize, curve: &mut LevelCurve) -> bool {
         self.bins.fill(means, sd);
-        if self.bins.at.is_empty() {
+        if self.bins.0.is_empty() {
             return false;
         }
         let variance = f64::from(sd).powi(2).max(1e-12);
@@ -61,7 +67,7 @@ impl LevelPool {
         self.best.reserve(max_knots);
         let straight = self.search(means.len(), variance, max_knots);
         let (mut found, mut bend) = (straight, None);
-        let short = self.bins.at.len() < SHORT;
+        let short = self.bins.0.len() < SHORT;
         if straight.misfit > MISFIT && short && max_knots > 2 {
             bend = self.bins.bend(means.len());
             if let Some(bend) = &bend {
@@ -93,13 +99,13 @@ impl LevelPool {
         let (mut least, mut misfit) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
         // Twice as many knots that serve worse twice in a row end the search.
-        while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.at.len()) && worse < 2 {
+        while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.0.len()) && worse < 2 {
             let chi2 = self.trial.fit(&self.bins, columns, knots, variance);
             let price = chi2 + KNOT_PRICE * knots as f64;
             worse = if price < least { 0 } else { worse + 1 };
             if price < least {
                 least = price;
-                let freedom = self.bins.at.len() as f64 - knots as f64;
+                let freedom = self.bins.0.len() as f64 - knots as f64;
                 misfit = if freedom < 1.0 { 1.0 } else { chi2 / freedom };
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
@@ -157,9 +163,7 @@ impl Bend {
 
 impl Bins {
     fn fill(&mut self, means: &[f32], sd: f32) {
-        self.at.clear();
-        self.mean.clear();
-        self.count.clear();
+        self.0.clear();
         for (index, chunk) in means.chunks(BIN).enumerate() {
             if let Some(sum) = clean_sum(chunk, 8.0 * sd) {
                 self.push(index, chunk.len(), sum, BIN);
@@ -176,31 +180,30 @@ impl Bins {
     fn bend(&self, columns: usize) -> Option<Bend> {
         let mut normal = nalgebra::Matrix5::<f64>::zeros();
         let mut right = nalgebra::Vector5::<f64>::zeros();
-        for ((at, mean), count) in self.at.iter().zip(&self.mean).zip(&self.count) {
+        for Bin { at, mean, count } in &self.0 {
             let [p2, p3, p4] = legendre(*at, columns);
             let t = 2.0 * at / (columns.max(2) - 1) as f64 - 1.0;
             let terms = nalgebra::Vector5::new(1.0, t, p2, p3, p4);
             normal += terms * terms.transpose() * *count;
             right += terms * (*count * mean);
         }
-        if self.at.len() < 7 {
+        if self.0.len() < 7 {
             return None;
         }
         let by = normal.cholesky()?.solve(&right);
-        Some(Bend { by: [by[2], by[3], by[4]], columns, count: self.count.iter().sum() })
+        Some(Bend { by: [by[2], by[3], by[4]], columns, count: self.0.iter().map(|bin| bin.count).sum() })
     }
 
     /// Adds a bend so many times.
     fn add(&mut self, bend: &Bend, times: f64) {
-        for (at, mean) in self.at.iter().zip(&mut self.mean) {
-            *mean += times * bend.at(*at);
+        for bin in &mut self.0 {
+            bin.mean += times * bend.at(bin.at);
         }
     }
 
     fn push(&mut self, index: usize, length: usize, sum: f32, count: usize) {
-        self.at.push((index * BIN) as f64 + 0.5 * (length as f64 - 1.0));
-        self.mean.push(f64::from(sum) / count as f64);
-        self.count.push(count as f64);
+        let at = (index * BIN) as f64 + 0.5 * (length as f64 - 1.0);
+        self.0.push(Bin { at, mean: f64::from(sum) / count as f64, count: count as f64 });
     }
 }
 
@@ -263,44 +266,43 @@ fn median_of_finite(values: &[f32]) -> Option<f32> {
     (n > 0).then(|| 0.5 * (good[(n - 1) / 2] + good[n / 2]))
 }
 
-/// Knot values with the bands of the normal matrix's inverse that neighbouring knots need.
-#[derive(Clone, Debug, Default)]
-struct Fit {
-    knots: Vec<f64>,
-    /// Variance of each knot.
-    variance: Vec<f64>,
-    /// Covariance of a knot with the next one.
-    covariance: Vec<f64>,
-    diagonal: Vec<f64>,
-    off: Vec<f64>,
-    right: Vec<f64>,
+/// A knot with its row of the normal equations; what concerns the next knot is zero in the last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Knot {
+    /// Right-hand side, then the knot's value.
+    value: f64,
+    variance: f64,
+    /// Covariance with the next knot.
+    covariance: f64,
+    diagonal: f64,
+    /// Entry of the normal matrix between this knot and the next.
+    off: f64,
+    /// Right-hand side, kept.
+    right: f64,
 }
 
-fn reset(values: &mut Vec<f64>, length: usize) {
-    values.clear();
-    values.resize(length, 0.0);
+/// Knots with the bands of the normal matrix's inverse that neighbouring ones need.
+#[derive(Clone, Debug, Default)]
+struct Fit {
+    knots: Vec<Knot>,
 }
 
 impl Fit {
     /// Makes room for so many knots.
     fn reserve(&mut self, knots: usize) {
-        let Self { knots: values, variance, covariance, diagonal, off, right } = self;
-        for values in [values, variance, covariance, diagonal, off, right] {
-            values.reserve(knots.saturating_sub(values.len()));
-        }
+        self.knots.reserve(knots.saturating_sub(self.knots.len()));
     }
 
     /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
     fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
         let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;
-        reset(&mut self.diagonal, knots);
-        reset(&mut self.knots, knots);
-        reset(&mut self.off, knots - 1);
+        self.knots.clear();
+        self.knots.resize(knots, Knot::default());
         let (mut total, mut squares) = (0.0, 0.0);
         // Means relative to the first: χ² is a small difference of large sums.
-        let origin = bins.mean[0];
+        let origin = bins.0[0].mean;
         let (mut left, mut end) = (0, 1.0 / per_spacing);
-        for ((at, mean), count) in bins.at.iter().zip(&bins.mean).zip(&bins.count) {
+        for Bin { at, mean, count } in &bins.0 {
             // Bins ascend: the interval is never behind.
             while *at >= end && left + 2 < knots {
                 left += 1;
@@ -310,66 +312,67 @@ impl Fit {
             let (s, mean) = (1.0 - t, mean - origin);
             total += count;
             squares += count * mean * mean;
-            self.diagonal[left] += count * s * s;
-            self.diagonal[left + 1] += count * t * t;
-            self.off[left] += count * t * s;
-            self.knots[left] += count * s * mean;
-            self.knots[left + 1] += count * t * mean;
+            self.knots[left].diagonal += count * s * s;
+            self.knots[left + 1].diagonal += count * t * t;
+            self.knots[left].off += count * t * s;
+            self.knots[left].value += count * s * mean;
+            self.knots[left + 1].value += count * t * mean;
         }
         // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
         // One bin alone (readings of a line camera) says nothing of a slope: its knots stand at one level.
-        let weight = if bins.at.len() == 1 { 1e3 } else { 1e-6 };
-        let lean = weight * total / bins.at.len() as f64;
+        let weight = if bins.0.len() == 1 { 1e3 } else { 1e-6 };
+        let lean = weight * total / bins.0.len() as f64;
         for k in 0..knots - 1 {
-            self.diagonal[k] += lean;
-            self.diagonal[k + 1] += lean;
-            self.off[k] -= lean;
+            self.knots[k].diagonal += lean;
+            self.knots[k + 1].diagonal += lean;
+            self.knots[k].off -= lean;
         }
         // Only the weights' ratio matters to the knots; their covariance takes the variance.
-        self.right.clear();
-        self.right.extend_from_slice(&self.knots);
+        self.knots.iter_mut().for_each(|knot| knot.right = knot.value);
         if !self.solve() {
             return f64::INFINITY;
         }
-        for value in self.variance.iter_mut().chain(&mut self.covariance) {
-            *value *= variance;
-        }
+        self.widen(variance);
         // Σ r² = Σ m² − kᵀb − kᵀLk, where L is what leans.
-        let explained: f64 = self.knots.iter().zip(&self.right).map(|(k, b)| k * b).sum();
-        let leaning: f64 = self.knots.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
-        self.knots.iter_mut().for_each(|knot| *knot += origin);
+        let explained: f64 = self.knots.iter().map(|knot| knot.value * knot.right).sum();
+        let leaning: f64 = self.knots.windows(2).map(|w| (w[1].value - w[0].value).powi(2)).sum();
+        self.knots.iter_mut().for_each(|knot| knot.value += origin);
         (squares - explained - lean * leaning).max(0.0) / variance
     }
 
-    /// Widens the variances by what the curve leaves of its bins.
-    fn widen(&mut self, misfit: f64) {
-        for value in self.variance.iter_mut().chain(&mut self.covariance) {
-            *value *= misfit;
+    /// Multiplies variances and covariances.
+    fn widen(&mut self, times: f64) {
+        for knot in &mut self.knots {
+            knot.variance *= times;
+            knot.covariance *= times;
         }
     }
 
-    /// Solves the symmetric tridiagonal system (right-hand side in `knots`) and gives the two central bands of its inverse
+    /// Solves the symmetric tridiagonal system (right-hand side in `value`) and gives the two central bands of its inverse
     /// (Usmani's recurrences); false where it is singular.
     fn solve(&mut self) -> bool {
-        let n = self.diagonal.len();
+        let knots = &mut self.knots;
+        let n = knots.len();
         for k in 1..n {
-            let factor = self.off[k - 1] / self.diagonal[k - 1];
-            self.diagonal[k] -= factor * self.off[k - 1];
-            self.knots[k] -= factor * self.knots[k - 1];
+            let before = knots[k - 1];
+            let factor = before.off / before.diagonal;
+            knots[k].diagonal -= factor * before.off;
+            knots[k].value -= factor * before.value;
         }
-        if self.diagonal.iter().any(|pivot| !(*pivot > 0.0)) {
+        if knots.iter().any(|knot| !(knot.diagonal > 0.0)) {
             return false;
         }
-        reset(&mut self.variance, n);
-        reset(&mut self.covariance, n - 1);
-        self.variance[n - 1] = 1.0 / self.diagonal[n - 1];
-        self.knots[n - 1] /= self.diagonal[n - 1];
+        let last = &mut knots[n - 1];
+        last.variance = 1.0 / last.diagonal;
+        last.value /= last.diagonal;
         for k in (0..n - 1).rev() {
-            let pivot = 1.0 / self.diagonal[k];
-            let ratio = self.off[k] * pivot;
-            self.knots[k] = self.knots[k] * pivot - ratio * self.knots[k + 1];
-            self.covariance[k] = -ratio * self.variance[k + 1];
-            self.variance[k] = pivot - ratio * self.covariance[k];
+            let next = knots[k + 1];
+            let knot = &mut knots[k];
+            let pivot = 1.0 / knot.diagonal;
+            let ratio = knot.off * pivot;
+            knot.value = knot.value * pivot - ratio * next.value;
+            knot.covariance = -ratio * next.variance;
+            knot.variance = pivot - ratio * knot.covariance;
         }
         true
     }
@@ -379,10 +382,9 @@ impl Fit {
         let left = ((column * per_spacing) as usize).min(self.knots.len() - 2);
         let t = column * per_spacing - left as f64;
         let s = 1.0 - t;
-        let variance = s * s * self.variance[left]
-            + 2.0 * s * t * self.covariance[left]
-            + t * t * self.variance[left + 1];
-        (s * self.knots[left] + t * self.knots[left + 1], variance)
+        let (a, b) = (&self.knots[left], &self.knots[left + 1]);
+        let variance = s * s * a.variance + 2.0 * s * t * a.covariance + t * t * b.variance;
+        (s * a.value + t * b.value, variance)
     }
 
     /// Evaluates the curve: exactly at the ends of bins, linearly in between (bins are no longer than half a knot's distance).
@@ -415,8 +417,13 @@ mod tests {
     #[test]
     fn bands_of_the_inverse_are_those_of_a_dense_inverse() {
         let (d, o) = ([4.0, 3.0, 5.0, 2.0], [1.0, -0.5, 0.7]);
-        let mut fit =
-            Fit { diagonal: d.to_vec(), off: o.to_vec(), knots: vec![1.0, 2.0, 3.0, 4.0], ..Fit::default() };
+        let row = |k: usize| Knot {
+            value: 1.0 + k as f64,
+            diagonal: d[k],
+            off: o.get(k).copied().unwrap_or(0.0),
+            ..Knot::default()
+        };
+        let mut fit = Fit { knots: (0..4).map(row).collect() };
         assert!(fit.solve());
         let mut dense = nalgebra::DMatrix::<f64>::zeros(4, 4);
         for k in 0..4 {
@@ -429,10 +436,10 @@ mod tests {
         let inverse = dense.try_inverse().unwrap();
         let solution = &inverse * nalgebra::DVector::from_vec(vec![1.0, 2.0, 3.0, 4.0]);
         for k in 0..4 {
-            assert!((fit.variance[k] - inverse[(k, k)]).abs() < 1e-12);
-            assert!((fit.knots[k] - solution[k]).abs() < 1e-12);
+            assert!((fit.knots[k].variance - inverse[(k, k)]).abs() < 1e-12);
+            assert!((fit.knots[k].value - solution[k]).abs() < 1e-12);
             if k < 3 {
-                assert!((fit.covariance[k] - inverse[(k, k + 1)]).abs() < 1e-12);
+                assert!((fit.knots[k].covariance - inverse[(k, k + 1)]).abs() < 1e-12);
             }
         }
     }

@@ -27,18 +27,25 @@ const FADE: f64 = 0.2;
 /// Below this half width, in steps of the table, a box is taken as a point: errs by b²F''/6.
 const NARROW_STEPS: f64 = 1e-3;
 
+/// The function at one distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Knot {
+    /// F.
+    value: f64,
+    /// dF/dd, 1/µm.
+    slope: f64,
+    /// ∫F, µm.
+    first: f64,
+    /// ∬F, µm².
+    second: f64,
+}
+
 /// An edge-spread function F(d): 0 in the shadow, 1 in the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeSpread {
     low_um: f64,
     step_um: f64,
-    values: Vec<f64>,
-    /// dF/dd at the knots, 1/µm.
-    slopes: Vec<f64>,
-    /// ∫F at the knots.
-    first: Vec<f64>,
-    /// ∬F at the knots.
-    second: Vec<f64>,
+    knots: Vec<Knot>,
     interpolation_error: f64,
     truncation: f64,
 }
@@ -102,21 +109,21 @@ impl EdgeSpread {
         interpolation_error: f64,
         truncation: f64,
     ) -> Self {
-        let (values, slopes): (Vec<f64>, Vec<f64>) = knots.iter().copied().unzip();
-        let mut first = vec![0.0; values.len()];
-        let mut second = vec![0.0; values.len()];
-        for i in 1..values.len() {
+        let bare = knots.iter().map(|&(value, slope)| Knot { value, slope, ..Knot::default() });
+        let mut with_integrals: Vec<Knot> = bare.collect();
+        for i in 1..knots.len() {
             let c = hermite(knots[i - 1], knots[i], step_um);
-            first[i] = first[i - 1] + step_um * (c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0);
+            let Knot { first, second, .. } = with_integrals[i - 1];
             let inner = c[0] / 2.0 + c[1] / 6.0 + c[2] / 12.0 + c[3] / 20.0;
-            second[i] = second[i - 1] + step_um * (first[i - 1] + step_um * inner);
+            with_integrals[i].first = first + step_um * (c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0);
+            with_integrals[i].second = second + step_um * (first + step_um * inner);
         }
-        Self { low_um, step_um, values, slopes, first, second, interpolation_error, truncation }
+        Self { low_um, step_um, knots: with_integrals, interpolation_error, truncation }
     }
 
     /// First and last distance of the table, µm; F is 0 before and 1 after.
     pub fn range_um(&self) -> (f64, f64) {
-        (self.low_um, self.low_um + self.step_um * (self.values.len() - 1) as f64)
+        (self.low_um, self.low_um + self.step_um * self.segments() as f64)
     }
 
     /// Distance of the knots, µm.
@@ -126,7 +133,7 @@ impl EdgeSpread {
 
     /// F and dF/dd (1/µm) at the knots.
     pub fn knots(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
-        self.values.iter().copied().zip(self.slopes.iter().copied())
+        self.knots.iter().map(|k| (k.value, k.slope))
     }
 
     /// Largest difference between the table and its function, as a share of full intensity.
@@ -166,28 +173,28 @@ impl EdgeSpread {
     pub fn integral(&self, d_um: f64) -> f64 {
         match self.place(d_um) {
             Place::Shadow => 0.0,
-            Place::Light => self.first[self.first.len() - 1] + d_um - self.range_um().1,
+            Place::Light => self.knots[self.segments()].first + d_um - self.range_um().1,
             Place::Segment(i, t) => {
                 let c = self.segment(i);
                 let part = t * (c[0] + t * (c[1] / 2.0 + t * (c[2] / 3.0 + t * c[3] / 4.0)));
-                self.first[i] + self.step_um * part
+                self.knots[i].first + self.step_um * part
             }
         }
     }
 
     /// ∬F from the shadow to `d_um`, µm².
     pub fn second_integral(&self, d_um: f64) -> f64 {
-        let last = self.first.len() - 1;
         match self.place(d_um) {
             Place::Shadow => 0.0,
             Place::Light => {
                 let beyond = d_um - self.range_um().1;
-                self.second[last] + beyond * (self.first[last] + 0.5 * beyond)
+                let last = self.knots[self.segments()];
+                last.second + beyond * (last.first + 0.5 * beyond)
             }
             Place::Segment(i, t) => {
                 let c = self.segment(i);
                 let part = t * t * (c[0] / 2.0 + t * (c[1] / 6.0 + t * (c[2] / 12.0 + t * c[3] / 20.0)));
-                self.second[i] + self.step_um * (self.first[i] * t + self.step_um * part)
+                self.knots[i].second + self.step_um * (self.knots[i].first * t + self.step_um * part)
             }
         }
     }
@@ -256,7 +263,7 @@ impl EdgeSpread {
 
     /// Distance at which F first reaches `level` (0 < level < 1), coming from the shadow; `None` where it never does.
     pub fn position_um(&self, level: f64) -> Option<f64> {
-        let i = self.values.windows(2).position(|v| v[0] < level && v[1] >= level)?;
+        let i = self.knots.windows(2).position(|k| k[0].value < level && k[1].value >= level)?;
         let (mut a, mut b) =
             (self.low_um + i as f64 * self.step_um, self.low_um + (i + 1) as f64 * self.step_um);
         for _ in 0..60 {
@@ -274,7 +281,7 @@ impl EdgeSpread {
     /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what a quadrature over the
     /// pixel has to resolve. Equals σ for the Gaussian; about a sixth of the finest period for rings.
     pub fn sharpness_um(&self) -> f64 {
-        let steepest = self.slopes.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        let steepest = self.knots.iter().fold(0.0, |m: f64, k| m.max(k.slope.abs()));
         let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
         (steepest / third.fold(f64::MIN_POSITIVE, f64::max)).sqrt()
     }
@@ -313,7 +320,7 @@ impl EdgeSpread {
 
     fn place(&self, d_um: f64) -> Place {
         let at = (d_um - self.low_um) / self.step_um;
-        let segments = self.values.len() - 1;
+        let segments = self.segments();
         if at.is_nan() || at < 0.0 {
             Place::Shadow
         } else if at >= segments as f64 {
@@ -325,12 +332,13 @@ impl EdgeSpread {
 
     /// Coefficients c0..c3 of segment `i` over its fraction 0..1.
     pub fn segment(&self, i: usize) -> [f64; 4] {
-        hermite((self.values[i], self.slopes[i]), (self.values[i + 1], self.slopes[i + 1]), self.step_um)
+        let (a, b) = (&self.knots[i], &self.knots[i + 1]);
+        hermite((a.value, a.slope), (b.value, b.slope), self.step_um)
     }
 
     /// Number of segments.
     pub fn segments(&self) -> usize {
-        self.values.len() - 1
+        self.knots.len() - 1
     }
 }
 
