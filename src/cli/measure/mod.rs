@@ -30,8 +30,8 @@ use self::choice::ChoiceArgs;
 use self::crests::CrestStream;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{Follower, JudgeArgs};
-use self::table::{print_budgets, print_series, print_table};
+use self::judge::{Follower, JudgeArgs, stated_budget};
+use self::table::{print_series, print_table};
 use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
@@ -405,6 +405,26 @@ fn measure_all(
         print_series(&out);
     }
     Ok(if follower.is_none_or(|f| f.all_good()) { Outcome::Done } else { Outcome::OutOfTolerance })
+}
+
+/// Budgets of the frames' largest diameters.
+fn print_budgets(
+    args: &MeasureArgs,
+    results: &[Measured],
+    calibration: Option<&Calibration>,
+    conditions: &Conditions,
+) {
+    for measured in results {
+        let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
+        let least = args.judge.least_stretch(Some(calibration));
+        if let Some(reading) = WidthReading::of_largest(edges, calibration, least) {
+            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
+            say!(
+                "{}",
+                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
+            );
+        }
+    }
 }
 
 fn view<'a>(args: &MeasureArgs, frame: &'a Frame) -> FrameView<'a> {

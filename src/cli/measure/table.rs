@@ -2,14 +2,9 @@
 
 use serde_json::Value;
 
-use super::judge::stated_budget;
 use super::statistics::statistics_line;
 use super::turn::turn_table;
 use super::words::{judged_by, stretch_text};
-use super::{MeasureArgs, Measured};
-use crate::gauge::Calibration;
-use crate::gauge::budget::WidthReading;
-use crate::gauge::calibration::Conditions;
 use crate::gauge::stated::stated;
 
 pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
@@ -48,26 +43,6 @@ pub(super) fn print_table(figures: &[Value], bench: Option<&Value>) {
     }
     if let Some(bench) = bench {
         say_line!("bench: {bench}");
-    }
-}
-
-/// Budgets of the frames' largest diameters.
-pub(super) fn print_budgets(
-    args: &MeasureArgs,
-    results: &[Measured],
-    calibration: Option<&Calibration>,
-    conditions: &Conditions,
-) {
-    for measured in results {
-        let (Ok(edges), Some(calibration)) = (&measured.result, calibration) else { continue };
-        let least = args.judge.least_stretch(Some(calibration));
-        if let Some(reading) = WidthReading::of_largest(edges, calibration, least) {
-            say_line!("\nbudget of the largest diameter of frame {}", measured.stem);
-            say!(
-                "{}",
-                stated_budget(&reading, calibration, conditions).to_table(args.judge.coverage_factor())
-            );
-        }
     }
 }
 

@@ -40,9 +40,16 @@ pub(super) struct Joint<'a> {
     /// Standard uncertainty of a blur that is given, px.
     pub(super) sigma_prior: Option<(f64, f64)>,
     /// Columns fitted.
-    pub(crate) columns: Vec<usize>,
-    /// Their places, px from the central pixels.
-    pub(crate) places: Vec<f64>,
+    pub(crate) columns: Vec<FittedColumn>,
+}
+
+/// A column of the joint fit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FittedColumn {
+    /// Column of the frame.
+    pub(crate) index: usize,
+    /// Place of its edge, px from the central pixel.
+    pub(crate) place: f64,
 }
 
 /// Sums over the columns.
@@ -91,6 +98,11 @@ pub(super) struct Settled {
 type Entries = [(usize, usize, f64); 4 + 1 + TERMS];
 
 impl Joint<'_> {
+    /// The column in the middle of those fitted.
+    pub(super) fn middle(&self) -> usize {
+        self.columns[self.columns.len() / 2].index
+    }
+
     fn count(&self) -> usize {
         self.dark.knots.len() + self.light.knots.len() + 1 + TERMS
     }
@@ -131,15 +143,15 @@ impl Joint<'_> {
             by_noise: DVector::zeros(n),
         };
         let mut scores = Vec::with_capacity(self.columns.len());
-        for (column, place) in self.columns.iter().zip(&self.places) {
-            let score =
-                self.likelihood.score(windows.of(*column), *place, self.column(*column, slope[*column]));
+        for &FittedColumn { index: column, place } in &self.columns {
+            let at = self.column(column, slope[column]);
+            let score = self.likelihood.score(windows.of(column), place, at);
             let own = score.information[(0, 0)];
             scores.push(score);
             if !(own > 0.0) {
                 continue;
             }
-            let entries = self.entries(*column);
+            let entries = self.entries(column);
             for (i, a, wa) in entries {
                 let cross = score.information[(a, 0)];
                 sums.right[i] += wa * (score.gradient[a] - cross * score.gradient[0] / own);
@@ -168,11 +180,11 @@ impl Joint<'_> {
     }
 
     fn log_likelihood(&self, windows: &Windows, slope: &[f32]) -> f64 {
-        let of = |(column, place): (&usize, &f64)| {
-            let at = self.column(*column, slope[*column]);
-            self.likelihood.log_likelihood(windows.of(*column), *place, at)
+        let of = |&FittedColumn { index: column, place }: &FittedColumn| {
+            let at = self.column(column, slope[column]);
+            self.likelihood.log_likelihood(windows.of(column), place, at)
         };
-        self.columns.iter().zip(&self.places).map(of).sum()
+        self.columns.iter().map(of).sum()
     }
 
     fn add_priors(&self, sums: &mut Sums) {
@@ -212,7 +224,7 @@ impl Joint<'_> {
         let (sums, scores) = self.sums(windows, slope);
         let step = sums.normal.cholesky()?.solve(&sums.right);
         let (kd, kl) = (self.dark.knots.len(), self.light.knots.len());
-        let middle = self.columns[self.columns.len() / 2];
+        let middle = self.middle();
         let contrast = self.light.at(middle) - self.dark.at(middle);
         let levels = step.rows(0, kd + kl).amax();
         let terms = step.rows(kd + kl + 1, TERMS).amax();
@@ -231,17 +243,17 @@ impl Joint<'_> {
         for k in 0..TERMS {
             self.likelihood.terms[k] += step[kd + kl + 1 + k];
         }
-        for ((column, place), score) in self.columns.iter().zip(&self.places.clone()).zip(&scores) {
+        for (k, score) in scores.iter().enumerate() {
             let own = score.information[(0, 0)];
             if !(own > 0.0) {
                 continue;
             }
+            let FittedColumn { index: column, place } = self.columns[k];
             let mut gradient = score.gradient[0];
-            for (index, local, weight) in self.entries(*column) {
+            for (index, local, weight) in self.entries(column) {
                 gradient -= score.information[(local, 0)] * weight * step[index];
             }
-            let index = self.columns.binary_search(column).ok()?;
-            self.places[index] = (place + (gradient / own).clamp(-0.5, 0.5)).clamp(-9.0, 9.0);
+            self.columns[k].place = (place + (gradient / own).clamp(-0.5, 0.5)).clamp(-9.0, 9.0);
         }
         self.keep_in_bounds(seen);
         Some((levels / contrast).max(step[kd + kl].abs() / self.sigma))
@@ -263,7 +275,7 @@ impl Joint<'_> {
     /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts. `None` where the columns do not tell.
     pub(crate) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
         for round in 0..3 {
-            let middle = self.columns[self.columns.len() / 2];
+            let middle = self.middle();
             self.likelihood.separate(windows.width, self.column(middle, 0.0));
             self.likelihood.strict = round > 1;
             for _ in 0..40 {
@@ -301,16 +313,14 @@ impl Joint<'_> {
             return;
         }
         let mut is_free = scores.iter().map(|score| score.stray == 0);
-        let mut same = is_free.clone();
         self.columns.retain(|_| is_free.next().unwrap_or(true));
-        self.places.retain(|_| same.next().unwrap_or(true));
     }
 
     /// The gain from the scatter on the flank, the misfit from what the noise leaves of χ².
     fn learn_noise(&mut self, windows: &Windows, slope: &[f32]) {
         let (sums, _) = self.sums(windows, slope);
         let [square, level] = sums.flank;
-        let middle = self.columns[self.columns.len() / 2];
+        let middle = self.middle();
         let (dark, light) = (self.dark.at(middle), self.light.at(middle));
         let own = self.own_noise(&sums);
         let noise = &mut self.likelihood.noise;
@@ -336,7 +346,7 @@ impl Joint<'_> {
     /// Relative standard uncertainty of the noise of what is clipped: √(2/n) is known of the variance on the flank, about twice of whose
     /// departure from the known level's stands in it; half of that of its root.
     fn noise_known_to(&self, sums: &Sums) -> f64 {
-        let middle = self.columns[self.columns.len() / 2];
+        let middle = self.middle();
         let (dark, light) = (self.dark.at(middle), self.light.at(middle));
         if self.own_noise(sums).is_some() {
             return (0.5 / sums.in_dark[1]).sqrt();

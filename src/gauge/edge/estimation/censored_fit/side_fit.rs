@@ -6,7 +6,7 @@
 //! uncertainty with the joint covariance; the part by the shape of the edge, which is the same lens at both edges, adds up in a width:
 //! each side states √2 of its own.
 
-use super::joint::{BRIGHTEST, Joint, Settled};
+use super::joint::{BRIGHTEST, FittedColumn, Joint, Settled};
 use super::level::Level;
 use super::score::{Column, Likelihood, Noise, Score};
 use crate::gauge::edge::estimation::censored::Ends;
@@ -120,12 +120,13 @@ fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, 
     if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
         return None;
     }
-    let dark = joint.dark.at(joint.columns[joint.columns.len() / 2]);
+    let dark = joint.dark.at(joint.middle());
     Some(Ends { high: soft_knee::trusted([dark, ends.high], ends.step), ..ends })
 }
 
-fn first_places(windows: &Windows, columns: &[usize]) -> Vec<f64> {
-    columns.iter().map(|c| windows.first_place(*c)).collect()
+/// Columns with the places that their windows show first.
+fn first_placed(windows: &Windows, columns: &[usize]) -> Vec<FittedColumn> {
+    columns.iter().map(|&index| FittedColumn { index, place: windows.first_place(index) }).collect()
 }
 
 /// The fit to few columns (`scouts`) with the number of knots that they ask for, and the contrast seen; `able`: all that may be fitted.
@@ -160,8 +161,7 @@ fn with_best_knots<'a>(
         light: known(light, ends.high.is_finite(), KNOTS[0], 0.02 * seen),
         sigma: start.sigma,
         sigma_prior: start.sigma_is_given.then_some((start.sigma, GIVEN_TO * start.sigma)),
-        places: first_places(windows, scouts),
-        columns: scouts.to_vec(),
+        columns: first_placed(windows, scouts),
     };
     let mut least = price(&best.settle(windows, slope, seen)?, KNOTS[0]);
     let mut last = best.clone();
@@ -199,13 +199,12 @@ fn fit_joint<'a>(
     let (mut best, seen) = with_best_knots(windows, slope, start, &able, &some(SCOUTS))?;
     let ends = start.ends;
     let teachers = some(TEACHERS);
-    best.places = first_places(windows, &teachers);
-    best.columns = teachers;
-    for (column, place) in best.columns.iter().zip(&mut best.places) {
+    best.columns = first_placed(windows, &teachers);
+    for FittedColumn { index, place } in &mut best.columns {
         let at = best.likelihood.place(
-            windows.of(*column),
+            windows.of(*index),
             *place,
-            Column::of(&best.dark, &best.light, *column, best.sigma),
+            Column::of(&best.dark, &best.light, *index, best.sigma),
         );
         *place = at.unwrap_or(*place);
     }
@@ -244,8 +243,9 @@ fn hold<'a>(
     };
     let (near, settled) = at(HELD.0)?;
     let (far, _) = at(HELD.1)?;
-    let mean = |places: &[f64]| places.iter().sum::<f64>() / places.len().max(1) as f64;
-    let moved = (mean(&far.places) - mean(&near.places)).abs();
+    let mean =
+        |columns: &[FittedColumn]| columns.iter().map(|c| c.place).sum::<f64>() / columns.len().max(1) as f64;
+    let moved = (mean(&far.columns) - mean(&near.columns)).abs();
     Some((near, settled, moved * (2.0_f64 / 3.0).sqrt()))
 }
 
