@@ -66,7 +66,8 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
-/// The axis of a part for comparison only: what stands still and what turns with it, mm.
+/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by the force while it was cut): what
+/// stands still and what turns with it, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -120,7 +121,7 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis with the tool clear; `None` where nobody knows. For comparison only.
+    /// The part's axis as the last pass was looked at; `None` where nobody knows. For comparison only.
     fn true_axis(&self) -> Option<TrueAxis> {
         None
     }
@@ -166,6 +167,8 @@ pub struct SimulatedCell<'a> {
     stock: Stock,
     batch: Batch,
     probe: Option<TrueProbe>,
+    /// Fields of a pass that was looked at while it was cut, and the axis each saw; none where the tool was clear.
+    followed: Vec<(f64, Option<Vec<AxisKnot>>)>,
 }
 
 /// What is filmed: the two count their frames apart.
@@ -248,6 +251,7 @@ impl<'a> SimulatedCell<'a> {
             probe: job.probe.as_ref().map(|probe| {
                 TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
             }),
+            followed: Vec::new(),
             batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
         })
     }
@@ -306,7 +310,7 @@ impl TurningCell for SimulatedCell<'_> {
         let offset = shaft.eccentricity.amplitude_mm;
         let whole = [AxisKnot { z_mm: 0.0, x_mm: offset * cos, y_mm: offset * sin }];
         Some(TrueAxis {
-            still: shaft.deflection.clone(),
+            still: in_process::axis_seen(&self.followed, &shaft.deflection, self.stock.length_mm),
             turning: sum_of_lines(&whole[..usize::from(offset != 0.0)], &shaft.bow),
         })
     }
@@ -357,6 +361,7 @@ impl SimulatedCell<'_> {
     }
 
     fn begin_pass(&mut self, pass: u32) {
+        self.followed.clear();
         self.pass = pass;
         self.frame_id = self.first_frame_id();
         self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;

@@ -4,7 +4,9 @@ use super::{CellError, FollowedCut, SimulatedCell, TurningCell};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
 use crate::process::FollowedPass;
+use crate::process::bending::axis_at;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Scene};
+use crate::shaft::AxisKnot;
 
 /// A pass of the simulated cell under way.
 pub(super) struct SimulatedCut<'c, 'r> {
@@ -27,6 +29,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
     ) -> Result<Self, CellError> {
         let pass = cell.process.followed(plan)?;
         cell.begin_pass(plan.pass);
+        cell.followed = follow.rest.field_z_mm.iter().map(|&z_mm| (z_mm, None)).collect();
         let mut bench = cell.bench.clone();
         bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
         bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
@@ -41,6 +44,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
 
     fn draw(&mut self, at: &FollowFrame) -> Result<Frame, RenderError> {
         let shaft = self.cell.clamped(self.pass.at(at.tool_z_mm));
+        self.cell.followed.push((at.field_z_mm, Some(shaft.deflection.clone())));
         let scene = Scene::new(&self.bench, shaft)?;
         let camera = &self.bench.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
@@ -57,6 +61,28 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         };
         self.cell.renderer.render(&scene, &request, self.spare.take())
     }
+}
+
+/// Steps of an axis that is put together from fields, mm: well below a station.
+const STEP_MM: f64 = 0.5;
+
+/// The axis that stands still as fields saw it, each where it was the nearest; `clear` where the tool was, or where nothing was followed.
+pub(super) fn axis_seen(
+    followed: &[(f64, Option<Vec<AxisKnot>>)],
+    clear: &[AxisKnot],
+    length_mm: f64,
+) -> Vec<AxisKnot> {
+    if followed.is_empty() {
+        return clear.to_vec();
+    }
+    let steps = (length_mm / STEP_MM).ceil().max(1.0);
+    let at = |k: u32| {
+        let z_mm = length_mm * f64::from(k) / steps;
+        let near = followed.iter().min_by(|a, b| (a.0 - z_mm).abs().total_cmp(&(b.0 - z_mm).abs()));
+        let [x_mm, y_mm] = axis_at(near.and_then(|n| n.1.as_deref()).unwrap_or(clear), z_mm);
+        AxisKnot { z_mm, x_mm, y_mm }
+    };
+    (0..=steps as u32).map(at).collect()
 }
 
 impl FrameSource for SimulatedCut<'_, '_> {
@@ -102,7 +128,9 @@ impl FollowedCut for SimulatedCut<'_, '_> {
     fn finish(self: Box<Self>) -> Result<(), CellError> {
         let turns = self.cell.process.length_mm() / self.plan.cutting.feed_mm_per_rev;
         let (frame_id, end_ns) = (self.cell.frame_id, self.time_ns(turns));
+        let followed = std::mem::take(&mut self.cell.followed);
         self.cell.cut(&self.plan)?;
+        self.cell.followed = followed;
         (self.cell.frame_id, self.cell.clock_ns) = (frame_id, end_ns);
         Ok(())
     }

@@ -114,7 +114,7 @@ impl Rest {
 }
 
 /// Student's t for a two-sided probability.
-fn student(freedom: f64, probability: f64) -> f64 {
+pub(crate) fn student(freedom: f64, probability: f64) -> f64 {
     if freedom > 1e5 {
         // Student's t is the normal there to 1e-5.
         return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);

@@ -69,6 +69,7 @@ mod shape_terms;
 mod side;
 mod soft_knee;
 mod station;
+mod station_mean;
 mod stretch;
 mod stuck_rows;
 mod survey;
@@ -99,8 +100,8 @@ pub use settings::{
     StationSettings, Which,
 };
 pub use shadows::ShadowsSeen;
-pub(crate) use station::Seen;
 pub use station::StationAverager;
+pub(crate) use station_mean::StationColumns;
 pub use stretch::LEAST_STRETCH;
 pub use stretch::crests::crest_pitch_px;
 

@@ -109,10 +109,17 @@ impl Job {
         }
         let least = 0.5 * f64::from(self.camera.columns) * self.nominal_mm_per_px() + CLEAR_OF_TOOL_MM;
         let behind = self.scan.behind_tool_mm;
-        if !(behind >= least && behind < self.part.length_mm) {
+        // What is no number lies nowhere.
+        if !(behind >= least) {
             let why = format!(
-                "{behind} mm: the field must lie behind the tool and on the part; at least {least:.1} mm (half the field and \
-                 {CLEAR_OF_TOOL_MM} mm), below the length of {} mm",
+                "{behind} mm: the tool would stand in the field and hide the edge there; at least {least:.1} mm (half the field, and \
+                 {CLEAR_OF_TOOL_MM} mm that insert and chip stand out from the tip)"
+            );
+            return Err(JobError::at("scan.behind_tool_mm", why));
+        }
+        if !(behind < self.part.length_mm) {
+            let why = format!(
+                "{behind} mm: the field must lie on the part, below its length of {} mm",
                 self.part.length_mm
             );
             return Err(JobError::at("scan.behind_tool_mm", why));
