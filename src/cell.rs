@@ -167,8 +167,8 @@ pub struct SimulatedCell<'a> {
     stock: Stock,
     batch: Batch,
     probe: Option<TrueProbe>,
-    /// Fields of a pass that was looked at while it was cut, and the axis each saw; none where the tool was clear.
-    followed: Vec<(f64, Option<Vec<AxisKnot>>)>,
+    /// Bursts of a pass that was looked at while it was cut.
+    followed: Vec<in_process::SeenBurst>,
 }
 
 /// What is filmed: the two count their frames apart.

@@ -29,7 +29,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
     ) -> Result<Self, CellError> {
         let pass = cell.process.followed(plan)?;
         cell.begin_pass(plan.pass);
-        cell.followed = follow.rest.field_z_mm.iter().map(|&z_mm| (z_mm, None)).collect();
+        cell.followed = follow.rest.field_z_mm.iter().map(|z_mm| SeenBurst::clear(*z_mm)).collect();
         let mut bench = cell.bench.clone();
         bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
         bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
@@ -44,7 +44,14 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
 
     fn draw(&mut self, at: &FollowFrame) -> Result<Frame, RenderError> {
         let shaft = self.cell.clamped(self.pass.at(at.tool_z_mm));
-        self.cell.followed.push((at.field_z_mm, Some(shaft.deflection.clone())));
+        let burst_begins = self.next.is_multiple_of(self.follow.burst.max(1));
+        if burst_begins || self.cell.followed.is_empty() {
+            self.cell.followed.push(SeenBurst::default());
+        }
+        if let Some(burst) = self.cell.followed.last_mut() {
+            burst.field_z_mm.push(at.field_z_mm);
+            burst.still.push(shaft.deflection.clone());
+        }
         let scene = Scene::new(&self.bench, shaft)?;
         let camera = &self.bench.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
@@ -66,20 +73,43 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
 /// Steps of an axis that is put together from fields, mm: well below a station.
 const STEP_MM: f64 = 0.5;
 
+/// Where the frames of a burst stood and the axis that each saw; no axis where the tool was clear.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SeenBurst {
+    field_z_mm: Vec<f64>,
+    still: Vec<Vec<AxisKnot>>,
+}
+
+impl SeenBurst {
+    fn clear(field_z_mm: f64) -> Self {
+        Self { field_z_mm: vec![field_z_mm], still: Vec::new() }
+    }
+
+    fn distance_mm(&self, z_mm: f64) -> f64 {
+        (self.field_z_mm.iter().sum::<f64>() / self.field_z_mm.len() as f64 - z_mm).abs()
+    }
+
+    /// Mean over the frames: the tool goes on between them.
+    fn at(&self, z_mm: f64, clear: &[AxisKnot]) -> [f64; 2] {
+        if self.still.is_empty() {
+            return axis_at(clear, z_mm);
+        }
+        let n = self.still.len() as f64;
+        let each = self.still.iter().map(|still| axis_at(still, z_mm));
+        each.fold([0.0; 2], |sum, p| [sum[0] + p[0] / n, sum[1] + p[1] / n])
+    }
+}
+
 /// The axis that stands still as fields saw it, each where it was the nearest; `clear` where the tool was, or where nothing was followed.
-pub(super) fn axis_seen(
-    followed: &[(f64, Option<Vec<AxisKnot>>)],
-    clear: &[AxisKnot],
-    length_mm: f64,
-) -> Vec<AxisKnot> {
+pub(super) fn axis_seen(followed: &[SeenBurst], clear: &[AxisKnot], length_mm: f64) -> Vec<AxisKnot> {
     if followed.is_empty() {
         return clear.to_vec();
     }
     let steps = (length_mm / STEP_MM).ceil().max(1.0);
     let at = |k: u32| {
         let z_mm = length_mm * f64::from(k) / steps;
-        let near = followed.iter().min_by(|a, b| (a.0 - z_mm).abs().total_cmp(&(b.0 - z_mm).abs()));
-        let [x_mm, y_mm] = axis_at(near.and_then(|n| n.1.as_deref()).unwrap_or(clear), z_mm);
+        let nearest = followed.iter().min_by(|a, b| a.distance_mm(z_mm).total_cmp(&b.distance_mm(z_mm)));
+        let [x_mm, y_mm] = nearest.map_or_else(|| axis_at(clear, z_mm), |burst| burst.at(z_mm, clear));
         AxisKnot { z_mm, x_mm, y_mm }
     };
     (0..=steps as u32).map(at).collect()

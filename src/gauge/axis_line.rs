@@ -38,6 +38,8 @@ const MOST_GAIN: f64 = 4.0;
 const FAR: f64 = 7.0;
 /// Share of a station's columns from which one frame carries it: a line is extrapolated over the rest.
 const WHOLE: f64 = 2.0 / 3.0;
+/// Bursts no farther apart than this share of a station stand at one place.
+const SAME_PLACE: f64 = 0.02;
 /// Columns below which a frame is a reading of a line camera, which shows no station by itself.
 const NARROW: usize = 16;
 /// Probability of an interval of ± 2u of the normal distribution.
@@ -212,8 +214,29 @@ pub struct AxisAverager {
     station_mm: f64,
     zero: AxisZero,
     pitch_mm: f64,
-    /// Per station and angle in microdegrees: the frames that show of it, each with the distance of its middle from the station's, mm.
-    sums: Vec<BTreeMap<i64, Vec<(f64, Sums)>>>,
+    /// Per station: what each burst of frames shows of it.
+    sums: Vec<Vec<Burst>>,
+}
+
+/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums of a station by angle in microdegrees.
+#[derive(Clone, Debug, Default)]
+struct Burst {
+    angles: BTreeMap<i64, Sums>,
+    /// Places of the frames' middles: the last and their sum, mm.
+    last_z_mm: f64,
+    sum_z_mm: f64,
+}
+
+impl Burst {
+    fn z_mm(&self) -> f64 {
+        self.sum_z_mm / self.angles.len() as f64
+    }
+
+    fn insert(&mut self, angle: i64, z_mm: f64, sums: Sums) {
+        self.angles.insert(angle, sums);
+        self.last_z_mm = z_mm;
+        self.sum_z_mm += z_mm;
+    }
 }
 
 /// One station before its uncertainty is known.
@@ -238,7 +261,7 @@ struct Fit {
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        let sums = vec![BTreeMap::new(); z_mm.len()];
+        let sums = vec![Vec::new(); z_mm.len()];
         Self { z_mm, station_mm, zero, pitch_mm: 0.0, sums }
     }
 
@@ -267,31 +290,59 @@ impl AxisAverager {
             sums.narrow = diameters.readings.len() < NARROW;
         }
         for (station, sums) in of_frame {
-            let frames = self.sums[station].entry(angle).or_default();
-            match frames.first_mut().filter(|_| sums.narrow) {
-                Some((_, readings)) => readings.join(&sums),
-                None => frames.push(((meta.z_mm - self.z_mm[station]).abs(), sums)),
+            self.put(station, angle, meta.z_mm, sums);
+        }
+    }
+
+    /// Puts a frame's sums with those of the burst that it belongs to.
+    fn put(&mut self, station: usize, angle: i64, z_mm: f64, sums: Sums) {
+        let bursts = &mut self.sums[station];
+        if sums.narrow {
+            let all = match bursts.first_mut() {
+                Some(all) => all,
+                None => {
+                    bursts.push(Burst::default());
+                    &mut bursts[0]
+                }
+            };
+            all.angles.entry(angle).or_default().join(&sums);
+            return;
+        }
+        let off = |b: &Burst| (b.last_z_mm - z_mm).abs();
+        let own =
+            bursts.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= 0.5 * self.station_mm);
+        match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
+            Some(burst) => burst.insert(angle, z_mm, sums),
+            None => {
+                let mut burst = Burst::default();
+                burst.insert(angle, z_mm, sums);
+                bursts.push(burst);
             }
         }
     }
 
-    /// What one angle shows of a station: the frame whose middle is nearest, where it carries the station. While the tool cuts, every field
-    /// sees an axis that is bent otherwise, and two of them would mix. Frames that show only parts are put together.
-    fn of_angle(&self, frames: &[(f64, Sums)]) -> Sums {
+    /// What the angles show of a station: the burst whose middle is nearest, where it carries the station, and those at its place. While
+    /// the tool cuts, every field sees an axis that is bent otherwise, and two of them would mix. Bursts that show parts are put together.
+    fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
         let least = WHOLE * self.station_mm / self.pitch_mm.max(1e-12);
-        let whole = frames.iter().filter(|(_, sums)| sums.columns as f64 >= least);
-        match whole.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, sums)) => *sums,
-            None => frames.iter().fold(Sums::default(), |mut all, (_, sums)| {
-                all.join(sums);
-                all
-            }),
+        let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
+        let carries =
+            |b: &&Burst| b.angles.len() == most && b.angles.values().all(|s| s.columns as f64 >= least);
+        let off = |b: &Burst| (b.z_mm() - station_z_mm).abs();
+        let nearest = bursts.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let there =
+            |b: &&Burst| nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < SAME_PLACE * self.station_mm);
+        let mut all: BTreeMap<i64, Sums> = BTreeMap::new();
+        for (angle, sums) in bursts.iter().filter(there).flat_map(|b| &b.angles) {
+            all.entry(*angle).or_default().join(sums);
         }
+        all
     }
 
     /// Ends the scan.
     pub fn finish(&self) -> AxisLine {
-        let fits: Vec<Result<Fit, Reason>> = self.sums.iter().map(|sums| self.fit(sums)).collect();
+        let fits: Vec<Result<Fit, Reason>> =
+            self.z_mm.iter().zip(&self.sums).map(|(z, b)| self.fit(&self.of_angles(*z, b))).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         let pooled = pooled.map(|variance| (variance, shared_by_stations(fits.iter().flatten(), variance)));
         let mut line = AxisLine::default();
@@ -304,15 +355,15 @@ impl AxisAverager {
         line
     }
 
-    fn fit(&self, sums: &BTreeMap<i64, Vec<(f64, Sums)>>) -> Result<Fit, Reason> {
+    fn fit(&self, sums: &BTreeMap<i64, Sums>) -> Result<Fit, Reason> {
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
         let least = (LEAST_FILL * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
-        let good: Vec<(f64, Sums)> = sums
+        let good: Vec<(f64, &Sums)> = sums
             .iter()
-            .map(|(angle, frames)| ((*angle as f64 * 1e-6).to_radians(), self.of_angle(frames)))
             .filter(|(_, s)| s.columns as f64 >= least)
+            .map(|(angle, s)| ((*angle as f64 * 1e-6).to_radians(), s))
             .collect();
         if good.is_empty() {
             return Err(Reason::TooFewColumns);
@@ -466,7 +517,9 @@ fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Fit>, pooled: f64) -> f
         return pooled;
     }
     let of_means = by_angle.values().map(|(sum, n)| (sum / n).powi(2)).sum::<f64>() * stations / freedom;
-    ((of_means - pooled / stations) * stations / (stations - 1.0)).clamp(0.0, pooled)
+    // Independent scatter alone makes a mean as large as this in one scan of forty.
+    let by_chance = super::gate::chi2_ratio_limit(freedom / stations, 2.0) * pooled / stations;
+    (of_means - by_chance).clamp(0.0, pooled)
 }
 
 /// Square of (Student's t over the normal's quantile) at the probability of U = 2u.

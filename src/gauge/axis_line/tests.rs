@@ -95,17 +95,21 @@ fn lobes_that_run_along_the_part_are_known_from_one_stations_freedom() {
     assert!(covered / all > 0.85, "{}", covered / all);
 }
 
-/// Two fields that show a station, the far one of an axis bent otherwise: the near one counts.
+/// Two fields that show a station while the tool cuts, the far one of an axis bent otherwise: the near burst counts, and at one place
+/// two bursts are averaged.
 #[test]
-fn the_nearest_frame_that_carries_a_station_counts() {
+fn the_nearest_burst_that_carries_a_station_counts() {
     let zero = AxisZero { height_mm: 0.0, u_scale: 0.0 };
     let mut averager = AxisAverager::new(vec![2.5], 2.0, zero);
-    for angle_deg in (0..8).map(|k| 22.5 * f64::from(k)) {
-        for (z_mm, middle) in [(2.7, 0.01), (2.4, 0.02)] {
+    // The carriage moves by .02 mm from frame to frame.
+    for (z_mm, middle) in [(4.0, 0.01), (2.6, 0.02), (2.6, 0.03)] {
+        for i in 0..8 {
+            let (angle_deg, z_mm) = (22.5 * f64::from(i), z_mm - 0.02 * f64::from(i));
             averager.add(&FrameMeta { angle_deg, z_mm, ..FrameMeta::default() }, &flat(middle));
         }
     }
-    assert!((averager.finish().stations[0].x_mm - 0.02).abs() < 1e-12);
+    let x_mm = averager.finish().stations[0].x_mm;
+    assert!((x_mm - 0.025).abs() < 1e-12, "{x_mm}");
 }
 
 #[test]
