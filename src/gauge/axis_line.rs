@@ -298,14 +298,10 @@ impl AxisAverager {
     fn put(&mut self, station: usize, angle: i64, z_mm: f64, sums: Sums) {
         let bursts = &mut self.sums[station];
         if sums.narrow {
-            let all = match bursts.first_mut() {
-                Some(all) => all,
-                None => {
-                    bursts.push(Burst::default());
-                    &mut bursts[0]
-                }
-            };
-            all.angles.entry(angle).or_default().join(&sums);
+            if bursts.is_empty() {
+                bursts.push(Burst::default());
+            }
+            bursts[0].angles.entry(angle).or_default().join(&sums);
             return;
         }
         let off = |b: &Burst| (b.last_z_mm - z_mm).abs();
