@@ -58,7 +58,7 @@ pub struct PassResult {
     pub truth_mm: Option<Vec<f64>>,
     /// Forces and deflections while it was cut, where the cell has them.
     pub cut: Option<CutSummary>,
-    /// The part's axis with the tool clear, for comparison only.
+    /// The part's axis as it was looked at, for comparison only.
     pub true_axis: Option<TrueAxis>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,

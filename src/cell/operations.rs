@@ -1,6 +1,7 @@
 //! What the simulated cell does when it is asked: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
+use super::seen_burst::axis_seen;
 use super::simulated::{Batch, Film, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
 use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
@@ -71,7 +72,7 @@ impl TurningCell for SimulatedCell<'_> {
         let offset = shaft.eccentricity.amplitude_mm;
         let whole = [AxisKnot { z_mm: 0.0, x_mm: offset * cos, y_mm: offset * sin }];
         Some(TrueAxis {
-            still: shaft.deflection.clone(),
+            still: axis_seen(&self.followed, &shaft.deflection, self.stock.length_mm),
             turning: sum_of_lines(&whole[..usize::from(offset != 0.0)], &shaft.bow),
         })
     }

@@ -4,6 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::seen_burst::SeenBurst;
 use super::true_probe::TrueProbe;
 use super::turning_cell::CellError;
 use crate::frame::{Frame, FrameSource, SourceError};
@@ -33,6 +34,8 @@ pub struct SimulatedCell<'a> {
     pub(super) stock: Stock,
     pub(super) batch: Batch,
     pub(super) probe: Option<TrueProbe>,
+    /// Bursts of a pass that was looked at while it was cut.
+    pub(super) followed: Vec<SeenBurst>,
 }
 
 /// What is filmed: the two count their frames apart.
@@ -115,6 +118,7 @@ impl<'a> SimulatedCell<'a> {
             probe: job.probe.as_ref().map(|probe| {
                 TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
             }),
+            followed: Vec::new(),
             batch: Batch { name: job.name.clone(), first_seed: job.seed, ..Batch::default() },
         })
     }
@@ -132,6 +136,7 @@ impl SimulatedCell<'_> {
     }
 
     pub(super) fn begin_pass(&mut self, pass: u32) {
+        self.followed.clear();
         self.pass = pass;
         self.frame_id = self.first_frame_id();
         self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;

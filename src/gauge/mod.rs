@@ -31,7 +31,7 @@ pub use calibration::{
     AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
     MasterMeasurement,
 };
-pub(crate) use diameter::stations::Seen;
+pub(crate) use diameter::station_mean::StationColumns;
 pub use diameter::{ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::MisfitLesson;
