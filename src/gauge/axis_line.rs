@@ -372,7 +372,7 @@ impl AxisAverager {
             good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.rest)).collect();
         let unseen = harmonics(&rests);
         let rest_noise =
-            |(_, s): &(f64, Sums), m: &StationMean| 0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2);
+            |(_, s): &(f64, &Sums), m: &StationMean| 0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2);
         let by_noise = good.iter().zip(&means).map(|(s, m)| rest_noise(s, m)).sum::<f64>() / n;
         let turning = unseen.turning.map_or(0.0, |(x, y)| 0.5 * (x * x + y * y));
         let rest = [
