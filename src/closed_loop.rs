@@ -19,11 +19,11 @@ pub use evidence::Evidence;
 pub use touches::Calibrated;
 
 use crate::control::{self, ControlError, Controller, NextPass, PartEvent, PartStart, PassContext};
-use crate::frame::{Frame, FrameSource, SourceError};
-use crate::gauge::axis_line::{AxisAverager, AxisLine};
-use crate::gauge::turn_form::{PartForm, TurnAverager};
+use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
+use crate::gauge::axis_line::AxisLine;
+use crate::gauge::turn_form::PartForm;
 use crate::gauge::{
-    Calibration, CalibrationError, EdgeStream, FrameEdges, Gauge, GaugeSettingsError, StationAverager,
+    Calibration, CalibrationError, FrameEdges, Gauge, GaugeSettingsError, MisfitLesson, SettledStream,
 };
 use crate::job::{Job, JobError, ScanWhen};
 use crate::nc;
@@ -31,9 +31,7 @@ use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
 use crate::process::CutSummary;
 use crate::profile::{DiameterProfile, Reading};
 use evidence::{AfterCut, Stamp};
-
-/// Length of the intervals over which one frame's columns are averaged for the record, mm.
-const RECORD_STEP_MM: f64 = 0.5;
+use scan::Sums;
 
 /// A loop that cannot go on.
 #[derive(Debug, Error)]
@@ -388,7 +386,8 @@ impl<'a> ClosedLoop<'a> {
         }
         let camera = self.of_part.camera()?;
         let plan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, plan.frames(), camera, self.gauge.stream());
+        let stream = SettledStream::new(self.gauge.stream());
+        let mut measured = Measured::new(self.job, plan.frames(), camera, stream);
         measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
         Ok(measured.finish(pass))
     }
@@ -406,15 +405,11 @@ impl<'a> ClosedLoop<'a> {
         if frames == 0 {
             return Ok(None);
         }
-        let mut source = self.cell.scan_master(0, frames)?;
-        let mut diameters = Vec::new();
-        while let Some(frame) = source.next_frame()? {
-            if let Ok(edges) = self.gauge.edges(&frame.view()) {
-                let columns = edges.top.len();
-                diameters.extend(camera.diameters(&edges).mean(0..columns).value().map(|d| d.d_mm));
-            }
-            source.recycle(frame);
-        }
+        let (pin_frames, mut lesson) = (masters::pin_frames, MisfitLesson::default());
+        let (seen, _) = pin_frames(self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
+        let mean =
+            |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);
+        let diameters: Vec<f64> = seen.iter().filter_map(mean).collect();
         // a pin that cannot be measured reads nothing, which is as far off as can be
         Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - pin.diameter_mm))
     }
@@ -506,17 +501,12 @@ impl<'a> ClosedLoop<'a> {
     }
 }
 
-/// Measures every master pin and fits scale and edge offset.
 /// What is gathered while a pass is scanned.
 struct Measured<'c> {
-    calibration: &'c Calibration,
-    stream: EdgeStream,
+    stream: SettledStream<FrameMeta>,
     edges: FrameEdges,
-    averager: StationAverager,
-    turns: TurnAverager,
-    axis: AxisAverager,
+    sums: Sums<'c>,
     sample_frame: usize,
-    readings: Vec<FrameReading>,
     sample: Option<Sample>,
     refused: Vec<String>,
     frames: usize,
@@ -527,22 +517,13 @@ struct Measured<'c> {
 }
 
 impl<'c> Measured<'c> {
-    fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
-        let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
+    fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: SettledStream<FrameMeta>) -> Self {
         let angles = job.scan.angles.max(1);
         Self {
-            calibration,
             stream,
             edges: FrameEdges::default(),
-            averager,
-            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
-            axis: AxisAverager::new(
-                job.part.station_z_mm(),
-                job.part.station_mm,
-                calibration.axis_zero(job.camera.rows_about_axis()),
-            ),
+            sums: Sums::new(job, calibration),
             sample_frame: frames / angles / 2 * angles,
-            readings: Vec::new(),
             sample: None,
             refused: Vec::new(),
             frames: 0,
@@ -566,10 +547,11 @@ impl<'c> Measured<'c> {
         self.frames += 1;
         let stamp = Stamp::of(&frame.meta);
         self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
-        let measured = self.stream.measure(&frame.view(), &mut self.edges);
-        match &measured {
-            Ok(()) => self.add(&frame),
-            Err(refused) => self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id)),
+        let Self { stream, edges, sums, .. } = self;
+        let measured =
+            stream.measure(&frame.view(), edges, frame.meta.clone(), |meta, edges| sums.add(&meta, edges));
+        if let Err(refused) = &measured {
+            self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id));
         }
         self.measured += start.elapsed();
         if measured.is_ok() && index == self.sample_frame {
@@ -577,22 +559,5 @@ impl<'c> Measured<'c> {
             return None;
         }
         Some(frame)
-    }
-
-    fn add(&mut self, frame: &Frame) {
-        let columns = self.calibration.diameters(&self.edges);
-        self.averager.add(&frame.meta, &columns);
-        self.turns.add(&frame.meta, &columns);
-        self.axis.add(&frame.meta, &columns);
-        let meta = &frame.meta;
-        self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
-            FrameReading {
-                frame_id: meta.frame_id,
-                t_ns: meta.t_ns,
-                angle_deg: meta.angle_deg,
-                z_mm,
-                reading,
-            }
-        }));
     }
 }

@@ -49,6 +49,7 @@ mod study_deflection;
 mod study_factor;
 mod study_files;
 mod study_in_process;
+mod study_line_camera;
 mod study_parts;
 mod study_stability;
 mod study_uncertainty;

@@ -9,6 +9,7 @@ use super::study_coverage::{self, StudyCoverageArgs};
 use super::study_deflection::{self, StudyDeflectionArgs};
 use super::study_factor::{self, StudyFactorArgs};
 use super::study_in_process::{self, StudyInProcessArgs};
+use super::study_line_camera::{self, StudyLineCameraArgs};
 use super::study_parts::{self, StudyPartsArgs};
 use super::study_stability::{self, StudyStabilityArgs};
 use super::study_uncertainty::{self, StudyUncertaintyArgs};
@@ -29,6 +30,8 @@ pub enum Study {
     Stability(StudyStabilityArgs),
     /// One job scanned after every pass and while it is cut, with and without correction within the pass.
     InProcess(StudyInProcessArgs),
+    /// Edges a second and repeatability of a line camera's readings, beside its rate and the bound.
+    LineCamera(StudyLineCameraArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
@@ -54,6 +57,7 @@ pub fn run(study: &Study) -> CommandResult {
         Study::Uncertainty(args) => study_uncertainty::run(args),
         Study::Washers(args) => study_washers::run(args),
         Study::InProcess(args) => study_in_process::run(args),
+        Study::LineCamera(args) => study_line_camera::run(args),
         Study::Factor(args) => study_factor::run(args),
     }
 }

@@ -123,8 +123,8 @@ impl EdgeStream {
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
-        if let Some(narrow) = &self.narrow {
+    pub fn teach(&mut self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+        if let Some(narrow) = &mut self.narrow {
             return narrow.teach(lesson);
         }
         for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
@@ -355,7 +355,10 @@ impl EdgeStream {
         let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
         let mut any = false;
         for side in &mut self.sides {
-            let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
+            // Copies of one reading are alike in every row.
+            let stuck =
+                if side.copies { None } else { stuck_rows::leave_out(plane, &mut side.windows, contrast) };
+            let Some(stuck) = stuck else { continue };
             if stuck.share > MOST_CROSSED {
                 return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));
             }

@@ -64,6 +64,7 @@ pub mod stated;
 pub mod statistics;
 
 mod settings;
+mod settled;
 mod shadows;
 mod shape_terms;
 mod side;
@@ -98,6 +99,7 @@ pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
     StationSettings, Which,
 };
+pub use settled::SettledStream;
 pub use shadows::ShadowsSeen;
 pub(crate) use station::Seen;
 pub use station::StationAverager;

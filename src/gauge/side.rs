@@ -362,7 +362,9 @@ impl SideState {
         let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.misfit.max(1.0);
         let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
         let (windows, table) = (&self.windows, &self.tables[index]);
-        let change = self.track.follow(&mut self.blur, relative, &TrackView { windows, table }, line);
+        let is_ringed = self.shape.is_ringed();
+        let view = TrackView { windows, table, level_lines: self.level_lines, is_ringed };
+        let change = self.track.follow(&mut self.blur, relative, &view, line);
         self.blur.limit(self.shape.least_sigma());
         change
     }
@@ -376,6 +378,7 @@ impl SideState {
             light: &self.light,
             slope: &self.slope,
             line,
+            level_lines: self.level_lines,
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
@@ -536,6 +539,10 @@ impl SideState {
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = gate::upper_normal_quantile(settings.residual_false_alarm);
         self.misfit = gate::misfit(line, freedom, &mut self.floats);
+        if self.shape.is_ringed() && self.misfit < gate::MOST_NOISE {
+            gate::take_noise_back(line, self.misfit);
+            self.misfit = 1.0;
+        }
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
             gate::refuse_residuals(line, (gate::chi2_ratio_limit(freedom, z) * scale) as f32);
