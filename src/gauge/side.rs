@@ -56,7 +56,7 @@ pub(crate) struct SideState {
     expected: Option<Expected>,
     /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
     pub(crate) level_lines: bool,
-    /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
+    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and are alike in every row as a stuck row's.
     pub(crate) copies: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
