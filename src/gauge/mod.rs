@@ -39,6 +39,7 @@ pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::model::systematic_residual::EdgeMisfit;
 pub use edge::parallel::Lanes;
+pub use edge::settled::SettledStream;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
 pub use instrument::Gauge;
 pub use settings::{

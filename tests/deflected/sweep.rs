@@ -118,9 +118,9 @@ fn check([streams, single, apart]: &[Pooled; 3], rms: std::ops::Range<f64>) {
     for pooled in [streams, single] {
         assert!(rms.contains(&pooled.rms()) && pooled.beyond() <= 0.06, "{pooled:?}");
     }
-    // A frame by itself has its own blur alone, a stream's calm ones an average: at the ends of a field, where the blur is known half as well
-    // as in its middle, one station in a thousand differs by more than its whole u.
-    assert!(apart.rms() < 0.3 && apart.largest < 1.3, "{apart:?}");
+    // Both owe their blur to the same columns; what is left is the course along the field, which a stream goes on with and a frame by itself
+    // begins from none. Of 3000 stations one differed by .8 u.
+    assert!(apart.rms() < 0.15 && apart.largest < 1.0, "{apart:?}");
 }
 
 const SHORT: Case = Case {
