@@ -26,9 +26,9 @@ pub use instrument::Calibrated;
 pub use scan::{FrameReading, Progress, Sample};
 
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
-use crate::gauge::Gauge;
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::PartForm;
+use crate::gauge::{FrameEdges, Gauge, MisfitLesson, SettledStream};
 use crate::job::{Job, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
@@ -58,7 +58,7 @@ pub struct PassResult {
     pub truth_mm: Option<Vec<f64>>,
     /// Forces and deflections while it was cut, where the cell has them.
     pub cut: Option<CutSummary>,
-    /// The part's axis with the tool clear, for comparison only.
+    /// The part's axis as it was looked at, for comparison only.
     pub true_axis: Option<TrueAxis>,
     /// Form and sizes of the sections over the angles scanned.
     pub form: PartForm,
@@ -301,7 +301,8 @@ impl<'a> ClosedLoop<'a> {
         }
         let camera = self.of_part.camera()?;
         let plan = self.job.scan_plan();
-        let mut measured = Measured::new(self.job, plan.frames(), camera, self.gauge.stream());
+        let stream = SettledStream::new(self.gauge.stream());
+        let mut measured = Measured::new(self.job, plan.frames(), camera, stream);
         measured.scan(self.cell.as_mut(), &plan, plan.frames(), progress)?;
         Ok(measured.finish(pass))
     }
@@ -319,15 +320,11 @@ impl<'a> ClosedLoop<'a> {
         if frames == 0 {
             return Ok(None);
         }
-        let mut source = self.cell.scan_master(0, frames)?;
-        let mut diameters = Vec::new();
-        while let Some(frame) = source.next_frame()? {
-            if let Ok(edges) = self.gauge.edges(&frame.view()) {
-                let columns = edges.top.len();
-                diameters.extend(camera.diameters(&edges).mean(0..columns).value().map(|d| d.d_mm));
-            }
-            source.recycle(frame);
-        }
+        let (pin_frames, mut lesson) = (masters::pin_frames, MisfitLesson::default());
+        let (seen, _) = pin_frames(self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
+        let mean =
+            |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);
+        let diameters: Vec<f64> = seen.iter().filter_map(mean).collect();
         // a pin that cannot be measured reads nothing, which is as far off as can be
         Ok(Some(diameters.iter().sum::<f64>() / diameters.len().max(1) as f64 - pin.diameter_mm))
     }

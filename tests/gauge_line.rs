@@ -6,7 +6,7 @@ mod gauge_synth;
 
 use gauge_synth::{Synth, drifting};
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, FrameView};
-use shadowgauge::gauge::{EsfModel, FrameEdges, Gauge, GaugeSettings};
+use shadowgauge::gauge::{EsfModel, FrameEdges, Gauge, GaugeSettings, SettledStream};
 use shadowgauge::job::sampled_edge;
 use shadowgauge::render::esf_families::LaserShadow;
 
@@ -165,4 +165,78 @@ fn rings_are_known_or_refused() {
         }
     }
     assert!(measured >= 5, "{measured}");
+}
+
+/// Readings of a laser's shadow, at whole and parts of pixels.
+fn laser_readings(count: usize, seed: u64) -> (Vec<Frame>, impl Fn(usize) -> (f64, f64)) {
+    let pitch_um = 7.0;
+    let step = laser_step(pitch_um);
+    let (margin, width) = (2000.0 / pitch_um, 5000.0 / pitch_um);
+    let rows = (2.0 * margin + width) as usize;
+    let edge = move |k: usize| {
+        let by = 2.5 * (0.37 * k as f64).sin() + 0.8 * (1.91 * k as f64).cos();
+        (margin + 0.31 + by, margin + width + by)
+    };
+    let synth = Synth { rows, columns: 1, light: 2700.0, dark: 110.0, ..Synth::with_snr(1.0, 80.0, true) };
+    let frames =
+        (0..count).map(|k| synth.frame_of(|_| edge(k), &step, Some(1000 * seed + k as u64))).collect();
+    (frames, edge)
+}
+
+/// Rms error in px, rms stated u in px and rms of error over u.
+fn figures(errors: &[(f64, f64)]) -> (f64, f64, f64) {
+    let of = |f: &dyn Fn(&(f64, f64)) -> f64| rms(&errors.iter().map(f).collect::<Vec<_>>());
+    (of(&|e| e.0), of(&|e| e.1), of(&|e| e.0 / e.1))
+}
+
+/// Error and stated u of a reading's width, px.
+fn error_of(edges: &FrameEdges, truth: (f64, f64)) -> (f64, f64) {
+    let u = edges.top[0].u_px().hypot(edges.bottom[0].u_px());
+    (edges.width_px(0).unwrap() - (truth.1 - truth.0), u)
+}
+
+#[test]
+fn first_readings_of_laser_light_are_settled_with_those_that_follow() {
+    let settings = GaugeSettings { esf: laser_model(7.0), ..GaugeSettings::default() };
+    let gauge = Gauge::new(settings).unwrap();
+    let (mut at_once, mut first, mut later) = (Vec::new(), Vec::new(), Vec::new());
+    for seed in 0..12 {
+        let (frames, place) = laser_readings(96, seed);
+        let mut stream = SettledStream::new(gauge.stream());
+        let (mut edges, mut given) = (FrameEdges::default(), Vec::new());
+        for (k, frame) in frames.iter().enumerate() {
+            stream
+                .measure(&frame.view(), &mut edges, k, |k, settled| given.push((k, settled.clone())))
+                .unwrap();
+            if k < 16 {
+                at_once.push(error_of(&edges, place(k)));
+            }
+        }
+        stream.finish(|k, settled| given.push((k, settled.clone())));
+        assert!(given.iter().map(|g| g.0).eq(0..96), "every reading once, in its order");
+        first.extend(given[..32].iter().map(|(k, settled)| error_of(settled, place(*k))));
+        later.extend(given[32..].iter().map(|(k, settled)| error_of(settled, place(*k))));
+    }
+    for (name, errors) in [("first 16 at once", &at_once), ("first 32 settled", &first), ("later", &later)] {
+        let (error, u, ratio) = figures(errors);
+        println!("{name}: rms error {error:.4} px, u {u:.4} px, rms error/u {ratio:.3}");
+        assert!((0.75..1.2).contains(&ratio), "{name}: {ratio}");
+    }
+    let (settled, following) = (figures(&first).0, figures(&later).0);
+    assert!(settled < 1.15 * following, "{settled} {following}");
+}
+
+#[test]
+fn fewer_readings_than_a_picture_has_are_given_in_the_end() {
+    let (frames, place) = laser_readings(10, 5);
+    let settings = GaugeSettings { esf: laser_model(7.0), ..GaugeSettings::default() };
+    let mut stream = SettledStream::new(Gauge::new(settings).unwrap().stream());
+    let (mut edges, mut given) = (FrameEdges::default(), Vec::new());
+    for (k, frame) in frames.iter().enumerate() {
+        stream.measure(&frame.view(), &mut edges, k, |k, _| given.push((k, f64::NAN))).unwrap();
+    }
+    assert!(given.is_empty());
+    stream.finish(|k, settled| given.push((k, error_of(settled, place(k)).0)));
+    assert!(given.iter().map(|g| g.0).eq(0..10));
+    assert!(given.iter().all(|g| g.1.abs() < 0.25), "{given:?}");
 }

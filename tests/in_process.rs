@@ -133,6 +133,60 @@ fn control_within_the_pass_takes_off_what_the_gauge_finds_behind_the_tool() {
     assert!(applied.iter().any(|o| *o > 1e-3) && plain[0].evidence.applied_mm.is_none());
 }
 
+/// A control that takes X to a micrometre cuts what is corrected within the pass on whole micrometres, as between passes.
+#[test]
+fn what_is_corrected_within_the_pass_is_rounded_as_the_machine_rounds() {
+    let within = "[control.within_pass]\ngain = 0.7";
+    let machine = "[nc]\ndialect = \"fanuc\"\n";
+    // Stations whose neighbours have the same offset lie on no ramp between two knots.
+    let level = |o: &[f64]| -> Vec<f64> {
+        let alike =
+            |w: &&[f64]| (w[0] - w[1]).abs() < 1e-9 && (w[1] - w[2]).abs() < 1e-9 && w[1].abs() > 1e-6;
+        o.windows(3).filter(alike).map(|w| w[1]).collect()
+    };
+    let off = |o: &f64| (o * 1e3 - (o * 1e3).round()).abs();
+    let first = |job: &Job| turn(&Job { passes: Some(1), ..job.clone() }).remove(0);
+    let (free, rounded) =
+        (first(&job("during_cut", within)), first(&job("during_cut", &format!("{within}\n{machine}"))));
+    let (free, rounded) = (free.evidence.applied_mm.unwrap(), rounded.evidence.applied_mm.unwrap());
+    assert!(level(&free).iter().any(|o| off(o) > 0.05), "{free:?}");
+    let on_increments = level(&rounded);
+    assert!(on_increments.len() >= 5 && on_increments.iter().all(|o| off(o) < 1e-6), "{rounded:?}");
+    // Rounding moves an offset by half an increment, and the path between knots by its tolerance.
+    assert!(free.iter().zip(&rounded).all(|(a, b)| (a - b).abs() < 0.01), "{free:?} {rounded:?}");
+}
+
+/// Chips, mist and droplets on request while the pass is cut: frames show them, and the gauge leaves out or measures.
+#[test]
+fn chips_and_coolant_while_it_is_cut_are_drawn_and_measured() {
+    let clean = job("during_cut", "");
+    let mut dirty = clean.clone();
+    dirty.contamination.chips.per_cm2 = 0.6;
+    dirty.contamination.mist.clouds_per_cm2 = 1.0;
+    dirty.contamination.air_droplets.per_cm2 = 3.0;
+    dirty.contamination.films.per_cm2 = 0.05;
+    dirty.check().and_then(|()| dirty.check_coverage()).unwrap();
+    let first = |job: &Job| turn(&Job { passes: Some(1), ..job.clone() }).remove(0);
+    let (clean, dirty) = (first(&clean), first(&dirty));
+    let gaps = |pass: &PassResult| pass.readings.iter().filter(|r| r.reading.value().is_none()).count();
+    println!("gaps of 0.5 mm: {} clean, {} dirty; refused {:?}", gaps(&clean), gaps(&dirty), dirty.refused);
+    assert!(gaps(&dirty) > gaps(&clean) + 10 || !dirty.refused.is_empty(), "nothing was soiled");
+    let (mut read, mut square) = (0.0, 0.0);
+    for (station, truth) in dirty.profile.stations.iter().zip(dirty.truth_mm.as_ref().unwrap()) {
+        let Some(d) = station.reading.value() else { continue };
+        read += 1.0;
+        square += ((d.d_mm - truth) / d.u_mm()).powi(2);
+        // As `study contamination` counts what is mishandled.
+        assert!((d.d_mm - truth).abs() < 1e-3 + 2.0 * d.u_mm(), "{station:?} against {truth}");
+    }
+    println!(
+        "{read} of {} stations, rms error/u {:.2}",
+        dirty.profile.stations.len(),
+        f64::sqrt(square / read)
+    );
+    assert!(read > 0.7 * dirty.profile.stations.len() as f64, "{read}");
+}
+
 /// A warm shaft is seen larger while it is cut; a thermometer takes it to 20 °C, and its limits into the uncertainty.
 #[test]
 fn the_heat_of_the_cut_is_taken_off_by_a_thermometer() {
@@ -166,7 +220,14 @@ fn a_gauge_that_would_see_the_tool_is_refused() {
     let mut near = job("during_cut", "");
     near.scan.behind_tool_mm = 5.0;
     let text = near.check_coverage().unwrap_err().to_string();
-    assert!(text.contains("scan.behind_tool_mm") && text.contains("at least"), "{text}");
+    // Half of 800 px of 15.27 µm, and 2 mm.
+    assert!(text.contains("scan.behind_tool_mm") && text.contains("at least 8.1 mm"), "{text}");
+    assert!(text.contains("the tool would stand in the field"), "{text}");
+    near.scan.behind_tool_mm = 8.2;
+    near.check_coverage().unwrap();
+    near.scan.behind_tool_mm = 120.0;
+    let text = near.check_coverage().unwrap_err().to_string();
+    assert!(text.contains("scan.behind_tool_mm") && text.contains("below its length of 120 mm"), "{text}");
     // Light for more than a turn needs consent, as with [motion].
     let mut slow = job("during_cut", "");
     slow.camera.exposure_us = 30_000.0;

@@ -1,5 +1,6 @@
 //! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at that instant.
 
+use super::seen_burst::SeenBurst;
 use super::simulated::SimulatedCell;
 use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
@@ -28,6 +29,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
     ) -> Result<Self, CellError> {
         let pass = cell.process.followed(plan)?;
         cell.begin_pass(plan.pass);
+        cell.followed = follow.rest.field_z_mm.iter().map(|z_mm| SeenBurst::clear(*z_mm)).collect();
         let mut bench = cell.bench.clone();
         bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
         bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
@@ -42,6 +44,13 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
 
     fn draw(&mut self, at: &FollowFrame) -> Result<Frame, RenderError> {
         let shaft = self.cell.clamped(self.pass.at(at.tool_z_mm));
+        let burst_begins = self.next.is_multiple_of(self.follow.burst.max(1));
+        if burst_begins || self.cell.followed.is_empty() {
+            self.cell.followed.push(SeenBurst::default());
+        }
+        if let Some(burst) = self.cell.followed.last_mut() {
+            burst.add(at.field_z_mm, &shaft.deflection);
+        }
         let scene = Scene::new(&self.bench, shaft)?;
         let camera = &self.bench.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
@@ -54,7 +63,7 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
             roi: windows.map(|w| w[0]),
             second_roi: windows.map(|w| w[1]),
             format: None,
-            seed: self.cell.seed,
+            seed: self.cell.batch.seed(),
         };
         self.cell.renderer.render(&scene, &request, self.spare.take())
     }
@@ -103,7 +112,9 @@ impl FollowedCut for SimulatedCut<'_, '_> {
     fn finish(self: Box<Self>) -> Result<(), CellError> {
         let turns = self.cell.process.length_mm() / self.plan.cutting.feed_mm_per_rev;
         let (frame_id, end_ns) = (self.cell.frame_id, self.time_ns(turns));
+        let followed = std::mem::take(&mut self.cell.followed);
         self.cell.cut(&self.plan)?;
+        self.cell.followed = followed;
         (self.cell.frame_id, self.cell.clock_ns) = (frame_id, end_ns);
         Ok(())
     }

@@ -9,6 +9,7 @@
 
 mod in_process;
 mod operations;
+mod seen_burst;
 mod simulated;
 mod true_probe;
 mod turning_cell;

@@ -1,6 +1,7 @@
 //! What the simulated cell does when it is asked: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
+use super::seen_burst::axis_seen;
 use super::simulated::{Batch, Film, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
 use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
@@ -37,7 +38,8 @@ impl TurningCell for SimulatedCell<'_> {
         let diameter_mm = self.masters.diameter_mm[index];
         // the calibration's pins lie as the seed says; a pin looked at again after a pass lies elsewhere
         let again = u64::from(self.pass) << 40;
-        let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
+        let poses =
+            hand_poses(frames, self.batch.seed() ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
             .map(|pose| {
@@ -71,7 +73,7 @@ impl TurningCell for SimulatedCell<'_> {
         let offset = shaft.eccentricity.amplitude_mm;
         let whole = [AxisKnot { z_mm: 0.0, x_mm: offset * cos, y_mm: offset * sin }];
         Some(TrueAxis {
-            still: shaft.deflection.clone(),
+            still: axis_seen(&self.followed, &shaft.deflection, self.batch.stock.length_mm),
             turning: sum_of_lines(&whole[..usize::from(offset != 0.0)], &shaft.bow),
         })
     }
@@ -86,8 +88,7 @@ impl TurningCell for SimulatedCell<'_> {
             PartEvent::ColdStart => self.process.cool_down(),
         }
         self.batch.part = part;
-        self.seed = self.batch.first_seed + part;
-        self.process = self.process.next_blank(self.batch.stock, self.seed ^ PROCESS_STREAM)?;
+        self.process = self.process.next_blank(self.batch.stock, self.batch.seed() ^ PROCESS_STREAM)?;
         self.part = self.clamped(self.process.blank());
         self.begin_pass(0);
         Ok(())

@@ -4,6 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
+use super::seen_burst::SeenBurst;
 use super::true_probe::TrueProbe;
 use super::turning_cell::CellError;
 use crate::frame::{Frame, FrameSource, SourceError};
@@ -24,13 +25,14 @@ pub struct SimulatedCell<'a> {
     /// `[shaft.deflection]`: what bends the axis besides the process.
     pub(super) deflection: Vec<AxisKnot>,
     pub(super) masters: TrueMasters,
-    pub(super) seed: u64,
     pub(super) frame_id: u64,
     pub(super) clock_ns: u64,
     /// Pass cut last; 0 before the first.
     pub(super) pass: u32,
     pub(super) batch: Batch,
     pub(super) probe: Option<TrueProbe>,
+    /// Bursts of a pass that was looked at while it was cut.
+    pub(super) followed: Vec<SeenBurst>,
 }
 
 /// The master pins as they are.
@@ -58,6 +60,13 @@ pub(super) struct Batch {
     pub(super) first_seed: u64,
     pub(super) part: u64,
     pub(super) insert: u32,
+}
+
+impl Batch {
+    /// Seed of the part under way.
+    pub(super) fn seed(&self) -> u64 {
+        self.first_seed + self.part
+    }
 }
 
 /// Streams of the job's seed, one a purpose, so that no purpose shifts another's draws.
@@ -115,13 +124,13 @@ impl<'a> SimulatedCell<'a> {
             part,
             deflection: formed.deflection,
             masters: TrueMasters { diameter_mm: true_masters_mm(&job.masters.pins, job.seed), frame_id: 0 },
-            seed: job.seed,
             frame_id: 0,
             clock_ns: 0,
             pass: 0,
             probe: job.probe.as_ref().map(|probe| {
                 TrueProbe::new(probe, &job.process.disturbance.guideway, job.part.length_mm, job.seed)
             }),
+            followed: Vec::new(),
             batch: Batch { stock, name: job.name.clone(), first_seed: job.seed, part: 0, insert: 0 },
         })
     }
@@ -139,6 +148,7 @@ impl SimulatedCell<'_> {
     }
 
     pub(super) fn begin_pass(&mut self, pass: u32) {
+        self.followed.clear();
         self.pass = pass;
         self.frame_id = self.first_frame_id();
         self.clock_ns = (self.batch.part * PASSES_OF_A_PART + u64::from(pass)) * PASS_PERIOD_NS;
@@ -161,7 +171,7 @@ impl SimulatedCell<'_> {
                 Film::Master => &mut self.masters.frame_id,
             },
             clock_ns: &mut self.clock_ns,
-            seed: self.seed,
+            seed: self.batch.seed(),
             spare: None,
         })
     }

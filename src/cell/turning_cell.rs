@@ -54,7 +54,8 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
-/// The axis of a part for comparison only: what stands still and what turns with it, mm.
+/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by the force while it was cut): what
+/// stands still and what turns with it, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -108,7 +109,7 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis with the tool clear; `None` where nobody knows. For comparison only.
+    /// The part's axis as the last pass was looked at; `None` where nobody knows. For comparison only.
     fn true_axis(&self) -> Option<TrueAxis> {
         None
     }

@@ -6,6 +6,8 @@ use super::evidence::AfterCut;
 use super::scan::{Measured, Progress, Scanned};
 use crate::cell::FollowedCut;
 use crate::control::WithinPass;
+use crate::gauge::SettledStream;
+use crate::nc;
 use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
 
@@ -24,7 +26,12 @@ impl ClosedLoop<'_> {
         let mut within = control
             .within_pass
             .map(|settings| WithinPass::begin(settings, control.plant_gain, &plan.offset.o_mm));
-        let mut measured = Measured::new(self.job, frames, self.of_part.camera()?, self.gauge.stream());
+        let stream = match within {
+            // What is corrected ahead of the tool cannot wait.
+            Some(_) => SettledStream::at_once(self.gauge.stream()),
+            None => SettledStream::new(self.gauge.stream()),
+        };
+        let mut measured = Measured::new(self.job, frames, self.of_part.camera()?, stream);
         let mut cut = self.cell.cut_followed(plan, &follow)?;
         let begun = AfterCut::begun(of, cut.now_ns());
         while let Some(frame) = measured.wait(cut.as_mut())? {
@@ -61,12 +68,24 @@ fn correct_ahead(
         FeedDirection::TowardsTailstock => z_mm - room > tool_z_mm,
     };
     let kept = within.clone();
-    let read = measured.averager.finish(plan.pass);
+    let read = measured.sums.averager.finish(plan.pass);
     let Some(offsets) = within.decide(plan.nominal_mm, &read, ahead) else { return Ok(None) };
-    let offset = DiameterOffset { o_mm: offsets.to_vec() };
-    if let Err(refused) = cut.command(&offset) {
+    let asked = PassPlan { offset: DiameterOffset { o_mm: offsets.to_vec() }, ..plan.clone() };
+    let refused = match rounded(job, &asked) {
+        Ok(in_force) => {
+            within.put_in_force(&in_force.o_mm, &plan.station_z_mm, ahead);
+            cut.command(&DiameterOffset { o_mm: within.applied_mm().to_vec() }).err().map(|e| e.to_string())
+        }
+        Err(refused) => Some(format!("program: {refused}")),
+    };
+    Ok(refused.map(|why| {
         *within = kept;
-        return Ok(Some(format!("within the pass, tool at {tool_z_mm:.1} mm: not corrected: {refused}")));
-    }
-    Ok(None)
+        format!("within the pass, tool at {tool_z_mm:.1} mm: not corrected: {why}")
+    }))
+}
+
+/// The offsets of a plan as the machine's program makes them, knots and increments as between passes; as they are without a machine.
+fn rounded(job: &crate::job::Job, plan: &PassPlan) -> Result<DiameterOffset, nc::NcError> {
+    let Some(machine) = &job.nc else { return Ok(plan.offset.clone()) };
+    Ok(nc::Path::new(plan, &machine.machine, machine.dialect)?.in_force)
 }

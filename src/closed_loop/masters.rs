@@ -3,7 +3,9 @@
 use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::calibration::Conditions;
-use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};
+use crate::gauge::{
+    Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson, SettledStream,
+};
 use crate::job::Job;
 
 /// Calibrates on the masters; where their edges leave more of the edge model than noise does, they are scanned again, expecting it.
@@ -33,21 +35,8 @@ fn masters(
 ) -> Result<Vec<MasterMeasurement>, LoopError> {
     let mut measurements = Vec::new();
     for (index, pin) in job.masters.pins.iter().enumerate() {
-        let mut source = cell.scan_master(index, job.masters.frames_each)?;
-        let mut edges = Vec::new();
-        let mut why = "no frame arrived".to_owned();
-        while let Some(frame) = source.next_frame()? {
-            let (mut stream, mut found) = (gauge.stream(), FrameEdges::default());
-            match stream.measure(&frame.view(), &mut found) {
-                Ok(()) => {
-                    stream.teach(lesson, &found);
-                    edges.push(found);
-                }
-                Err(refused) => why = refused.to_string(),
-            }
-            source.recycle(frame);
-        }
-        if edges.is_empty() {
+        let (frames, why) = pin_frames(job, cell, gauge, (index, job.masters.frames_each), lesson)?;
+        if frames.is_empty() {
             return Err(LoopError::Master { pin: index + 1, why });
         }
         let certificate = MasterCertificate {
@@ -55,7 +44,34 @@ fn masters(
             expanded_u_mm: pin.expanded_u_mm,
             coverage_factor: pin.coverage_factor,
         };
-        measurements.push(MasterMeasurement { certificate, frames: edges });
+        measurements.push(MasterMeasurement { certificate, frames });
     }
     Ok(measurements)
+}
+
+/// Edges of all frames of a pin that can be measured, and why the last one cannot. A line camera's readings are one stream; an area camera's
+/// frames are measured each by itself, so that their errors are their own.
+pub(super) fn pin_frames(
+    job: &Job,
+    cell: &mut dyn TurningCell,
+    gauge: &Gauge,
+    (pin, frames): (usize, usize),
+    lesson: &mut MisfitLesson,
+) -> Result<(Vec<FrameEdges>, String), LoopError> {
+    let mut source = cell.scan_master(pin, frames)?;
+    let (mut stream, mut found) = (SettledStream::new(gauge.stream()), FrameEdges::default());
+    let mut edges = Vec::new();
+    let mut why = "no frame arrived".to_owned();
+    while let Some(frame) = source.next_frame()? {
+        if job.camera.line.is_none() {
+            stream = SettledStream::new(gauge.stream());
+        }
+        match stream.measure(&frame.view(), &mut found, (), |(), settled| edges.push(settled.clone())) {
+            Ok(()) => stream.teach(lesson, &found),
+            Err(refused) => why = refused.to_string(),
+        }
+        source.recycle(frame);
+    }
+    stream.finish(|(), settled| edges.push(settled.clone()));
+    Ok((edges, why))
 }

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use super::error::LoopError;
 use super::evidence::Stamp;
 use crate::cell::TurningCell;
-use crate::frame::{Frame, FrameSource, SourceError};
+use crate::frame::{Frame, FrameMeta, FrameSource, SourceError};
 use crate::gauge::axis_line::{AxisAverager, AxisLine};
 use crate::gauge::diameter::sections::{PartForm, TurnAverager};
 use crate::gauge::form::Cutoff;
-use crate::gauge::{Calibration, EdgeStream, FrameEdges, StationAverager};
+use crate::gauge::{Calibration, FrameEdges, SettledStream, StationAverager};
 use crate::job::Job;
 use crate::plan::ScanPlan;
 use crate::profile::{DiameterProfile, Reading};
@@ -60,14 +60,10 @@ pub(super) struct Scanned {
 
 /// What is gathered while a pass is scanned.
 pub(super) struct Measured<'c> {
-    calibration: &'c Calibration,
-    stream: EdgeStream,
+    stream: SettledStream<FrameMeta>,
     edges: FrameEdges,
-    pub(super) averager: StationAverager,
-    turns: TurnAverager,
-    axis: AxisAverager,
+    pub(super) sums: Sums<'c>,
     sample_frame: usize,
-    readings: Vec<FrameReading>,
     sample: Option<Sample>,
     refused: Vec<String>,
     pub(super) frames: usize,
@@ -78,22 +74,18 @@ pub(super) struct Measured<'c> {
 }
 
 impl<'c> Measured<'c> {
-    pub(super) fn new(job: &Job, frames: usize, calibration: &'c Calibration, stream: EdgeStream) -> Self {
-        let averager = StationAverager::new(&job.gauge.station, job.part.station_z_mm(), job.part.station_mm);
+    pub(super) fn new(
+        job: &Job,
+        frames: usize,
+        calibration: &'c Calibration,
+        stream: SettledStream<FrameMeta>,
+    ) -> Self {
         let angles = job.scan.angles.max(1);
         Self {
-            calibration,
             stream,
             edges: FrameEdges::default(),
-            averager,
-            turns: TurnAverager::new(job.part.station_z_mm(), job.part.station_mm),
-            axis: AxisAverager::new(
-                job.part.station_z_mm(),
-                job.part.station_mm,
-                calibration.axis_zero(job.camera.rows_about_axis()),
-            ),
+            sums: Sums::new(job, calibration),
             sample_frame: frames / angles / 2 * angles,
-            readings: Vec::new(),
             sample: None,
             refused: Vec::new(),
             frames: 0,
@@ -117,10 +109,11 @@ impl<'c> Measured<'c> {
         self.frames += 1;
         let stamp = Stamp::of(&frame.meta);
         self.ends = Some((self.ends.map_or(stamp, |e| e.0), stamp));
-        let measured = self.stream.measure(&frame.view(), &mut self.edges);
-        match &measured {
-            Ok(()) => self.add(&frame),
-            Err(refused) => self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id)),
+        let Self { stream, edges, sums, .. } = self;
+        let measured =
+            stream.measure(&frame.view(), edges, frame.meta.clone(), |meta, edges| sums.add(&meta, edges));
+        if let Err(refused) = &measured {
+            self.refused.push(format!("frame {}: {refused}", frame.meta.frame_id));
         }
         self.measured += start.elapsed();
         if measured.is_ok() && index == self.sample_frame {
@@ -129,13 +122,35 @@ impl<'c> Measured<'c> {
         }
         Some(frame)
     }
+}
 
-    fn add(&mut self, frame: &Frame) {
-        let columns = self.calibration.diameters(&self.edges);
-        self.averager.add(&frame.meta, &columns);
-        self.turns.add(&frame.meta, &columns);
-        self.axis.add(&frame.meta, &columns);
-        let meta = &frame.meta;
+/// What settled frames come to.
+pub(super) struct Sums<'c> {
+    calibration: &'c Calibration,
+    pub(super) averager: StationAverager,
+    turns: TurnAverager,
+    axis: AxisAverager,
+    readings: Vec<FrameReading>,
+}
+
+impl<'c> Sums<'c> {
+    pub(super) fn new(job: &Job, calibration: &'c Calibration) -> Self {
+        let (z_mm, station_mm) = (job.part.station_z_mm(), job.part.station_mm);
+        let zero = calibration.axis_zero(job.camera.rows_about_axis());
+        Self {
+            calibration,
+            averager: StationAverager::new(&job.gauge.station, z_mm.clone(), station_mm),
+            turns: TurnAverager::new(z_mm.clone(), station_mm),
+            axis: AxisAverager::new(z_mm, station_mm, zero),
+            readings: Vec::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, meta: &FrameMeta, edges: &FrameEdges) {
+        let columns = self.calibration.diameters(edges);
+        self.averager.add(meta, &columns);
+        self.turns.add(meta, &columns);
+        self.axis.add(meta, &columns);
         self.readings.extend(columns.record(meta, RECORD_STEP_MM).into_iter().map(|(z_mm, reading)| {
             FrameReading {
                 frame_id: meta.frame_id,
@@ -167,12 +182,15 @@ impl Measured<'_> {
         Ok(())
     }
 
-    pub(super) fn finish(self, pass: u32) -> Scanned {
+    pub(super) fn finish(mut self, pass: u32) -> Scanned {
+        let Self { stream, sums, .. } = &mut self;
+        stream.finish(|meta, edges| sums.add(&meta, edges));
+        let sums = self.sums;
         Scanned {
-            profile: self.averager.finish(pass),
-            form: self.turns.finish(Cutoff::default()),
-            axis: self.axis.finish(),
-            readings: self.readings,
+            profile: sums.averager.finish(pass),
+            form: sums.turns.finish(Cutoff::default()),
+            axis: sums.axis.finish(),
+            readings: sums.readings,
             sample: self.sample,
             frames: self.frames,
             refused: self.refused,

@@ -38,6 +38,15 @@ impl WithinPass {
         &self.applied_mm
     }
 
+    /// What the machine makes of the offsets decided: stations that may still be changed are cut with these.
+    pub fn put_in_force(&mut self, in_force_mm: &[f64], stations_z_mm: &[f64], ahead: impl Fn(f64) -> bool) {
+        for (k, (in_force, z_mm)) in in_force_mm.iter().zip(stations_z_mm).enumerate() {
+            if !self.read[k] && ahead(*z_mm) {
+                self.applied_mm[k] = *in_force;
+            }
+        }
+    }
+
     /// Takes the stations read so far; `ahead` states which may still be changed. New offsets, where stations were newly read.
     pub fn decide(
         &mut self,

@@ -31,7 +31,7 @@ pub use calibration::{
     AxisZero, CALIBRATION_VERSION, Calibration, CalibrationError, MasterCertificate, MasterFigure,
     MasterMeasurement,
 };
-pub(crate) use diameter::stations::Seen;
+pub(crate) use diameter::station_mean::StationColumns;
 pub use diameter::{ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::MisfitLesson;
@@ -39,6 +39,7 @@ pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::model::systematic_residual::EdgeMisfit;
 pub use edge::parallel::Lanes;
+pub use edge::settled::SettledStream;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
 pub use instrument::Gauge;
 pub use settings::{

@@ -16,23 +16,77 @@ const CLEAR_OF_TOOL_MM: f64 = 2.0;
 /// Limits of a tabulated expansion, µm/(m·K): 11.5 ± 1 of steels in gauging practice (ISO 1).
 const LIMIT_EXPANSION_UM_PER_M_K: f64 = 1.0;
 
+/// Angles of a burst that are put in another order at most: the search takes the third power of it.
+const MOST_ORDERED: usize = 64;
+
+/// The angles of a burst over half a turn in the order they are taken, each with the turns since the burst's integer turn; at least
+/// `period` turns lie between two.
+fn burst_turns(angles: usize, period: f64) -> Vec<(usize, f64)> {
+    let part = 1.0 / (2.0 * angles.max(1) as f64);
+    let mut turned = 0.0;
+    let mut before = 0.0;
+    order_of_angles(angles)
+        .into_iter()
+        .enumerate()
+        .map(|(k, i)| {
+            let at = i as f64 * part;
+            let apart = (at - before).rem_euclid(1.0);
+            turned += if k == 0 { at } else { apart + (period - apart).max(0.0).ceil() };
+            before = at;
+            (i, turned)
+        })
+        .collect()
+}
+
+/// An order in which the shaft's bending, which drifts as the tool goes on, looks like nothing that turns: the place of an angle in the order
+/// has next to no first harmonic over the angles. In the order of the angles half a turn would take a drift for cos φ. Swaps that lessen the
+/// harmonic are taken until none does.
+fn order_of_angles(angles: usize) -> Vec<usize> {
+    // place[i]: when angle i is taken
+    let mut place: Vec<f64> = (0..angles).map(|i| i as f64).collect();
+    let phase = |i: usize| PI * i as f64 / angles as f64;
+    let harmonic = |place: &[f64]| {
+        let middle = 0.5 * (angles as f64 - 1.0);
+        let sum = place.iter().enumerate().fold((0.0, 0.0), |sum, (i, p)| {
+            (sum.0 + (p - middle) * phase(i).cos(), sum.1 + (p - middle) * phase(i).sin())
+        });
+        sum.0.hypot(sum.1)
+    };
+    let pairs = || (0..angles).flat_map(|i| (0..i).map(move |j| (i, j)));
+    while (3..=MOST_ORDERED).contains(&angles) {
+        let now = harmonic(&place);
+        let after = |(i, j): (usize, usize)| {
+            let mut swapped = place.clone();
+            swapped.swap(i, j);
+            harmonic(&swapped)
+        };
+        let best = pairs().map(|pair| (after(pair), pair)).min_by(|a, b| a.0.total_cmp(&b.0));
+        match best.filter(|b| b.0 < now - 1e-9) {
+            Some((_, (i, j))) => place.swap(i, j),
+            None => break,
+        }
+    }
+    let mut order: Vec<usize> = (0..angles).collect();
+    order.sort_by(|a, b| place[*a].total_cmp(&place[*b]));
+    order
+}
+
 impl Job {
     /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's nominal diameter.
     pub fn spindle_rpm(&self, pass: u32) -> f64 {
         1e3 * self.cutting.speed_m_per_min / (PI * self.part.target_mm(pass))
     }
 
-    /// Frames of pass `pass` while it is cut: at every field of the scan a burst over half a turn or, where the camera is slower,
-    /// over as many whole turns more as it needs; fields that the tool's end keeps from the gauge are scanned after it.
+    /// Frames of pass `pass` while it is cut: at every field of the scan a burst over the angles of half a turn, over as many
+    /// whole turns as the camera needs; fields that the tool's end keeps from the gauge are scanned after it.
     pub fn follow_plan(&self, pass: u32) -> FollowPlan {
         let towards_chuck = self.process.pass.feed_direction == FeedDirection::TowardsChuck;
         let (length, behind) = (self.part.length_mm, self.scan.behind_tool_mm);
         let way = if towards_chuck { -1.0 } else { 1.0 };
         let rpm = self.spindle_rpm(pass);
         let (angles, feed) = (self.scan.angles, self.cutting.feed_mm_per_rev);
-        let apart = 1.0 / (2.0 * angles as f64);
         let period = self.camera.frame_period_ms * 1e-3 * rpm / 60.0;
-        let step = (period - apart).max(0.0).ceil() + apart;
+        let burst = burst_turns(angles, period);
         let start_mm = if towards_chuck { length } else { 0.0 };
         let ScanPlan { mut field_z_mm, angle_deg } = self.scan_plan();
         if towards_chuck {
@@ -42,15 +96,20 @@ impl Job {
         for field in field_z_mm {
             let first = (way * (field + way * behind - start_mm) / feed).ceil().max(0.0);
             let tool_at = |turns: f64| start_mm + way * feed * turns;
-            let last = tool_at(first + step * (angles - 1) as f64);
+            let last = tool_at(first + burst.last().map_or(0.0, |b| b.1));
             if !(0.0..=length).contains(&last) {
                 rest.push(field);
                 continue;
             }
-            frames.extend(angle_deg.iter().enumerate().map(|(i, &angle_deg)| {
-                let turns = first + step * i as f64;
+            frames.extend(burst.iter().map(|&(i, turned)| {
+                let turns = first + turned;
                 let tool_z_mm = tool_at(turns);
-                FollowFrame { turns, tool_z_mm, field_z_mm: tool_z_mm - way * behind, angle_deg }
+                FollowFrame {
+                    turns,
+                    tool_z_mm,
+                    field_z_mm: tool_z_mm - way * behind,
+                    angle_deg: angle_deg[i],
+                }
             }));
         }
         rest.sort_by(f64::total_cmp);
@@ -111,10 +170,17 @@ impl Job {
         }
         let least = 0.5 * f64::from(self.camera.columns) * self.nominal_mm_per_px() + CLEAR_OF_TOOL_MM;
         let behind = self.scan.behind_tool_mm;
-        if !(behind >= least && behind < self.part.length_mm) {
+        // What is no number lies nowhere.
+        if !(behind >= least) {
             let why = format!(
-                "{behind} mm: the field must lie behind the tool and on the part; at least {least:.1} mm (half the field and \
-                 {CLEAR_OF_TOOL_MM} mm), below the length of {} mm",
+                "{behind} mm: the tool would stand in the field and hide the edge there; at least {least:.1} mm (half the field, and \
+                 {CLEAR_OF_TOOL_MM} mm that insert and chip stand out from the tip)"
+            );
+            return Err(JobError::at("scan.behind_tool_mm", why));
+        }
+        if !(behind < self.part.length_mm) {
+            let why = format!(
+                "{behind} mm: the field must lie on the part, below its length of {} mm",
                 self.part.length_mm
             );
             return Err(JobError::at("scan.behind_tool_mm", why));
@@ -122,5 +188,43 @@ impl Job {
         // The last pass turns fastest.
         let follow = self.follow_plan(self.part.passes() as u32);
         self.cutting_motion(&follow).check(self.camera.exposure_us).map_err(from_render)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drift_during_a_burst_looks_like_nothing_that_turns() {
+        for (angles, most) in [(4, 0.4), (6, 0.15), (8, 0.08), (16, 0.01)] {
+            let order = order_of_angles(angles);
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, (0..angles).collect::<Vec<_>>());
+            let share = |order: &[usize]| {
+                let sum = order.iter().enumerate().fold((0.0, 0.0), |sum, (k, i)| {
+                    let phase = PI * *i as f64 / angles as f64;
+                    let place = k as f64 - 0.5 * (angles as f64 - 1.0);
+                    (sum.0 + place * phase.cos(), sum.1 + place * phase.sin())
+                });
+                f64::hypot(sum.0, sum.1)
+            };
+            let plain = share(&(0..angles).collect::<Vec<_>>());
+            assert!(share(&order) < most * plain, "{angles}: {order:?} {} of {plain}", share(&order));
+        }
+        assert_eq!(order_of_angles(1), [0]);
+        assert_eq!(order_of_angles(2), [0, 1]);
+    }
+
+    #[test]
+    fn a_burst_leaves_the_camera_its_time_and_stands_at_its_angles() {
+        for period in [0.0, 0.3, 1.54, 7.9] {
+            let burst = burst_turns(8, period);
+            assert!(burst.windows(2).all(|w| w[1].1 - w[0].1 >= period - 1e-12 && w[1].1 > w[0].1));
+            for (i, turned) in burst {
+                assert!((turned.rem_euclid(1.0) - i as f64 / 16.0).abs() < 1e-9);
+            }
+        }
     }
 }

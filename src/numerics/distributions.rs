@@ -1,6 +1,8 @@
-//! The standard normal and the χ² distribution: functions, density, quantiles.
+//! The standard normal, Student's and the χ² distribution: functions, density, quantiles.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Standard normal distribution function.
 pub(crate) fn phi_cdf(t: f64) -> f64 {
@@ -10,6 +12,15 @@ pub(crate) fn phi_cdf(t: f64) -> f64 {
 /// Standard normal density.
 pub(crate) fn phi_pdf(t: f64) -> f64 {
     (-0.5 * t * t).exp() / (2.0 * PI).sqrt()
+}
+
+/// Student's t for a two-sided probability.
+pub(crate) fn student(freedom: f64, probability: f64) -> f64 {
+    if freedom > 1e5 {
+        // Student's t is the normal there to 1e-5.
+        return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
 }
 
 /// Quantile of χ²_ν over ν after Wilson and Hilferty; `z` is the normal quantile. Within 1 % for ν ≥ 5.

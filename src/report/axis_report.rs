@@ -1,17 +1,49 @@
-//! The axis of the part in the report of a run: how it bends in the image plane, and what turns with it.
+//! The axis of the part in the report of a run: what stands still of it and what turns, measured and true in one picture a pass.
 
 use super::error::ReportError;
 use super::html::Page;
-use super::plot::{Chart, Mark, Series};
-use crate::run_folder::AxisRow;
+use super::plot::{Chart, Mark, Series, band};
+use super::shaft_report::is_bent;
+use crate::run_folder::{AxisRow, TrueAxisRow};
 
-/// Adds the section; nothing where no pass has an axis.
+/// Colours of the plane of the image, the plane towards the camera, and what is true.
+const IMAGE: usize = 0;
+const TOWARDS_CAMERA: usize = 2;
+const TRUE: usize = 6;
+/// Colour of what is true and not seen.
+const UNSEEN: usize = 1;
+
+/// Adds the section, the last pass open and those before folded; nothing where no pass has an axis. Gives the file that goes beside the page.
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
-pub fn axis_section(page: &mut Page, rows: &[AxisRow]) -> Result<(), ReportError> {
-    let Some(pass) = rows.iter().map(|r| r.pass).max() else { return Ok(()) };
-    page.heading("Axis of the part").text(
+pub fn axis_section(
+    page: &mut Page,
+    rows: &[AxisRow],
+    truth: &[TrueAxisRow],
+) -> Result<Option<(String, Vec<u8>)>, ReportError> {
+    let bent = truth.iter().any(is_bent);
+    let seen = rows.iter().map(|r| r.pass);
+    let Some(last) = seen.chain(truth.iter().filter(|_| bent).map(|t| t.pass)).max() else { return Ok(None) };
+    page.heading("Axis of the part");
+    table(page, rows);
+    let svg = of_pass(page, rows, truth, last)?;
+    let mut before: Vec<u32> = rows.iter().map(|r| r.pass).filter(|pass| *pass < last).collect();
+    before.dedup();
+    for pass in before {
+        page.folded(&format!("The axis after pass {pass}"), |page| {
+            of_pass(page, rows, truth, pass).map(drop)
+        })?;
+    }
+    Ok((!svg.is_empty()).then(|| ("plots/axis.svg".to_owned(), svg.into_bytes())))
+}
+
+/// What is seen of the axis, and its largest values a pass.
+fn table(page: &mut Page, rows: &[AxisRow]) {
+    if rows.is_empty() {
+        return;
+    }
+    page.text(
         "Middle of both edges at every station. What stands still (sag, force, lie of the spindle) is seen in the image plane; what turns with the part \
          (eccentricity, bow) is seen in both planes, from spindle angles 90° apart. What stands still towards the camera moves no edge: it is not seen, \
          unless from a second viewing direction.",
@@ -48,23 +80,68 @@ pub fn axis_section(page: &mut Page, rows: &[AxisRow]) -> Result<(), ReportError
         "at z / mm",
     ];
     page.table(&header, &table);
-    let of_pass = |f: &dyn Fn(&AxisRow) -> Option<f64>| -> Vec<(f64, f64)> {
-        rows.iter().filter(|r| r.pass == pass).filter_map(|r| Some((r.z_mm, 1e3 * f(r)?))).collect()
+}
+
+/// Still part and turning part of a pass, measured with U and true where the simulation has it; gives the first picture.
+fn of_pass(
+    page: &mut Page,
+    rows: &[AxisRow],
+    truth: &[TrueAxisRow],
+    pass: u32,
+) -> Result<String, ReportError> {
+    let measured = |name: &str, colour: usize, f: &dyn Fn(&AxisRow) -> Option<(f64, f64)>| {
+        let own = rows.iter().filter(|r| r.pass == pass);
+        let points: Vec<(f64, f64, f64)> =
+            own.filter_map(|r| f(r).map(|(value, u)| (r.z_mm, 1e3 * value, 2e3 * u))).collect();
+        let line = points.iter().map(|p| (p.0, p.1)).collect();
+        [
+            Series::new("U (k = 2)", Mark::Band, colour, band(points.into_iter())),
+            Series::new(name, Mark::Line, colour, line),
+        ]
     };
+    let true_line = |name: &str, colour: usize, f: &dyn Fn(&TrueAxisRow) -> f64| {
+        let own = truth.iter().filter(|t| t.pass == pass).map(|t| (t.z_mm, 1e3 * f(t)));
+        Series::new(name, Mark::Dashed, colour, own.collect())
+    };
+    let mut still: Vec<Series> =
+        measured("in the image, measured", IMAGE, &|r| Some((r.x_mm, r.u_x_mm))).into();
+    still.push(true_line("in the image, true", TRUE, &|t| t.still_x_mm));
+    still.push(true_line("towards the camera, true: not seen", UNSEEN, &|t| t.still_y_mm));
+    let svg = chart(
+        page,
+        still,
+        "what stands still / µm",
+        &format!(
+            "Pass {pass}, what stands still (weight, tailstock, force, lie of the spindle) from the optical axis. Towards the camera it moves no \
+             edge."
+        ),
+    )?;
+    let up = |r: &AxisRow| Some((r.turning_x_mm?, r.u_turning_mm?));
+    let towards = |r: &AxisRow| Some((r.turning_y_mm?, r.u_turning_mm?));
+    let mut turning: Vec<Series> = measured("upwards, measured", IMAGE, &up).into();
+    turning.extend(measured("towards the camera, measured", TOWARDS_CAMERA, &towards));
+    turning.push(true_line("upwards, true", TRUE, &|t| t.turning_x_mm));
+    turning.push(true_line("towards the camera, true", UNSEEN, &|t| t.turning_y_mm));
+    let caption = format!(
+        "Pass {pass}, what turns with the part (chuck, bow) at spindle angle 0°: the camera sees both planes of it, from angles 90° apart."
+    );
+    chart(page, turning, "what turns / µm", &caption)?;
+    Ok(svg)
+}
+
+/// Adds a chart of the series that have points.
+fn chart(page: &mut Page, series: Vec<Series>, y_label: &str, caption: &str) -> Result<String, ReportError> {
+    let series: Vec<Series> = series.into_iter().filter(|s| !s.points.is_empty()).collect();
+    if series.is_empty() {
+        return Ok(String::new());
+    }
     let chart = Chart {
         x_label: "z from the chuck / mm".into(),
-        y_label: "axis / µm".into(),
-        series: vec![
-            Series::new("bend, still, upwards", Mark::Line, 0, of_pass(&|r| Some(r.bend_x_mm))),
-            Series::new("turns, upwards at 0°", Mark::Line, 1, of_pass(&|r| r.turning_x_mm)),
-            Series::new("turns, towards the camera at 0°", Mark::Line, 2, of_pass(&|r| r.turning_y_mm)),
-        ],
+        y_label: y_label.into(),
+        series,
         ..Chart::default()
     };
     let svg = chart.to_svg().map_err(ReportError::Draw)?;
-    page.figure(
-        &svg,
-        &format!("Axis after pass {pass}: the part that stands still, from the chord between the first and the last station, and the part that turns."),
-    );
-    Ok(())
+    page.figure(&svg, caption);
+    Ok(svg)
 }

@@ -67,6 +67,21 @@ impl Page {
         self
     }
 
+    /// What `inside` adds, folded under a line of plain text until the reader opens it.
+    ///
+    /// # Errors
+    /// Those of `inside`.
+    pub fn folded<E>(
+        &mut self,
+        line: &str,
+        inside: impl FnOnce(&mut Self) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let _ = writeln!(self.body, "<details><summary>{}</summary>", escape(line));
+        let result = inside(self);
+        self.body.push_str("</details>\n");
+        result
+    }
+
     /// The page's text.
     pub fn finish(&self) -> String {
         format!(

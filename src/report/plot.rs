@@ -30,6 +30,8 @@ const LEGEND_LEFT: i32 = 78;
 /// Room of a mark and the gap behind a name, px.
 const LEGEND_MARK: i32 = 26;
 const LEGEND_GAP: i32 = 18;
+/// Opacity of a band.
+const PALE: f64 = 0.2;
 /// Width of a letter, about, px.
 const LETTER: f64 = 7.0;
 
@@ -46,6 +48,18 @@ pub enum Mark {
     Dots,
     /// A line with dots.
     LineDots,
+    /// A pale area between two lines: the points along the one and back along the other.
+    Band,
+}
+
+/// The outline of a band about points (x, y, half width), broken into pieces nowhere: rows with a gap are left out.
+pub fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, f64)> {
+    let usable = points.filter(|p| p.1.is_finite() && p.2.is_finite());
+    let mut outline: Vec<(f64, f64)> = usable.clone().map(|(x, y, half)| (x, y + half)).collect();
+    let mut back: Vec<(f64, f64)> = usable.map(|(x, y, half)| (x, y - half)).collect();
+    back.reverse();
+    outline.append(&mut back);
+    outline
 }
 
 /// One series of a chart. Points that are not finite break a line.
@@ -91,8 +105,12 @@ impl LegendEntry<'_> {
         let (colour, style) = self.series.style();
         let y = (LEGEND_LINE * self.line) as i32 + 8;
         let ends = |from: i32, to: i32| PathElement::new([(self.x + from, y), (self.x + to, y)], style);
+        if self.series.mark == Mark::Band {
+            let shade = Rectangle::new([(self.x, y - 6), (self.x + 20, y + 6)], colour.mix(PALE).filled());
+            area.draw(&shade).map_err(|e| e.to_string())?;
+        }
         let lines = match self.series.mark {
-            Mark::Dots => Vec::new(),
+            Mark::Dots | Mark::Band => Vec::new(),
             Mark::Dashed => vec![ends(0, 5), ends(8, 13), ends(16, 20)],
             _ => vec![ends(0, 20)],
         };
@@ -228,6 +246,11 @@ impl Chart {
     {
         let (colour, style) = series.style();
         let usable = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!self.log_y || p.1 > 0.0);
+        if series.mark == Mark::Band {
+            let outline: Vec<(f64, f64)> = series.points.iter().copied().filter(usable).collect();
+            let shade = Polygon::new(outline, colour.mix(PALE).filled());
+            return chart.draw_series(std::iter::once(shade)).map(drop).map_err(|e| e.to_string());
+        }
         if series.mark != Mark::Dots {
             for run in series.points.split(|p| !usable(p)).filter(|run| !run.is_empty()) {
                 let points = run.iter().copied();
@@ -326,6 +349,15 @@ mod tests {
         assert!(svg.contains("z / mm") && svg.contains("e / µm") && svg.contains("measured"));
         let log = Chart { log_y: true, ..chart }.to_svg().unwrap();
         assert_ne!(log, svg);
+    }
+
+    #[test]
+    fn a_band_goes_along_and_back() {
+        let rows = [(0.0, 1.0, 0.5), (1.0, f64::NAN, 0.5), (2.0, 3.0, 0.25)];
+        let outline = band(rows.into_iter());
+        assert_eq!(outline, [(0.0, 1.5), (2.0, 3.25), (2.0, 2.75), (0.0, 0.5)]);
+        let svg = Chart { series: vec![Series::new("U", Mark::Band, 0, outline)], ..Chart::default() };
+        assert!(svg.to_svg().unwrap().contains("<polygon"));
     }
 
     #[test]

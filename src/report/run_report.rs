@@ -6,7 +6,7 @@ use super::error::ReportError;
 use super::form_report::form_section;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use super::shaft_report::shaft_section;
+use super::shaft_report::{forces, turn_picture};
 use super::{probe_report, sample};
 use crate::closed_loop::{Sample, part_verdict};
 use crate::control::ControllerName;
@@ -86,10 +86,12 @@ pub fn run_report(view: &RunView<'_>) -> Result<RunPage, ReportError> {
     if let Some(sample) = view.sample {
         files.extend(sample::figures(&mut page, sample).map_err(ReportError::Draw)?);
     }
-    files.extend(shaft_section(&mut page, &rows.passes, &rows.stations, &view.folder.true_axis()?)?);
+    forces(&mut page, &rows.passes);
     let (sections, parts) = view.folder.form()?;
     form_section(&mut page, &sections, &parts, view.form)?;
-    axis_section(&mut page, &view.folder.axis()?)?;
+    let true_axis = view.folder.true_axis()?;
+    files.extend(axis_section(&mut page, &view.folder.axis()?, &true_axis)?);
+    files.extend(turn_picture(&mut page, &rows.passes, &rows.stations, &true_axis));
     uncertainty(&mut page, &rows)?;
     budget(&mut page, view, &rows)?;
     probe_report::budget(&mut page, view.job, view.folder)?;

@@ -1,11 +1,9 @@
-//! The shaft in the machine: forces of every pass, the axis along z, a turn as a moving picture.
+//! The shaft in the machine: forces of every pass, a turn as a moving picture.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use super::error::ReportError;
 use super::html::Page;
-use super::plot::{Chart, Mark, Series};
 use crate::run_folder::{PassRow, StationRow, TrueAxisRow};
 
 /// Spindle angles of the moving picture.
@@ -21,51 +19,18 @@ const LARGEST_PX: f64 = 45.0;
 /// A shaft whose axis leaves the spindle's by less is drawn straight, mm.
 const STRAIGHT_MM: f64 = 1e-6;
 
-/// Adds forces, axis and picture; gives the files that go beside the page.
-///
-/// # Errors
-/// Where a chart cannot be drawn.
-pub fn shaft_section(
+/// Adds a turn of the last pass as a moving picture; gives the file that goes beside the page, none of a straight shaft.
+pub fn turn_picture(
     page: &mut Page,
     passes: &[PassRow],
     stations: &[StationRow],
     axis: &[TrueAxisRow],
-) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let mut files = Vec::new();
-    forces(page, passes);
-    let Some(last) = axis.iter().map(|a| a.pass).max() else { return Ok(files) };
+) -> Option<(String, Vec<u8>)> {
+    let last = axis.iter().map(|a| a.pass).max()?;
     let rows: Vec<&TrueAxisRow> = axis.iter().filter(|a| a.pass == last).collect();
-    let bent = |a: &&TrueAxisRow| {
-        [a.still_x_mm, a.still_y_mm, a.turning_x_mm, a.turning_y_mm].iter().any(|v| v.abs() > STRAIGHT_MM)
-    };
-    if !rows.iter().any(bent) {
-        return Ok(files);
+    if !rows.iter().any(|a| is_bent(a)) {
+        return None;
     }
-    page.heading("The shaft's axis");
-    let along =
-        |f: &dyn Fn(&TrueAxisRow) -> f64| rows.iter().map(|a| (a.z_mm, 1e3 * f(a))).collect::<Vec<_>>();
-    let chart = Chart {
-        x_label: "z from the chuck / mm".into(),
-        y_label: "true axis from the spindle's / µm".into(),
-        series: vec![
-            Series::new("still, in the image", Mark::Line, 0, along(&|a| a.still_x_mm)),
-            Series::new("still, towards the camera", Mark::Line, 1, along(&|a| a.still_y_mm)),
-            Series::new(
-                "turning: half the run-out",
-                Mark::Dashed,
-                2,
-                along(&|a| a.turning_x_mm.hypot(a.turning_y_mm)),
-            ),
-        ],
-        ..Chart::default()
-    };
-    let svg = chart.to_svg().map_err(ReportError::Draw)?;
-    page.figure(
-        &svg,
-        "Where the axis lies after the last pass, tool clear, by the simulation (for comparison only): weight and tailstock stand still, \
-         bow and chuck turn with the part.",
-    );
-    files.push(("plots/axis.svg".to_owned(), svg.into_bytes()));
     let of_pass: Vec<&StationRow> = stations.iter().filter(|s| s.pass == last).collect();
     let nominal = passes.iter().find(|p| p.pass == last).map_or(f64::NAN, |p| p.nominal_mm);
     let (picture, times) = turn(&rows, &of_pass, nominal);
@@ -76,11 +41,16 @@ pub fn shaft_section(
              length; blue the measured diameter."
         ),
     );
-    files.push(("plots/turn.svg".to_owned(), picture.into_bytes()));
-    Ok(files)
+    Some(("plots/turn.svg".to_owned(), picture.into_bytes()))
 }
 
-fn forces(page: &mut Page, passes: &[PassRow]) {
+/// Whether an axis leaves the spindle's.
+pub fn is_bent(a: &TrueAxisRow) -> bool {
+    [a.still_x_mm, a.still_y_mm, a.turning_x_mm, a.turning_y_mm].iter().any(|v| v.abs() > STRAIGHT_MM)
+}
+
+/// Adds the forces of every pass, where the cell has them.
+pub fn forces(page: &mut Page, passes: &[PassRow]) {
     if passes.iter().all(|p| p.radial_force_n.is_none()) {
         return;
     }

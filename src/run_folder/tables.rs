@@ -123,7 +123,8 @@ pub struct OffsetRow {
     pub reason: String,
 }
 
-/// A row of `truth_axis.csv`: where the axis of a station lies after a pass, tool clear; for comparison only.
+/// A row of `truth_axis.csv`: where the axis of a station lay when a pass was looked at (tool clear, or under the
+/// force while it was cut); for comparison only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrueAxisRow {
     /// Pass, from 1.

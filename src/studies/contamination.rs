@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
-use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, Seen};
+use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, StationColumns};
 
 /// A station counts as harmed from here, µm.
 const HARMED_UM: f64 = 5.0;
@@ -117,24 +117,24 @@ impl Pair {
     }
 }
 
-/// Mean width of the columns with both edges.
+/// Mean width over a station by its columns with both edges, and U, µm.
 fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -> Option<(f64, f64)> {
     let length = columns.len() as f64;
     let middle = 0.5 * (columns.start + columns.end - 1) as f64;
-    let (mut sum, mut own, mut shared, mut count) = (0.0, 0.0, 0.0, 0.0);
-    let mut seen = Seen::default();
+    let (mut own, mut shared, mut count) = (0.0, 0.0, 0.0);
+    let mut seen = StationColumns::default();
     for column in columns {
         if let Some(width) = edges.width_px(column) {
             let (top, bottom) = (&edges.top[column], &edges.bottom[column]);
-            sum += width;
-            seen.add(column as f64 - middle, width);
+            seen.add((column as f64 - middle) / (0.5 * length), width);
             own += f64::from(top.u_own_px).powi(2) + f64::from(bottom.u_own_px).powi(2);
             shared += f64::from(top.u_shared_px).powi(2) + f64::from(bottom.u_shared_px).powi(2);
             count += 1.0;
         }
     }
-    let u = (own / (count * count) + shared / count + seen.u_of_the_rest().powi(2)).sqrt();
-    (count >= (min_fill * length).max(1.0)).then(|| (sum / count * PIXEL_UM, 2.0 * u * PIXEL_UM))
+    let mean = seen.mean();
+    let u = (mean.gain * own / (count * count) + shared / count + mean.rest.powi(2)).sqrt();
+    (count >= (min_fill * length).max(1.0)).then(|| (mean.mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
 }
 
 /// What one frame came to.

@@ -14,6 +14,7 @@ pub const CASE: Case = Case {
     fields: 4,
     angles: 6,
     whole_turn: false,
+    field_step: 1,
 };
 
 /// Limit of an error beside U, mm.

@@ -29,6 +29,8 @@ pub struct Case {
     pub angles: usize,
     /// Angles over a whole turn instead of half of one.
     pub whole_turn: bool,
+    /// Every field is scanned, or every so many-th: stations between are not.
+    pub field_step: usize,
 }
 
 impl Case {
@@ -46,6 +48,7 @@ impl Case {
         let pitch = self.length_mm / self.fields as f64;
         let span = if self.whole_turn { 360.0 } else { 180.0 };
         (0..self.fields)
+            .step_by(self.field_step)
             .flat_map(|f| {
                 (0..self.angles)
                     .map(move |a| ((f as f64 + 0.5) * pitch, span * a as f64 / self.angles as f64))

@@ -78,6 +78,9 @@ fn pooled(case: Case, seeds: std::ops::Range<u64>) -> [Pooled; 3] {
         let mut own = [Pooled::default(); 3];
         for ((stream, single), truth) in stream.iter().zip(&single).zip(&truth) {
             let (Some(a), Some(b)) = (stream.reading.value(), single.reading.value()) else {
+                if case.field_step > 1 {
+                    continue;
+                }
                 panic!("seed {seed}, {form:?}: {stream:?} {single:?}")
             };
             own[0].add(a.d_mm - truth, a.u_mm());
@@ -115,9 +118,9 @@ fn check([streams, single, apart]: &[Pooled; 3], rms: std::ops::Range<f64>) {
     for pooled in [streams, single] {
         assert!(rms.contains(&pooled.rms()) && pooled.beyond() <= 0.06, "{pooled:?}");
     }
-    // A frame by itself has its own blur alone, a stream's calm ones an average: at the ends of a field, where the blur is known half as well
-    // as in its middle, one station in a thousand differs by more than its whole u.
-    assert!(apart.rms() < 0.3 && apart.largest < 1.3, "{apart:?}");
+    // Both owe their blur to the same columns; what is left is the course along the field, which a stream goes on with and a frame by itself
+    // begins from none. Of 3000 stations one differed by .8 u.
+    assert!(apart.rms() < 0.15 && apart.largest < 1.0, "{apart:?}");
 }
 
 const SHORT: Case = Case {
@@ -129,6 +132,7 @@ const SHORT: Case = Case {
     fields: 8,
     angles: 8,
     whole_turn: false,
+    field_step: 1,
 };
 
 #[test]
@@ -137,12 +141,21 @@ fn diameters_stay_true_over_100_seeds() {
     check(&pooled(SHORT, 1..101), 0.8..1.15);
 }
 
-/// The main job's head and shaft.
+/// The main job's head and shaft. Nearly all of u is the masters' certificates, one draw a seed: a hundred seeds show it to 7 %, ten to
+/// 22 %; so three fields of fourteen are scanned of each.
 #[test]
-#[ignore = "112 frames of 5 megapixels a seed: minutes"]
-fn diameters_stay_true_over_10_seeds_of_the_main_job() {
-    let case = Case { diameter_mm: 25.0, length_mm: 500.0, rows: 2048, columns: 2448, fields: 14, ..SHORT };
-    check(&pooled(case, 1..11), 0.55..1.4);
+#[ignore = "40 frames of 5 megapixels a seed: ten minutes"]
+fn diameters_stay_true_over_100_seeds_of_the_main_job() {
+    let case = Case {
+        diameter_mm: 25.0,
+        length_mm: 500.0,
+        rows: 2048,
+        columns: 2448,
+        fields: 14,
+        field_step: 5,
+        ..SHORT
+    };
+    check(&pooled(case, 1..101), 0.8..1.15);
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod coverage;
 mod deflection;
 mod factor;
 mod in_process;
+mod line_camera;
 mod parts;
 mod stability;
 mod uncertainty;
@@ -22,6 +23,7 @@ use self::coverage::StudyCoverageArgs;
 use self::deflection::StudyDeflectionArgs;
 use self::factor::StudyFactorArgs;
 use self::in_process::StudyInProcessArgs;
+use self::line_camera::StudyLineCameraArgs;
 use self::parts::StudyPartsArgs;
 use self::stability::StudyStabilityArgs;
 use self::uncertainty::StudyUncertaintyArgs;
@@ -43,6 +45,8 @@ pub enum Study {
     Stability(StudyStabilityArgs),
     /// One job scanned after every pass and while it is cut, with and without correction within the pass.
     InProcess(StudyInProcessArgs),
+    /// Edges a second and repeatability of a line camera's readings, beside its rate and the bound.
+    LineCamera(StudyLineCameraArgs),
     /// One cutting variable at a time against the size error.
     Factor(StudyFactorArgs),
     /// Whether stated intervals cover the true diameters, in rendered and measured scenes.
@@ -68,6 +72,7 @@ pub fn run(study: &Study) -> CommandResult {
         Study::Uncertainty(args) => uncertainty::run(args),
         Study::Washers(args) => washers::run(args),
         Study::InProcess(args) => in_process::run(args),
+        Study::LineCamera(args) => line_camera::run(args),
         Study::Factor(args) => factor::run(args),
     }
 }

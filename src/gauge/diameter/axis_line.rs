@@ -13,17 +13,20 @@
 //!
 //! Noise and levels move the middle by half of what they do to the width; a blur that is off moves both edges outwards and the middle
 //! not at all; scale errors take their share of the height over the optical axis alone. Over the angles the fit's residual, pooled over the
-//! stations, shows what else scatters (asynchronous spindle motion, vibration); where it exceeds the edges' own statement it counts.
+//! stations, shows what else scatters (odd lobes, asynchronous spindle motion, vibration); where it exceeds the edges' own statement it counts.
+//! Lobes that run along the part are the same at every station: of what the stations leave alike, one station's freedom alone is known.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::column_diameters::ColumnDiameters;
+use super::station_mean::{StationColumns, StationMean};
 use super::stations::variance_of_mean;
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::axis_zero::AxisZero;
+use crate::numerics::distributions::{chi2_ratio_limit, student};
 use crate::profile::{Reading, Reason};
 
 /// Share of a station's columns that an angle needs.
@@ -31,10 +34,16 @@ const LEAST_FILL: f64 = 0.3;
 /// Variance of x over that of one angle, at most, where turning part and still part are separated: angles that span less of the turn
 /// leave both mixed.
 const MOST_GAIN: f64 = 4.0;
-/// Variance of a station's middle over that of its columns' mean, at most, by the slope and bend that are adjusted within it.
-const MOST_STATION_GAIN: f64 = 4.0;
 /// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good ones with three degrees of freedom).
 const FAR: f64 = 7.0;
+/// Share of a station's columns from which one frame carries it: a line is extrapolated over the rest.
+const WHOLE: f64 = 2.0 / 3.0;
+/// Bursts no farther apart than this share of a station stand at one place.
+const SAME_PLACE: f64 = 0.02;
+/// Columns below which a frame is a reading of a line camera, which shows no station by itself.
+const NARROW: usize = 16;
+/// Probability of an interval of ± 2u of the normal distribution.
+const U_PROBABILITY: f64 = 0.954_499_736;
 /// Angles for one more odd harmonic; as over half a turn (`turn_scatter`), three at most.
 const ANGLES_A_HARMONIC: usize = 6;
 const MOST_HARMONICS: usize = 3;
@@ -170,59 +179,31 @@ impl AxisLine {
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     columns: usize,
-    /// Σ tᵏ for k = 0 to 4 and Σ tᵏ·m for k = 0 to 2, t the distance from the station's middle over half its length.
-    powers: [f64; 5],
-    middle_mm: [f64; 3],
+    seen: StationColumns,
     common_mm: f64,
     /// Σ own variance of the width, mm².
     own: f64,
     /// Σ shared variance of the width, mm².
     shared: f64,
     length: f64,
+    /// Whether they are readings of a line camera.
+    narrow: bool,
 }
 
 impl Sums {
-    fn add(&mut self, t: f64, middle_mm: f64) {
-        self.columns += 1;
-        let mut power = 1.0;
-        for k in 0..5 {
-            self.powers[k] += power;
-            if k < 3 {
-                self.middle_mm[k] += power * middle_mm;
-            }
-            power *= t;
-        }
-    }
-
-    /// Mean middle over the whole station and the variance of it over that of a plain mean. Fields that overlap show a part of the station
-    /// twice, and an axis slopes: a parabola through the columns is averaged over the station, a line where they do not show one, their
-    /// mean where they do not show that.
-    fn mean_mm(&self) -> (f64, f64) {
-        let n = self.powers[0];
-        let start = self.middle_mm[0] / n;
-        for terms in [3, 2] {
-            let normal = Matrix3::from_fn(|i, j| match (i < terms && j < terms, i == j) {
-                (true, _) => self.powers[i + j],
-                (false, same) => f64::from(u8::from(same)),
-            });
-            let right =
-                Vector3::from_fn(
-                    |i, _| if i < terms { self.middle_mm[i] - start * self.powers[i] } else { 0.0 },
-                );
-            // Over the station the mean of t² is a third.
-            let mean = Vector3::new(1.0, 0.0, if terms == 3 { 1.0 / 3.0 } else { 0.0 });
-            let Some(inverse) = normal.try_inverse() else { continue };
-            let gain = n * mean.dot(&(inverse * mean));
-            if gain < MOST_STATION_GAIN {
-                return (start + mean.dot(&(inverse * right)), gain.max(1.0));
-            }
-        }
-        (start, 1.0)
+    fn join(&mut self, other: &Self) {
+        self.columns += other.columns;
+        self.seen.join(&other.seen);
+        self.common_mm += other.common_mm;
+        self.own += other.own;
+        self.shared += other.shared;
+        self.length = other.length;
+        self.narrow = other.narrow;
     }
 
     /// Variance of the mean middle by the edges' own statements, mm²: a quarter of the width's.
-    fn noise(&self) -> f64 {
-        0.25 * self.mean_mm().1 * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
+    fn noise(&self, gain: f64) -> f64 {
+        0.25 * gain * variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
     }
 }
 
@@ -233,8 +214,29 @@ pub struct AxisAverager {
     station_mm: f64,
     zero: AxisZero,
     pitch_mm: f64,
-    /// Per station: sums by angle in microdegrees.
-    sums: Vec<BTreeMap<i64, Sums>>,
+    /// Per station: what each burst of frames shows of it.
+    sums: Vec<Vec<Burst>>,
+}
+
+/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums of a station by angle in microdegrees.
+#[derive(Clone, Debug, Default)]
+struct Burst {
+    angles: BTreeMap<i64, Sums>,
+    /// Places of the frames' middles: the last and their sum, mm.
+    last_z_mm: f64,
+    sum_z_mm: f64,
+}
+
+impl Burst {
+    fn z_mm(&self) -> f64 {
+        self.sum_z_mm / self.angles.len() as f64
+    }
+
+    fn insert(&mut self, angle: i64, z_mm: f64, sums: Sums) {
+        self.angles.insert(angle, sums);
+        self.last_z_mm = z_mm;
+        self.sum_z_mm += z_mm;
+    }
 }
 
 /// One station before its uncertainty is known.
@@ -245,7 +247,13 @@ struct Fit {
     gains: [f64; 2],
     residual: f64,
     freedom: f64,
+    /// What it leaves, by angle in radians, mm.
+    left: Vec<(f64, f64)>,
     noise: f64,
+    /// Variances of x and of the turning components by what was not seen of the station, mm².
+    rest: [f64; 2],
+    /// Variance of one angle by surface texture over that of a whole station.
+    share: f64,
     common_mm: f64,
     angles: usize,
 }
@@ -253,7 +261,7 @@ struct Fit {
 impl AxisAverager {
     /// Stations by their middles, ascending, and their common length.
     pub fn new(z_mm: Vec<f64>, station_mm: f64, zero: AxisZero) -> Self {
-        let sums = vec![BTreeMap::new(); z_mm.len()];
+        let sums = vec![Vec::new(); z_mm.len()];
         Self { z_mm, station_mm, zero, pitch_mm: 0.0, sums }
     }
 
@@ -262,6 +270,7 @@ impl AxisAverager {
         self.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
+        let mut of_frame: BTreeMap<usize, Sums> = BTreeMap::new();
         for (column, reading) in diameters.readings.iter().enumerate() {
             let Reading::Value(d) = reading else { continue };
             let z_mm = diameters.z_mm(meta, column);
@@ -269,21 +278,69 @@ impl AxisAverager {
             if after >= self.z_mm.len() || z_mm < self.z_mm[after] - half {
                 continue;
             }
-            let sums = self.sums[after].entry(angle).or_default();
+            let sums = of_frame.entry(after).or_default();
             let shared = diameters.shared_mm[column].powi(2);
             let t = (z_mm - self.z_mm[after]) / half;
-            sums.add(t, diameters.middle_mm[column] - self.zero.height_mm);
+            sums.columns += 1;
+            sums.seen.add(t, diameters.middle_mm[column] - self.zero.height_mm);
             sums.common_mm += diameters.u_middle_common_mm[column];
             sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
+            sums.narrow = diameters.readings.len() < NARROW;
         }
+        for (station, sums) in of_frame {
+            self.put(station, angle, meta.z_mm, sums);
+        }
+    }
+
+    /// Puts a frame's sums with those of the burst that it belongs to.
+    fn put(&mut self, station: usize, angle: i64, z_mm: f64, sums: Sums) {
+        let bursts = &mut self.sums[station];
+        if sums.narrow {
+            if bursts.is_empty() {
+                bursts.push(Burst::default());
+            }
+            bursts[0].angles.entry(angle).or_default().join(&sums);
+            return;
+        }
+        let off = |b: &Burst| (b.last_z_mm - z_mm).abs();
+        let own =
+            bursts.iter_mut().filter(|b| !b.angles.contains_key(&angle) && off(b) <= 0.5 * self.station_mm);
+        match own.min_by(|a, b| off(a).total_cmp(&off(b))) {
+            Some(burst) => burst.insert(angle, z_mm, sums),
+            None => {
+                let mut burst = Burst::default();
+                burst.insert(angle, z_mm, sums);
+                bursts.push(burst);
+            }
+        }
+    }
+
+    /// What the angles show of a station: the burst whose middle is nearest, where it carries the station, and those at its place. While
+    /// the tool cuts, every field sees an axis that is bent otherwise, and two of them would mix. Bursts that show parts are put together.
+    fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
+        let least = WHOLE * self.station_mm / self.pitch_mm.max(1e-12);
+        let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
+        let carries =
+            |b: &&Burst| b.angles.len() == most && b.angles.values().all(|s| s.columns as f64 >= least);
+        let off = |b: &Burst| (b.z_mm() - station_z_mm).abs();
+        let nearest = bursts.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let there =
+            |b: &&Burst| nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < SAME_PLACE * self.station_mm);
+        let mut all: BTreeMap<i64, Sums> = BTreeMap::new();
+        for (angle, sums) in bursts.iter().filter(there).flat_map(|b| &b.angles) {
+            all.entry(*angle).or_default().join(sums);
+        }
+        all
     }
 
     /// Ends the scan.
     pub fn finish(&self) -> AxisLine {
-        let fits: Vec<Result<Fit, Reason>> = self.sums.iter().map(|sums| self.fit(sums)).collect();
+        let fits: Vec<Result<Fit, Reason>> =
+            self.z_mm.iter().zip(&self.sums).map(|(z, b)| self.fit(&self.of_angles(*z, b))).collect();
         let pooled = pooled_variance(fits.iter().flatten());
+        let pooled = pooled.map(|variance| (variance, shared_by_stations(fits.iter().flatten(), variance)));
         let mut line = AxisLine::default();
         for (z_mm, fit) in self.z_mm.iter().zip(&fits) {
             match fit {
@@ -308,27 +365,60 @@ impl AxisAverager {
             return Err(Reason::TooFewColumns);
         }
         let n = good.len() as f64;
-        let noise = good.iter().map(|(_, s)| s.noise()).sum::<f64>() / n;
+        let means: Vec<StationMean> = good.iter().map(|(_, s)| s.seen.mean()).collect();
+        let noise = good.iter().zip(&means).map(|((_, s), m)| s.noise(m.gain)).sum::<f64>() / n;
+        // What was not seen of a sloping axis stands still or turns with the part as the axis does: angles do not average it.
+        let rests: Vec<(f64, f64)> =
+            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.rest)).collect();
+        let unseen = harmonics(&rests);
+        let rest_noise =
+            |(_, s): &(f64, &Sums), m: &StationMean| 0.25 * m.rest_gain * s.own / (s.columns as f64).powi(2);
+        let by_noise = good.iter().zip(&means).map(|(s, m)| rest_noise(s, m)).sum::<f64>() / n;
+        let turning = unseen.turning.map_or(0.0, |(x, y)| 0.5 * (x * x + y * y));
+        let rest = [
+            (unseen.x_mm.powi(2) - unseen.gains[0] * by_noise).max(0.0),
+            (turning - unseen.gains[1] * by_noise).max(0.0),
+        ];
         let common_mm = good.iter().map(|(_, s)| s.common_mm / s.columns as f64).sum::<f64>() / n;
-        let middles: Vec<(f64, f64)> = good.iter().map(|(angle, s)| (*angle, s.mean_mm().0)).collect();
-        Ok(Fit { noise, common_mm, angles: good.len(), ..harmonics(&middles) })
+        let middles: Vec<(f64, f64)> =
+            good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.mean)).collect();
+        let whole = self.station_mm / self.pitch_mm.max(1e-12);
+        let part = |s: &Sums, m: &StationMean| (m.gain * whole / s.columns as f64).max(1.0);
+        let narrow = good.iter().any(|(_, s)| s.narrow);
+        let share = good.iter().zip(&means).map(|((_, s), m)| part(s, m)).sum::<f64>() / n;
+        let share = if narrow { 1.0 } else { share };
+        let found = harmonics(&middles);
+        Ok(Fit {
+            noise,
+            rest,
+            share,
+            common_mm,
+            angles: good.len(),
+            residual: found.residual / share,
+            ..found
+        })
     }
 }
 
 impl Fit {
-    fn station(&self, z_mm: f64, pooled: Option<f64>, u_scale: f64) -> AxisStation {
+    fn station(&self, z_mm: f64, pooled: Option<(f64, f64)>, u_scale: f64) -> AxisStation {
+        // What one station's freedom alone shows is widened as Student's t is, so that 2u covers what it should.
+        let widened = few_freedom(self.freedom);
         let scatter = match pooled {
-            Some(pooled) if self.freedom > 0.0 && self.residual > FAR * pooled => self.residual,
-            pooled => pooled.unwrap_or(0.0),
+            Some((pooled, _)) if self.freedom > 0.0 && self.residual > FAR * pooled => {
+                self.residual * widened
+            }
+            Some((pooled, shared)) => pooled + shared * (widened - 1.0),
+            None => 0.0,
         };
-        let one_angle = scatter.max(self.noise);
-        let u = |gain: f64| (gain * one_angle).sqrt();
+        let one_angle = (scatter * self.share).max(self.noise);
+        let u = |k: usize| (self.gains[k] * one_angle + self.rest[k]).sqrt();
         AxisStation {
             z_mm,
             x_mm: self.x_mm,
-            u_random_mm: u(self.gains[0]),
+            u_random_mm: u(0),
             u_common_mm: self.common_mm.hypot(u_scale * self.x_mm),
-            turning: self.turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(self.gains[1]) }),
+            turning: self.turning.map(|(x_mm, y_mm)| TurningOffset { x_mm, y_mm, u_mm: u(1) }),
             angles: self.angles,
         }
     }
@@ -366,7 +456,10 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
             gains: [inverse[(0, 0)], inverse[(1, 1)].max(inverse[(2, 2)])],
             residual: if freedom > 0.0 { square / freedom } else { 0.0 },
             freedom,
+            left: (&observed - &design * &solution).iter().zip(middles).map(|(e, m)| (m.0, *e)).collect(),
             noise: 0.0,
+            rest: [0.0; 2],
+            share: 1.0,
             common_mm: 0.0,
             angles: n,
         };
@@ -378,7 +471,10 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
         gains: [1.0 / n as f64; 2],
         residual: 0.0,
         freedom: 0.0,
+        left: Vec::new(),
         noise: 0.0,
+        rest: [0.0; 2],
+        share: 1.0,
         common_mm: 0.0,
         angles: n,
     }
@@ -390,7 +486,7 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
         fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = FAR * median / crate::numerics::distributions::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = FAR * median / chi2_ratio_limit(freedom, 0.0).max(0.2);
     let (sum, total) = all
         .iter()
         .filter(|v| v.0 <= limit)
@@ -398,105 +494,34 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
     (total > 0.0).then(|| sum / total)
 }
 
-#[cfg(test)]
-mod tests {
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, Normal};
-    use rand_pcg::Pcg64;
-
-    use super::*;
-    use crate::profile::Diameter;
-
-    /// A scan whose axis stands at x(z) and turns about it by (a, b), with noise of one station and angle.
-    fn line(angles: &[f64], x: impl Fn(f64) -> f64, turning: (f64, f64), noise: f64, seed: u64) -> AxisLine {
-        let stations: Vec<f64> = (0..60).map(|k| 2.5 + 5.0 * f64::from(k)).collect();
-        let mut averager =
-            AxisAverager::new(stations.clone(), 5.0, AxisZero { height_mm: -7.0, u_scale: 0.0 });
-        let mut rng = Pcg64::seed_from_u64(seed);
-        let normal = Normal::new(0.0, noise).unwrap();
-        for z_mm in stations {
-            for angle_deg in angles {
-                let (sin, cos) = angle_deg.to_radians().sin_cos();
-                let middle = -7.0 + x(z_mm) + turning.0 * cos - turning.1 * sin + normal.sample(&mut rng);
-                let value = Reading::Value(Diameter { d_mm: 20.0, u_random_mm: 2e-5, u_common_mm: 0.0 });
-                let diameters = ColumnDiameters {
-                    readings: vec![value; 51],
-                    shared_mm: vec![0.0; 51],
-                    shared_length: 1.0,
-                    pitch_mm: 0.05,
-                    width_px: vec![1.0; 51],
-                    middle_mm: vec![middle; 51],
-                    u_middle_common_mm: vec![1e-6; 51],
-                };
-                let meta = FrameMeta { angle_deg: *angle_deg, z_mm, ..FrameMeta::default() };
-                averager.add(&meta, &diameters);
-            }
-        }
-        averager.finish()
-    }
-
-    #[test]
-    fn still_and_turning_parts_are_told_apart_and_u_is_what_they_scatter_by() {
-        let sag = |z: f64| -0.2 * (z / 300.0 * std::f64::consts::PI).sin();
-        let half: Vec<f64> = (0..8).map(|k| 22.5 * f64::from(k)).collect();
-        let whole: Vec<f64> = (0..4).map(|k| 90.0 * f64::from(k)).collect();
-        for (angles, noise) in [(&half, 3e-5), (&whole, 3e-5), (&half, 1e-6)] {
-            let (mut square, mut turned, mut n) = (0.0, 0.0, 0.0);
-            for seed in 0..20 {
-                for s in line(angles, sag, (0.03, -0.05), noise, seed).stations {
-                    let t = s.turning.unwrap();
-                    square += ((s.x_mm - sag(s.z_mm)) / s.u_random_mm).powi(2);
-                    turned += 0.5 * (((t.x_mm - 0.03) / t.u_mm).powi(2) + ((t.y_mm + 0.05) / t.u_mm).powi(2));
-                    n += 1.0;
-                }
-            }
-            let (x, t) = (f64::sqrt(square / n), f64::sqrt(turned / n));
-            if noise > 1e-5 {
-                // Over half a turn one of both components is better known than the other one's u.
-                assert!((0.9..1.1).contains(&x) && (0.65..1.1).contains(&t), "{x} {t}");
-            } else {
-                assert!(x < 0.8 && t < 0.8, "the edges' own u is the least: {x} {t}");
-            }
+/// Share of the pooled variance, mm², that all stations have in common: odd lobes run along a turned part, and the more stations show
+/// them the less is learnt. It is the variance of the mean of what the stations' fits leave angle by angle, less what independent scatter
+/// makes of such a mean.
+fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Fit>, pooled: f64) -> f64 {
+    let mut by_angle: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
+    let (mut stations, mut freedom) = (0.0, 0.0);
+    for fit in fits.filter(|f| f.freedom > 0.0 && f.residual <= FAR * pooled) {
+        stations += 1.0;
+        freedom += fit.freedom;
+        for (angle, left) in &fit.left {
+            let (sum, n) = by_angle.entry((angle * 1e9).round() as i64).or_default();
+            *sum += left;
+            *n += 1.0;
         }
     }
-
-    #[test]
-    fn a_sloping_axis_seen_twice_in_a_part_of_a_station_is_not_pulled_there() {
-        let axis = |t: f64| 0.3 + 0.01 * t - 0.002 * t * t;
-        let mut sums = Sums::default();
-        for (from, to) in [(-1.0, 1.0), (0.2, 1.0)] {
-            (0..400)
-                .map(|k| from + (to - from) * (f64::from(k) + 0.5) / 400.0)
-                .for_each(|t| sums.add(t, axis(t)));
-        }
-        let (mean, gain) = sums.mean_mm();
-        assert!((mean - (0.3 - 0.002 / 3.0)).abs() < 1e-12 && (1.0..1.5).contains(&gain), "{mean} {gain}");
-        let mut piece = Sums::default();
-        (0..100).map(|k| 0.5 + f64::from(k) * 0.005).for_each(|t| piece.add(t, axis(t)));
-        assert!((piece.mean_mm().0 - axis(0.75)).abs() < 1e-3, "too little is seen to go beyond it");
+    if stations < 2.0 {
+        return pooled;
     }
-
-    #[test]
-    fn too_few_angles_are_not_split_and_a_second_view_shows_what_stands_still() {
-        for angles in [vec![0.0], vec![0.0, 10.0], vec![0.0, 5.0, 10.0]] {
-            let s = line(&angles, |_| 0.1, (0.02, 0.0), 0.0, 1).stations[0];
-            assert!(s.turning.is_none() && (s.x_mm - 0.12).abs() < 1e-3, "{s:?}");
-        }
-        let angles: Vec<f64> = (0..8).map(|k| 22.5 * f64::from(k)).collect();
-        let (x, y) = (|z: f64| 1e-3 * z, |z: f64| 0.3 - 2e-3 * z);
-        let first = line(&angles, x, (0.01, 0.02), 0.0, 1);
-        for view_deg in [90.0_f64, 60.0, -45.0] {
-            let (sin, cos) = view_deg.to_radians().sin_cos();
-            let second = line(&angles, |z| x(z) * cos + y(z) * sin, (0.01, 0.02), 0.0, 2);
-            let still = first.seen_from(&second, view_deg);
-            assert_eq!(still.len(), 60);
-            assert!(still.iter().all(|s| (s.y_mm - y(s.z_mm)).abs() < 1e-12 && s.u_mm > 0.0));
-        }
-        assert!(first.seen_from(&first, 3.0).is_empty());
-        let bend = first.bend_mm();
-        assert!(bend.iter().all(|(_, b, _)| b.abs() < 1e-12));
-        let (_, t) = first.largest_run_out().unwrap();
-        assert!((t.run_out_mm() - 2.0 * 0.01_f64.hypot(0.02)).abs() < 1e-12);
-        assert!((t.at(90.0).0 + 0.02).abs() < 1e-12 && (t.phase_deg() - 63.434_95).abs() < 1e-4);
-    }
+    let of_means = by_angle.values().map(|(sum, n)| (sum / n).powi(2)).sum::<f64>() * stations / freedom;
+    // Independent scatter alone makes a mean as large as this in one scan of forty.
+    let by_chance = chi2_ratio_limit(freedom / stations, 2.0) * pooled / stations;
+    (of_means - by_chance).clamp(0.0, pooled)
 }
+
+/// Square of (Student's t over the normal's quantile) at the probability of U = 2u.
+fn few_freedom(freedom: f64) -> f64 {
+    if freedom < 1.0 { 1.0 } else { (student(freedom, U_PROBABILITY) / 2.0).powi(2) }
+}
+
+#[cfg(test)]
+mod tests;

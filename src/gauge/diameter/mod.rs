@@ -13,6 +13,7 @@ pub mod plausibility;
 pub mod reading_scatter;
 pub mod reading_series;
 pub mod sections;
+pub(crate) mod station_mean;
 pub(crate) mod stations;
 pub(crate) mod turn_scatter;
 

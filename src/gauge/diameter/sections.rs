@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 
 use super::column_diameters::ColumnDiameters;
 use super::reading_scatter::ScatterTest;
+use super::station_mean::StationColumns;
 use super::stations::variance_of_mean;
 use super::turn_scatter::{TurnScatter, axis_of_half_turn, of_half_turn, of_whole_turn};
 use crate::frame::FrameMeta;
@@ -35,8 +36,8 @@ const LEAST_COLUMNS: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     n: f64,
-    d_mm: f64,
-    middle_mm: f64,
+    d_mm: StationColumns,
+    middle_mm: StationColumns,
     /// Σ own variance, mm².
     own: f64,
     /// Σ shared variance, mm².
@@ -151,8 +152,9 @@ impl TurnAverager {
             }
             let sums = self.sums[after].entry(angle).or_default();
             sums.n += 1.0;
-            sums.d_mm += d.d_mm;
-            sums.middle_mm += diameters.middle_mm[column];
+            let t = (z_mm - self.z_mm[after]) / half;
+            sums.d_mm.add(t, d.d_mm);
+            sums.middle_mm.add(t, diameters.middle_mm[column]);
             let shared = diameters.shared_mm[column].powi(2);
             sums.own += (d.u_random_mm * d.u_random_mm - shared).max(0.0);
             sums.shared += shared;
@@ -223,12 +225,12 @@ fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, Seen), FormError> {
     let readings: Vec<[f64; 3]> = good
         .iter()
         .map(|(angle, s)| {
-            let (d, m) = (s.d_mm / s.n, s.middle_mm / s.n);
-            [*angle, m + 0.5 * d, m - 0.5 * d]
+            let (d, m) = (s.d_mm.mean(), s.middle_mm.mean());
+            [*angle, m.mean + 0.5 * d.mean, m.mean - 0.5 * d.mean]
         })
         .collect();
-    let variance = good.iter().map(|(_, s)| variance_of_mean(s.n, s.own, s.shared, s.length)).sum::<f64>()
-        / good.len() as f64;
+    let noise = |s: &Sums| variance_of_mean(s.n, s.d_mm.mean().gain * s.own, s.shared, s.length);
+    let variance = good.iter().map(|(_, s)| noise(s)).sum::<f64>() / good.len() as f64;
     let stated_mm = (0.5 * variance).sqrt();
     let (turn, u_axis_mm) = turn_of(&readings, stated_mm)?;
     Ok((turn, Seen { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))

@@ -13,7 +13,7 @@ use crate::gauge::settings::GaugeSettings;
 pub struct EdgeStream {
     area: AreaStream,
     /// Readings of a line camera.
-    narrow: Option<Narrow>,
+    pub(super) narrow: Option<Narrow>,
 }
 
 impl EdgeStream {
@@ -40,8 +40,8 @@ impl EdgeStream {
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
-        match &self.narrow {
+    pub fn teach(&mut self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+        match &mut self.narrow {
             Some(narrow) => narrow.teach(lesson),
             None => self.area.teach(lesson, measured),
         }

@@ -24,6 +24,7 @@ pub(crate) mod rejection;
 pub(crate) mod rings;
 pub(crate) mod rounded_frame;
 pub(crate) mod scene;
+pub(crate) mod settled;
 pub(crate) mod side;
 pub(crate) mod stream;
 pub(crate) mod wire;

@@ -39,6 +39,8 @@ pub(crate) struct Narrow {
     rows: usize,
     /// Readings kept.
     count: usize,
+    /// Readings kept that no lesson has seen.
+    untaught: usize,
     edges: FrameEdges,
 }
 
@@ -150,8 +152,27 @@ impl Narrow {
             format: view.format(),
             rows: view.rows(),
             count: 0,
+            untaught: 0,
             edges: FrameEdges::default(),
         }
+    }
+
+    /// Whether the picture has no room for another frame of `columns`.
+    pub(crate) fn is_full_for(&self, columns: usize) -> bool {
+        self.count + columns > POOLED
+    }
+
+    /// Measures the picture anew, from the search on; false where it does not hold just `columns` readings, or is refused.
+    pub(crate) fn settle(&mut self, columns: usize) -> bool {
+        if columns == 0 || columns != self.count {
+            return false;
+        }
+        self.pooled.restart();
+        self.measure_picture().is_ok()
+    }
+
+    fn measure_picture(&mut self) -> Result<(), FrameRefused> {
+        if self.count < LEAST { self.few() } else { self.many() }
     }
 
     /// Whether a view is of the camera whose readings are kept.
@@ -172,14 +193,15 @@ impl Narrow {
             self.lines.push(view);
         }
         self.count += columns;
-        let measured = if self.count < LEAST { self.few() } else { self.many() };
+        let measured = self.measure_picture();
         if measured.is_err() {
             // A reading that cannot be measured does not spoil those after it.
             self.count -= columns;
             self.lines.truncate(self.count * self.rows);
         }
         measured?;
-        self.give(columns, out);
+        self.untaught += columns;
+        self.give(self.count - columns..self.count, out);
         Ok(())
     }
 
@@ -264,19 +286,21 @@ impl Narrow {
         }
     }
 
-    /// The newest columns of the picture.
-    fn give(&self, columns: usize, out: &mut FrameEdges) {
-        let newest = self.count - columns..self.count;
+    /// Columns of the picture.
+    pub(crate) fn give(&self, columns: std::ops::Range<usize>, out: &mut FrameEdges) {
         out.clone_from(&self.edges);
         for (line, all) in [(&mut out.top, &self.edges.top), (&mut out.bottom, &self.edges.bottom)] {
             line.clear();
-            line.extend_from_slice(&all[newest.clone()]);
+            line.extend_from_slice(&all[columns.clone()]);
         }
     }
 
-    /// Adds what the readings just measured leave of the edge model.
-    pub(crate) fn teach(&self, lesson: &mut MisfitLesson) {
-        self.pooled.teach(lesson, &self.edges);
+    /// Adds what the readings just measured leave of the edge model, where no lesson has seen any of them.
+    pub(crate) fn teach(&mut self, lesson: &mut MisfitLesson) {
+        if self.untaught >= self.count && self.count >= LEAST {
+            self.untaught = 0;
+            self.pooled.teach(lesson, &self.edges);
+        }
     }
 }
 

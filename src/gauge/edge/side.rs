@@ -60,7 +60,7 @@ pub(crate) struct SideState {
     expected: Option<Expected>,
     /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
     pub(crate) level_lines: bool,
-    /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
+    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and are alike in every row as a stuck row's.
     pub(crate) copies: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
@@ -366,7 +366,9 @@ impl SideState {
         let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.misfit.max(1.0);
         let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
         let (windows, table) = (&self.windows, &self.tables[index]);
-        let change = self.track.follow(&mut self.blur, relative, &TrackView { windows, table }, line);
+        let is_ringed = self.shape.is_ringed();
+        let view = TrackView { windows, table, level_lines: self.level_lines, is_ringed };
+        let change = self.track.follow(&mut self.blur, relative, &view, line);
         self.blur.limit(self.shape.least_sigma());
         change
     }
@@ -380,6 +382,7 @@ impl SideState {
             light: &self.light,
             slope: &self.slope,
             line,
+            level_lines: self.level_lines,
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
@@ -540,6 +543,10 @@ impl SideState {
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = upper_normal_quantile(settings.residual_false_alarm);
         self.misfit = residual_test::misfit(line, freedom, &mut self.floats);
+        if self.shape.is_ringed() && self.misfit < residual_test::MOST_NOISE {
+            residual_test::take_noise_back(line, self.misfit);
+            self.misfit = 1.0;
+        }
         let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);

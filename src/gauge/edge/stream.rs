@@ -345,7 +345,7 @@ impl AreaStream {
     ) -> Result<Scene, FrameRefused> {
         let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
         let mut any = false;
-        for side in &mut self.sides {
+        for side in self.sides.iter_mut().filter(|side| !side.copies) {
             let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
             if stuck.share > MOST_CROSSED {
                 return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));

@@ -12,11 +12,11 @@
 //! with s the standard uncertainty of the rest; from fewer than [`FEW`] degrees of freedom Student's t stands in place of Φ.
 
 use rand_pcg::Pcg64;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
 use super::monte_carlo::Distribution;
-use crate::numerics::distributions::phi_cdf;
+use crate::numerics::distributions::{phi_cdf, student};
 
 /// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of k.
 const LEAST_SHARE: f64 = 0.1;
@@ -113,15 +113,6 @@ impl Rest {
     }
 }
 
-/// Student's t for a two-sided probability.
-fn student(freedom: f64, probability: f64) -> f64 {
-    if freedom > 1e5 {
-        // Student's t is the normal there to 1e-5.
-        return Normal::standard().inverse_cdf(0.5 + 0.5 * probability);
-    }
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
-}
-
 /// Half width that holds a probability of the sum of rectangles ± `halves` and the rest.
 fn half_width(halves: &[f64], rest: &Rest, probability: f64) -> f64 {
     let reach: f64 = halves.iter().sum();
@@ -192,6 +183,8 @@ impl Density {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::Normal;
+
     use super::*;
     use crate::gauge::uncertainty::budget::Share;
 

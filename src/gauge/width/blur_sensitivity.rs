@@ -5,13 +5,12 @@
 //! it; photon noise, which weighs the shadow's foot more, leaves some everywhere. The blur is known to
 //! u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
 
+use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::{Edge, FrameEdges};
 
 /// Columns whose phases are looked at.
 const LOOKED_AT: usize = 64;
-/// Most columns that a frame's blur is estimated from.
-const ESTIMATED_FROM: usize = 256;
 /// Pixels either side of the edge.
 const REACH: i32 = 24;
 
@@ -60,7 +59,7 @@ fn of_side(edges: &FrameEdges, side: usize, line: &[Edge], used: &[usize]) -> (f
     if !(information > 0.0 && dark.is_finite()) {
         return (0.0, 0.0);
     }
-    let estimated_from = edges.columns().min(ESTIMATED_FROM) as f64;
+    let estimated_from = blur::estimated_from(edges.columns()) as f64;
     let u_sigma = (information / count * estimated_from).recip().sqrt();
     ((lever / count).abs() * u_sigma, u_sigma)
 }

@@ -6,14 +6,16 @@ use super::exposure::{self, Instant};
 use super::request::FrameRequest;
 use super::scene::Scene;
 use crate::render::error::RenderError;
-use crate::render::kernel::column_edges::{ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest};
+use crate::render::kernel::column_edges::{
+    Bands, ColumnEdges, Depth, bands, fold_pixel, kernel_columns, steepest,
+};
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
 use crate::render::kernel::params::{
     EdgeParams, FlatParams, FrameKeys, Params, Window, Windows, pixels_per_word,
 };
 use crate::render::kernel::shadowgraph::shaped;
-use crate::render::optics::esf_table::{Node, pixel_quadrature};
+use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
 impl Scene {
     /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over the exposure where they
@@ -49,7 +51,6 @@ impl Scene {
         let edges = exposure::mean(&instants);
         let mut stacked = edges.clone();
         stack(&mut stacked, windows)?;
-        let seen = |all: usize| halo.min(all)..all.saturating_sub(halo).max(halo.min(all));
         let depth = self.depth(&instants[0], window);
         let mut columns = kernel_columns(&edges, &depth, &self.blur, &self.esf);
         let mut quadrature = pixel_quadrature(self.esf.sharp_px, steepest(&columns));
@@ -77,28 +78,16 @@ impl Scene {
         columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
         let bands = bands(&columns, pixels_per_word(format) as usize, esf);
         let rises = instants.last().map_or(&[][..], |i| &i.rises);
-        let seen = Seen {
-            edges: &stacked[seen(stacked.len())],
-            rises: &rises[seen(rises.len())],
-            blur_px: self.esf.blur_px,
-            dark: bands.dark.clone(),
-        };
+        let (edges, rises) = (within_halo(&stacked, halo), within_halo(rises, halo));
+        let seen = Seen { edges, rises, blur_px: self.esf.blur_px, dark: bands.dark.clone() };
         let contamination =
             contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
         let levels = self.levels(format);
         let mut params = Params::new(windows, format, &levels, request.noise, self.keys(request));
-        params.flat = FlatParams {
-            bright: shaped(&params, params.signal.shadow + params.signal.contrast),
-            shadow: shaped(&params, params.signal.shadow),
-        };
+        params.flat = flat_noise(&params);
+        params.edge = edge_params(esf, &bands);
         params.size.nodes = quadrature.len() as u32;
         params.pixels.overlap = u32::from(bands.overlap);
-        params.edge = EdgeParams {
-            band_rows: bands.rows,
-            segments: esf.per_table,
-            reach: esf.reach,
-            per_unit: esf.per_unit,
-        };
         self.light_params(&mut params, contamination.as_ref());
         params.set_dark(&bands.dark);
         Ok(Job {
@@ -186,6 +175,23 @@ impl Scene {
         }
         mask
     }
+}
+
+/// What belongs to the frame's own columns; `halo` more are computed at either side.
+fn within_halo<T>(all: &[T], halo: usize) -> &[T] {
+    let first = halo.min(all.len());
+    &all[first..all.len().saturating_sub(halo).max(first)]
+}
+
+fn flat_noise(params: &Params) -> FlatParams {
+    FlatParams {
+        bright: shaped(params, params.signal.shadow + params.signal.contrast),
+        shadow: shaped(params, params.signal.shadow),
+    }
+}
+
+fn edge_params(esf: &EsfTable, bands: &Bands) -> EdgeParams {
+    EdgeParams { band_rows: bands.rows, segments: esf.per_table, reach: esf.reach, per_unit: esf.per_unit }
 }
 
 /// Moves the lower edges into the rows that a second window has in the frame.

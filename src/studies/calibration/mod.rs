@@ -26,8 +26,8 @@ use crate::gauge::calibration::{
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
-    Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
-    LEAST_TRAVEL, MasterFigure, MisfitLesson,
+    Calibration, CalibrationError, Edge, EdgeMisfit, EsfModel, FrameEdges, Gauge, GaugeSettings,
+    LEAST_TRAVEL, MasterFigure, MisfitLesson, SettledStream,
 };
 
 /// Edges of a pin's frames with where they were taken.
@@ -106,7 +106,7 @@ pub fn rough_um_per_px(
     for (index, pin) in masters().min_by(by_size).into_iter().chain(masters().max_by(by_size)) {
         let mut one = PinPlan { positions: pin.positions.clone(), ..pin.clone() };
         one.positions.truncate(1);
-        let seen = pin_edges(&mut gauge.stream(), None, (index, &one), recordings, None)?;
+        let seen = pin_edges(&mut SettledStream::new(gauge.stream()), None, (index, &one), recordings, None)?;
         let of_pin: Vec<FrameEdges> = seen.edges.into_iter().map(|(e, _)| e).collect();
         ends.push(MasterFigure::from_edges(pin.certificate(), &of_pin)?);
     }
@@ -209,7 +209,7 @@ fn all_pins(
     recordings: &mut dyn Recordings,
 ) -> Result<(Vec<PinEdges>, Option<EdgeMisfit>), CalibrateError> {
     let mut look = |gauge: &Gauge, lesson: &mut MisfitLesson| -> Result<Vec<PinEdges>, CalibrateError> {
-        let mut stream = gauge.stream();
+        let mut stream = SettledStream::new(gauge.stream());
         let mut pins = Vec::new();
         for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
             let lesson = (index < plan.masters.len()).then_some(&mut *lesson);
@@ -225,7 +225,7 @@ fn all_pins(
 }
 
 fn pin_edges(
-    stream: &mut EdgeStream,
+    stream: &mut SettledStream<f64>,
     flat_field: Option<&FlatField>,
     (index, pin): (usize, &PinPlan),
     recordings: &mut dyn Recordings,
@@ -234,6 +234,11 @@ fn pin_edges(
     let learns = stream.settings().esf == (EsfModel::Learnt {});
     let (mut edges, mut size, mut unlearnt) = (Vec::new(), None, Vec::new());
     let mut why = "no frame arrived".to_owned();
+    let is_lost = |seen: &FrameEdges| learns && !seen.figures.is_learnt();
+    let mut keep = |y_mm: f64, seen: &FrameEdges| match is_lost(seen) {
+        true => unlearnt.push(travel(seen)),
+        false => edges.push((seen.clone(), y_mm)),
+    };
     for position in &pin.positions {
         for frame in recordings.pin(index, pin, position)? {
             let frame = match flat_field {
@@ -247,18 +252,16 @@ fn pin_edges(
                 return Err(CalibrateError::Size { pin: pin.name.clone(), found, expected });
             }
             let mut seen = FrameEdges::default();
-            match stream.measure(&view, &mut seen) {
-                Ok(()) if learns && !seen.figures.is_learnt() => unlearnt.push(travel(&seen)),
-                Ok(()) => {
-                    if let Some(lesson) = &mut lesson {
-                        stream.teach(lesson, &seen);
-                    }
-                    edges.push((seen, position.y_mm));
-                }
+            match stream.measure(&view, &mut seen, position.y_mm, &mut keep) {
+                Ok(()) => match &mut lesson {
+                    Some(lesson) if !is_lost(&seen) => stream.teach(lesson, &seen),
+                    _ => {}
+                },
                 Err(refused) => why = refused.to_string(),
             }
         }
     }
+    stream.finish(&mut keep);
     let pin = pin.name.clone();
     match size {
         Some(size) if !edges.is_empty() => Ok(PinEdges { edges, size, unlearnt: unlearnt.len() }),

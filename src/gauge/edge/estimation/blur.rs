@@ -13,8 +13,10 @@ use crate::gauge::edges::Edge;
 
 /// Blocks along the shaft.
 pub(crate) const BLOCKS: usize = 8;
-/// Columns looked at per block.
+/// Columns looked at per block while the blur converges, and for its last step and what a stream follows: in these a frame by itself and a
+/// stream look at the same columns, so that they differ by what the frames before add alone.
 const PER_BLOCK: usize = 32;
+pub(crate) const FINAL_PER_BLOCK: usize = 128;
 /// Columns of a block from which its blur is known.
 const LEAST_COUNT: f64 = 6.0;
 /// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
@@ -70,16 +72,21 @@ impl BlurEstimate {
     }
 }
 
-/// Columns of a block that are looked at.
-pub(crate) fn sample(block: usize, columns: usize) -> impl Iterator<Item = usize> {
+/// Columns of a block that are looked at, at most `most` or little more.
+pub(crate) fn sample(block: usize, columns: usize, most: usize) -> impl Iterator<Item = usize> {
     let (from, to) = (block * columns / BLOCKS, (block + 1) * columns / BLOCKS);
-    let step = (to - from).div_ceil(PER_BLOCK).max(1);
+    let step = (to - from).div_ceil(most).max(1);
     (from..to).step_by(step)
+}
+
+/// Number of columns that a frame's blur is estimated from.
+pub(crate) fn estimated_from(columns: usize) -> usize {
+    (0..BLOCKS).map(|block| sample(block, columns, FINAL_PER_BLOCK).count()).sum()
 }
 
 /// Columns of all blocks that are looked at.
 pub(crate) fn samples(columns: usize) -> impl Iterator<Item = usize> {
-    (0..BLOCKS).flat_map(move |block| sample(block, columns))
+    (0..BLOCKS).flat_map(move |block| sample(block, columns, PER_BLOCK))
 }
 
 /// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast. The windows are
@@ -138,6 +145,8 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) slope: &'a [f32],
     /// Edges found with an earlier blur: what was refused there is not looked at.
     pub(crate) line: Option<&'a [Edge]>,
+    /// Whether columns are readings one after the other: no course along the field.
+    pub(crate) level_lines: bool,
     pub(crate) kappa: f64,
     /// Noise variance at mid-edge over contrast².
     pub(crate) relative_variance: f64,
@@ -174,7 +183,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     for _ in 0..8 {
         table.fill(context.shape, context.tabulation(sigma));
         for (block, sum) in sums.iter_mut().enumerate() {
-            *sum = block_sums(context, table, sample(block, columns), normalised);
+            *sum = block_sums(context, table, sample(block, columns, PER_BLOCK), normalised);
         }
         let score: f64 = sums.iter().map(|s| s.score).sum();
         let information: f64 = sums.iter().map(|s| s.information).sum();
@@ -187,6 +196,11 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
         if (sigma - last).abs() < 5e-4 * sigma {
             break;
         }
+    }
+    // The course along the field is told from more columns than the width itself needs to converge.
+    table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+    for (block, sum) in sums.iter_mut().enumerate() {
+        *sum = block_sums(context, table, sample(block, columns, FINAL_PER_BLOCK), normalised);
     }
     join(context, sigma, &sums)
 }
@@ -246,7 +260,7 @@ fn block_sums(
 }
 
 /// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them, or a line where few
-/// of them are known. Smaller differences count where a line or a parabola explains them ([`trend`]).
+/// of them are known. Smaller differences count as far as they are likely ([`likely_course`]).
 fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
     let slope2 = mean_square_slope(context);
     let least = context.shape.least_sigma();
@@ -258,7 +272,12 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
     let chi2: f64 = sums.iter().filter(good).map(|s| s.score * s.score / s.information / variance).sum();
     let spread = sums.iter().filter(good).map(|s| (s.score / s.information).abs()).fold(0.0, f64::max);
     let far = chi2 >= 26.0 && spread >= 0.01 * sigma;
-    let Some(parabola) = (if far { parabola(sums, true) } else { trend(sums, variance, sigma) }) else {
+    let course = match far {
+        _ if context.level_lines => None,
+        true => parabola(sums),
+        false => likely_course(sums, variance, sigma),
+    };
+    let Some(parabola) = course else {
         return BlurEstimate::uniform(plain(sigma));
     };
     let mut estimate = BlurEstimate::uniform(plain(sigma));
@@ -283,45 +302,41 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
     sum / count.max(1.0)
 }
 
-/// χ² by which a line explains the blocks' blurs better than one value, or a parabola better than a line (one degree of freedom, 1 %), and
-/// the most that the rest may have, each of its degrees of freedom: what is no smooth course along the field is dirt.
-const TREND: f64 = 6.6;
+/// Standard deviation of trend and bend of the blur along the field that are likely, as a share of the blur: a shaft that sags by half a
+/// millimetre towards the camera is blurred by some hundredths otherwise at the ends of a field.
+const LIKELY_COURSE: f64 = 0.03;
+/// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course along the field is dirt.
 const ROUGH: f64 = 3.0;
-/// Least difference along the field, as a share of the blur: moves an edge by a thousandth of a pixel.
-const LEAST_TREND: f64 = 0.002;
 
-/// The line or parabola that a shaft's distance from the focal plane draws along the field, where it is significant.
-fn trend(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
-    let explained = |p: &nalgebra::Vector3<f64>| {
-        let at = |(block, s): (usize, &BlurSums)| {
-            let t = middle(block);
-            s.score * (p[0] + p[1] * t + p[2] * t * t)
-        };
-        sums.iter().enumerate().map(at).sum::<f64>() / variance
-    };
-    let known = sums.iter().filter(|s| s.information > 0.0);
-    let total: f64 = known.clone().map(|s| s.score * s.score / s.information / variance).sum();
-    let (score, information) = known.clone().fold((0.0, 0.0), |(a, b), s| (a + s.score, b + s.information));
-    let level = score * score / information / variance;
-    let (line, bent) = (parabola(sums, false)?, parabola(sums, true)?);
-    let (by_line, by_bent) = (explained(&line), explained(&bent));
-    let (chosen, by, terms) = match (by_bent - by_line > TREND, by_line - level > TREND) {
-        (true, _) => (bent, by_bent, 3.0),
-        (false, true) => (line, by_line, 2.0),
-        (false, false) => return None,
-    };
-    let freedom = (known.count() as f64 - terms).max(1.0);
-    let smooth = total - by < ROUGH * freedom;
-    let spread = (0.5 * chosen[1]).abs() + (0.25 * chosen[2]).abs();
-    (smooth && spread > LEAST_TREND * sigma).then_some(chosen)
+/// The parabola that a shaft's distance from the focal plane draws along the field, its trend and bend weighed against what is likely of them:
+/// a test of significance would leave out what most frames of a bent shaft show too weakly, and all of them alike.
+fn likely_course(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
+    let mut normal = nalgebra::Matrix3::<f64>::zeros();
+    let mut right = nalgebra::Vector3::<f64>::zeros();
+    let (mut total, mut known) = (0.0, 0.0_f64);
+    for (block, sum) in sums.iter().enumerate().filter(|(_, s)| s.information > 0.0) {
+        let t = middle(block);
+        let basis = nalgebra::Vector3::new(1.0, t, t * t - 1.0 / 12.0);
+        normal += basis * basis.transpose() * (sum.information / variance);
+        right += basis * (sum.score / variance);
+        total += sum.score * sum.score / sum.information / variance;
+        known += 1.0;
+    }
+    let likely = (LIKELY_COURSE * sigma).powi(-2);
+    normal[(1, 1)] += likely;
+    normal[(2, 2)] += likely;
+    let p = normal.try_inverse()? * right;
+    let is_smooth = total - p.dot(&right) < ROUGH * (known - 3.0).max(1.0);
+    is_smooth.then(|| nalgebra::Vector3::new(p[0] - p[2] / 12.0, p[1], p[2]))
 }
 
-fn parabola(sums: &[BlurSums; BLOCKS], bent: bool) -> Option<nalgebra::Vector3<f64>> {
+/// A parabola through the blocks' blurs, or a line where few of them are known.
+fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
     let known = sums.iter().filter(|s| s.count >= LEAST_COUNT).count();
     if known < 3 {
         return None;
     }
-    let bent = if known < 6 || !bent { 0.0 } else { 1.0 };
+    let bent = if known < 6 { 0.0 } else { 1.0 };
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     for (block, sum) in sums.iter().enumerate() {

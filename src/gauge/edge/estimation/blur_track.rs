@@ -2,14 +2,14 @@
 //! every frame.
 //!
 //! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ moves an edge by −δ·I_xσ/I_xx: both edges
-//! outwards or both inwards. The score for σ at the edges just placed costs a tenth of placing them. Summed over blocks along the shaft it
-//! gives the change of a parabola σ(t); where it is no more than noise it is averaged with the frames before (recursive least squares
-//! with forgetting) for the next frame, where it is more it is the frame's own, and the edges just placed are moved by it to first order,
-//! or placed anew.
+//! outwards or both inwards. The score for σ at the edges just placed, summed over blocks along the shaft, gives the change of a parabola σ(t)
+//! since the frame before, and the edges just placed are moved by it to first order, or placed anew. Nothing is averaged over frames: an
+//! average lags behind a shaft that is fed along or turns, at the same places in every turn, and a level edge, whose phase does not travel, keeps
+//! what the lag costs. Frames by themselves and frames followed owe their blur to the same columns and agree.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::blur::{BLOCKS, BlurEstimate, BlurSums, middle, sample};
+use super::blur::{BLOCKS, BlurEstimate, BlurSums, FINAL_PER_BLOCK, middle, sample};
 use super::column_fit::ColumnJob;
 use super::scoring::{dot, normalise};
 use super::scoring_table::Table;
@@ -17,16 +17,15 @@ use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::PHASE_REACH;
 use crate::gauge::edges::Edge;
 
-/// Share of the frames before that is kept a frame: an average over three or four.
-const KEPT: f64 = 0.7;
-/// χ² of the change, three degrees of freedom, from which it is the frame's own: one frame in nine of a blur that stays. Below it a change
-/// is smaller than twice its standard uncertainty, which the budget's row of the blur states once.
-const CALM: f64 = 6.0;
 /// Standard deviation of trend and bend of the blur along the field that are taken for possible without a frame that shows them, as a
 /// share of the blur.
 const LIKELY_TREND: f64 = 0.01;
+/// The same where columns are readings one after the other, and share their blur: none.
+const LEVEL_TREND: f64 = 1e-9;
 /// Largest change of the blur by which edges are moved to first order; what that leaves is its square, below 1e-4 px.
 const FIRST_ORDER: f64 = 0.01;
+/// The same among rings, the phase of whose farthest one it turns by a sixth of a radian.
+const FIRST_ORDER_OF_RINGS: f64 = 1e-3;
 /// Times that edges are placed anew for a change of the blur.
 pub(crate) const MOST_REFITS: usize = 2;
 /// Change beyond which the frame is searched anew.
@@ -35,8 +34,8 @@ const LOST: f64 = 0.15;
 /// What a followed frame does to a side's blur.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
-    /// No more than noise, or nothing to show it from.
-    Calm,
+    /// Nothing shows it.
+    None,
     /// The edges were moved by it.
     Moved,
     /// The edges are to be placed anew.
@@ -50,8 +49,6 @@ pub(crate) enum Change {
 pub(crate) struct BlurTrack {
     /// Whether the frame's blur is to be followed.
     follows: bool,
-    /// Information on the parabola's coefficients, 1/px²; none after a search.
-    information: Option<Matrix3<f64>>,
     /// Sums of the frame just fitted, over the blur of its tables.
     sums: [BlurSums; BLOCKS],
 }
@@ -95,7 +92,7 @@ impl BlurTrack {
         let blocks = BlurEstimate::block(columns.start, count)..=BlurEstimate::block(columns.end - 1, count);
         for block in blocks {
             let sum = &mut self.sums[block];
-            for column in sample(block, count).filter(|c| columns.contains(c)) {
+            for column in sample(block, count, FINAL_PER_BLOCK).filter(|c| columns.contains(c)) {
                 let edge = &line[column];
                 if edge.is_usable() && slope[column].abs() <= 0.3 {
                     add_column(sum, job, column, edge, normalised);
@@ -104,9 +101,9 @@ impl BlurTrack {
         }
     }
 
-    /// What the frame just fitted says of the blur: moves its edges where that is needed, and keeps it for the next frame.
+    /// What the frame just fitted shows of the blur: moves its edges by it, and keeps it for the next frame to begin with.
     pub(crate) fn follow(
-        &mut self,
+        &self,
         blur: &mut BlurEstimate,
         relative_variance: f64,
         view: &TrackView<'_>,
@@ -119,18 +116,14 @@ impl BlurTrack {
             score += phi * (sum.score / relative_variance);
         }
         if !(normal[(0, 0)] > 0.0 && normal[(0, 0)].is_finite()) {
-            return Change::Calm;
+            return Change::None;
         }
         let sigma = blur.mean();
-        let trend = (LIKELY_TREND * sigma).powi(-2);
+        let likely = if view.level_lines { LEVEL_TREND } else { LIKELY_TREND };
+        let trend = (likely * sigma).powi(-2);
         let likely = Matrix3::from_diagonal(&Vector3::new(0.0, trend, trend));
-        let Some(own) = (normal + likely).try_inverse().map(|inverse| inverse * score) else {
-            return Change::Calm;
-        };
-        let calm = own.dot(&score) < CALM;
-        let before = if calm { KEPT * self.information.unwrap_or(normal) } else { Matrix3::zeros() };
-        let Some(change) = (normal + likely + before).try_inverse().map(|inverse| inverse * score) else {
-            return Change::Calm;
+        let Some(change) = (normal + likely).try_inverse().map(|inverse| inverse * score) else {
+            return Change::None;
         };
         let mut delta = [0.0; BLOCKS];
         for (block, value) in delta.iter_mut().enumerate() {
@@ -140,12 +133,9 @@ impl BlurTrack {
         if !(largest < LOST * sigma) {
             return Change::Lost;
         }
-        self.information = Some(normal + before);
         blur.sigma.iter_mut().zip(&delta).for_each(|(s, d)| *s += d);
-        if calm {
-            return Change::Calm;
-        }
-        if largest > FIRST_ORDER * sigma {
+        let first_order = if view.is_ringed { FIRST_ORDER_OF_RINGS } else { FIRST_ORDER };
+        if largest > first_order * sigma {
             return Change::Refit;
         }
         view.move_edges(&delta, line);
@@ -181,6 +171,10 @@ fn add_column(sum: &mut BlurSums, job: &ColumnJob<'_>, column: usize, edge: &Edg
 pub(crate) struct TrackView<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) table: &'a Table,
+    /// Whether columns are readings one after the other: no course along the field.
+    pub(crate) level_lines: bool,
+    /// Whether the edges have rings.
+    pub(crate) is_ringed: bool,
 }
 
 impl TrackView<'_> {
