@@ -198,7 +198,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
         }
     }
     // The course along the field is told from more columns than the width itself needs to converge.
-    table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
+    table.fill(context.shape, context.tabulation(sigma));
     for (block, sum) in sums.iter_mut().enumerate() {
         *sum = block_sums(context, table, sample(block, columns, FINAL_PER_BLOCK), normalised);
     }
