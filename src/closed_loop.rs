@@ -91,12 +91,23 @@ pub struct ClosedLoop<'a> {
     held: Option<HeldReason>,
     notes: Vec<String>,
     alarm: Option<String>,
+    part: PartState,
+}
+
+/// How far the part under way is.
+struct PartState {
     next_pass: u32,
     /// What changed since the last part; taken when the part begins.
     event: Option<PartEvent>,
     stock: Option<DiameterProfile>,
-    /// The last pass of this part: what was commanded and what was measured.
+    /// The last pass: what was commanded and what was measured.
     before: Option<(PassPlan, DiameterProfile)>,
+}
+
+impl PartState {
+    fn new(event: PartEvent) -> Self {
+        Self { next_pass: 1, event: Some(event), stock: None, before: None }
+    }
 }
 
 /// Verdict on a finished part by its re-measurement (ISO 14253-1); `None` without a tolerance.
@@ -135,10 +146,7 @@ impl<'a> ClosedLoop<'a> {
             held: None,
             notes: Vec::new(),
             alarm: None,
-            next_pass: 1,
-            event: Some(PartEvent::Continued),
-            stock: None,
-            before: None,
+            part: PartState::new(PartEvent::Continued),
         })
     }
 
@@ -149,15 +157,14 @@ impl<'a> ClosedLoop<'a> {
     /// Where the cell has no other blank.
     pub fn next_part(&mut self, part: u64, event: PartEvent) -> Result<(), LoopError> {
         self.cell.next_part(part, event)?;
-        self.next_pass = 1;
-        (self.held, self.alarm, self.stock, self.before) = (None, None, None, None);
-        self.event = Some(event);
+        (self.held, self.alarm) = (None, None);
+        self.part = PartState::new(event);
         Ok(())
     }
 
     /// Diameters of the stock, where it was scanned.
     pub fn stock(&self) -> Option<&DiameterProfile> {
-        self.stock.as_ref()
+        self.part.stock.as_ref()
     }
 
     /// Takes up the stock as it was scanned before, so that no frame is taken of it.
@@ -175,7 +182,7 @@ impl<'a> ClosedLoop<'a> {
     /// # Errors
     /// Where the source fails.
     pub fn begin(&mut self) -> Result<(), LoopError> {
-        if self.event.is_some() {
+        if self.part.event.is_some() {
             let stock = match self.job.scans_stock() {
                 true => Some(self.scan(0, &mut |_, _| {})?.profile),
                 false => None,
@@ -186,9 +193,9 @@ impl<'a> ClosedLoop<'a> {
     }
 
     fn begin_part(&mut self, stock: Option<DiameterProfile>) {
-        self.stock = stock;
-        if let Some(event) = self.event.take() {
-            let start = PartStart { event, stock: self.stock.as_ref() };
+        self.part.stock = stock;
+        if let Some(event) = self.part.event.take() {
+            let start = PartStart { event, stock: self.part.stock.as_ref() };
             let stations = self.job.part.station_z_mm().len();
             let first = self.controller.begin_part(&start, stations);
             match self.put_in_force(first) {
@@ -209,7 +216,7 @@ impl<'a> ClosedLoop<'a> {
 
     /// Number of the next pass, `None` when all are done.
     pub fn next_pass(&self) -> Option<u32> {
-        (self.next_pass as usize <= self.job.passes()).then_some(self.next_pass)
+        (self.part.next_pass as usize <= self.job.passes()).then_some(self.part.next_pass)
     }
 
     /// Why the offsets in force were held, where a guard refused new ones.
@@ -222,7 +229,7 @@ impl<'a> ClosedLoop<'a> {
     /// # Errors
     /// Where the record does not fit the job, or the cut fails.
     pub fn replay(&mut self, measured: &DiameterProfile, evidence: &Evidence) -> Result<(), LoopError> {
-        self.begin_part(self.stock.clone());
+        self.begin_part(self.part.stock.clone());
         let mut plan = self.plan();
         if let Some(applied) = &evidence.applied_mm {
             plan.offset.o_mm.clone_from(applied);
@@ -255,7 +262,7 @@ impl<'a> ClosedLoop<'a> {
         };
         let within = std::mem::take(&mut self.notes);
         let implausible =
-            pass_before::compare(self.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
+            pass_before::compare(self.part.before.as_ref(), &plan, &mut scan.profile, &self.job.gauge);
         let master = self.check_master()?;
         let mut evidence = Evidence {
             origin: after_cut.origin(self.cell.as_ref(), scan.ends, master),
@@ -331,11 +338,11 @@ impl<'a> ClosedLoop<'a> {
 
     /// The next pass as it would be commanded now.
     pub fn plan(&self) -> PassPlan {
-        self.job.pass_plan(self.next_pass, self.offset.clone())
+        self.job.pass_plan(self.part.next_pass, self.offset.clone())
     }
 
     fn context<'e>(&self, evidence: &'e Evidence) -> PassContext<'e> {
-        let coming = self.next_pass + 1;
+        let coming = self.part.next_pass + 1;
         let next = (coming as usize <= self.job.passes()).then(|| NextPass {
             nominal_mm: self.job.part.target_mm(coming),
             cutting: self.job.cutting,
@@ -356,8 +363,8 @@ impl<'a> ClosedLoop<'a> {
         evidence: &Evidence,
     ) -> Option<Decision> {
         let context = self.context(evidence);
-        self.before = Some((plan.clone(), measured.clone()));
-        self.next_pass += 1;
+        self.part.before = Some((plan.clone(), measured.clone()));
+        self.part.next_pass += 1;
         (self.notes, self.alarm) = (Vec::new(), None);
         // after the last pass nothing is decided, but the next part is learnt for
         let decision = self.controller.decide_in(plan, measured, &context);
@@ -397,7 +404,7 @@ impl<'a> ClosedLoop<'a> {
             self.asked = asked;
             return Ok(());
         };
-        let plan = self.job.pass_plan(self.next_pass, asked);
+        let plan = self.job.pass_plan(self.part.next_pass, asked);
         let path = nc::Path::new(&plan, &machine.machine, machine.dialect)
             .map_err(|refused| HeldReason::Guard(format!("program: {refused}")))?;
         self.notes.push(format!(
