@@ -26,5 +26,6 @@ pub(crate) mod rounded_frame;
 pub(crate) mod scene;
 pub(crate) mod settled;
 pub(crate) mod side;
+mod side_parts;
 pub(crate) mod stream;
 pub(crate) mod wire;

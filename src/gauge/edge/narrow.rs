@@ -310,13 +310,13 @@ impl AreaStream {
         let mut stream = self.clone();
         stream.settings = settings;
         stream.restart();
-        stream.sides.iter_mut().for_each(|side| side.level_lines = true);
+        stream.sides.iter_mut().for_each(|side| side.kind.level_lines = true);
         stream
     }
 
     /// Takes the noise as given; whether the picture holds copies of readings.
     fn set_noise(&mut self, noise: Noise, copies: bool) {
         self.settings.noise = noise;
-        self.sides.iter_mut().for_each(|side| side.copies = copies);
+        self.sides.iter_mut().for_each(|side| side.kind.copies = copies);
     }
 }

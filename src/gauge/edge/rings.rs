@@ -52,7 +52,7 @@ pub(crate) fn stuck_contrast(shape: &EdgeShape, contrast: f32) -> f32 {
 /// Refuses a frame whose crests are cut, known pattern or not.
 pub(crate) fn check<T: Sample>(plane: &Plane<'_, T>, sides: &[SideState; 2]) -> Result<(), FrameRefused> {
     for side in sides {
-        let ends = side.survey.ends;
+        let ends = side.figures.survey.ends;
         let level = if side.shape.is_ringed() {
             clipped_crest(&side.windows)
                 .or(ends.map(|e| if e.high.is_finite() { e.high } else { e.low } as f32))

@@ -30,7 +30,7 @@ impl Rounding {
             let sd = |level| given.variance(level).max(0.0).sqrt();
             return Self { step, behind: [sd(levels.0), sd(levels.1)] };
         }
-        let [top, bottom] = [&sides[0].survey.spread, &sides[1].survey.spread];
+        let [top, bottom] = [&sides[0].figures.survey.spread, &sides[1].figures.survey.spread];
         let behind = [0, 1].map(|k| {
             // Clipped light says nothing of its noise; rounding is not what limits it.
             step * noise_in_steps(top[k].with(bottom[k]), step)

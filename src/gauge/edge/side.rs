@@ -4,14 +4,15 @@ use super::estimation::censored_fit::side_fit::{self, ClippedStart};
 use super::estimation::survey::{Scale, Survey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::EdgeMisfit;
-use super::rejection::neighbour_test::{self, OutlierScratch};
-use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurScratch};
+use super::rejection::neighbour_test;
+use super::side_parts::{ColumnKind, SideFigures, TABLE_BYTES, Workspace};
+use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, Placed, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
 use crate::gauge::edge::estimation::grey_ends::{self, Elsewhere};
 use crate::gauge::edge::estimation::level_gradient::Falloff;
-use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
+use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::model_bias::{Expected, MisfitLesson, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
 use crate::gauge::edge::estimation::scoring_table::{FINE, Table, Tabulation};
@@ -29,13 +30,11 @@ use crate::profile::Reason;
 
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
-/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
-const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 /// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of itself.
 const SAME_BLUR: f64 = 0.004;
 const SAME_RINGS: f64 = 1e-4;
 
-/// Work and memory of one side.
+/// Track, settings and memory of one side.
 #[derive(Clone, Debug)]
 pub(crate) struct SideState {
     pub(crate) windows: Windows,
@@ -45,36 +44,14 @@ pub(crate) struct SideState {
     pub(crate) blur: BlurEstimate,
     /// How the blur goes on from frame to frame.
     pub(crate) track: BlurTrack,
-    pub(crate) misfit: f64,
     falloff: Falloff,
-    pub(crate) survey: Survey,
-    /// Largest step between neighbouring edges, px; infinite with gaps.
-    pub(crate) jump: f64,
-    /// Rows of the edges, where there are no gaps.
-    pub(crate) rows: Vec<CoarseEdge>,
-    /// What a misfit of the edge model states, px, one for every block of columns.
-    pub(crate) stated: Vec<f32>,
-    /// Standard uncertainty of an edge by what is clipped of its shape, px.
-    pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
-    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
-    pub(crate) level_lines: bool,
-    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and are alike in every row as a stuck row's.
-    pub(crate) copies: bool,
     /// The edge-spread function fitted.
     pub(crate) shape: EdgeShape,
-    /// Blur for which the windows were laid out, px.
-    laid_out: f64,
-    tables: Vec<Table>,
-    /// Memory that the tables may take, bytes.
-    most_table_bytes: usize,
-    normalised: Vec<f32>,
-    floats: Vec<f32>,
-    differences: Vec<f32>,
-    outliers: OutlierScratch,
-    pool: LevelPool,
-    blur_scratch: BlurScratch,
+    pub(crate) figures: SideFigures,
+    pub(crate) kind: ColumnKind,
+    work: Workspace,
 }
 
 impl SideState {
@@ -86,38 +63,24 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             track: BlurTrack::default(),
-            misfit: 1.0,
             falloff: Falloff::default(),
-            survey: Survey::default(),
-            jump: f64::INFINITY,
-            rows: Vec::new(),
-            stated: Vec::new(),
-            clipped_px: 0.0,
             expected: None,
-            level_lines: false,
-            copies: false,
             shape: EdgeShape::Gaussian,
-            laid_out: 1.0,
-            tables: Vec::new(),
-            most_table_bytes: TABLE_BYTES.0,
-            normalised: Vec::new(),
-            floats: Vec::new(),
-            differences: Vec::new(),
-            outliers: OutlierScratch::default(),
-            pool: LevelPool::default(),
-            blur_scratch: BlurScratch::new(),
+            figures: SideFigures::default(),
+            kind: ColumnKind::default(),
+            work: Workspace::default(),
         }
     }
 
     pub(crate) fn forget(&mut self) {
-        self.tables.clear();
+        self.work.tables.clear();
     }
 
     /// Takes another edge-spread function.
     pub(crate) fn set_shape(&mut self, shape: EdgeShape) {
         if self.shape != shape {
             self.shape = shape;
-            self.tables.clear();
+            self.work.tables.clear();
         }
     }
 
@@ -128,7 +91,7 @@ impl SideState {
 
     /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
     pub(crate) fn teach(&self, lesson: &mut MisfitLesson, side: usize, line: &[Edge]) {
-        if self.survey.ends.is_none() {
+        if self.figures.survey.ends.is_none() {
             let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
             let view = SideView { windows, shape, dark: &self.dark, light: &self.light, slope };
             lesson.add(side, &view, line, |column| self.sigma_at(column));
@@ -176,7 +139,7 @@ impl SideState {
             windows.read_one(plane, column, place);
         }
         let alone = blur::sees_one_edge(windows);
-        blur::rough(windows, &mut self.floats).map(|sigma| (sigma, alone))
+        blur::rough(windows, &mut self.work.floats).map(|sigma| (sigma, alone))
     }
 
     /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
@@ -190,14 +153,16 @@ impl SideState {
         self.windows.centre.clear();
         self.windows.centre.extend_from_slice(centres);
         self.windows.centred = centring.is_none();
-        self.laid_out = sigma;
-        self.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
-        self.outliers.reserve(plane.columns);
-        self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
+        self.work.laid_out = sigma;
+        self.work.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
+        self.work.outliers.reserve(plane.columns);
+        self.figures
+            .stated
+            .reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.figures.stated.len()));
         self.read_windows(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
-        if self.level_lines {
+        if self.kind.level_lines {
             self.slope.fill(0.0);
         }
         for (centre, slope) in self.windows.centre.iter_mut().zip(&self.slope) {
@@ -220,7 +185,7 @@ impl SideState {
 
     /// Reads windows of a width around their centres, and the light beyond them.
     fn read_windows<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
-        self.windows.prepare(&self.shape, self.laid_out, width, plane.columns);
+        self.windows.prepare(&self.shape, self.work.laid_out, width, plane.columns);
         self.windows.read(plane);
         // Rings are no light that falls off.
         if self.shape.is_ringed() {
@@ -238,8 +203,11 @@ impl SideState {
         if estimate_noise && levels.count > 0.0 {
             spread = [false, true].map(|in_light| self.spread(in_light, least));
         }
-        let ends =
-            if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
+        let ends = if levels.count > 0.0 && !self.kind.copies {
+            self.ends(scale, levels, spread, least)
+        } else {
+            None
+        };
         // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
         if ends.is_none_or(|ends| !self.falloff.is_clipped(ends.low, ends.high)) {
             self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
@@ -250,23 +218,23 @@ impl SideState {
             Some(_) => spread[0] = Spread::default(),
             None => {}
         }
-        self.survey = Survey { levels, ends, spread };
+        self.figures.survey = Survey { levels, ends, spread };
     }
 
     fn spread(&mut self, in_light: bool, least: f32) -> Spread {
         self.collect_differences(in_light);
-        Spread::of(&self.differences, least)
+        Spread::of(&self.work.differences, least)
     }
 
     /// Where the grey values of the side are clipped.
     fn ends(&mut self, scale: Scale, levels: LevelSums, spread: [Spread; 2], least: f32) -> Option<Ends> {
         use grey_ends::Level::{Dark, Light};
         let clear = |level, pool: &mut Vec<f32>| !grey_ends::may_end(&self.windows, level, pool);
-        let mut floats = std::mem::take(&mut self.floats);
+        let mut floats = std::mem::take(&mut self.work.floats);
         // Compressed light scatters less than the dark; a glance, for most frames.
         let bends = matches!(spread.map(Spread::variance), [Some(dark), Some(light)] if light < dark);
         if clear(Light, &mut floats) & clear(Dark, &mut floats) && !bends {
-            self.floats = floats;
+            self.work.floats = floats;
             return None;
         }
         let noise = [false, true].map(|in_light| {
@@ -275,18 +243,18 @@ impl SideState {
         });
         let mean = [levels.dark, levels.light].map(|sum| sum / levels.count);
         let elsewhere = Elsewhere { noise, levels: mean, step: scale.step() };
-        let mut squares = std::mem::take(&mut self.differences);
+        let mut squares = std::mem::take(&mut self.work.differences);
         let mut find =
             |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));
         let (low, high) = (find(Dark), find(Light));
         let knee = soft_knee::find(&self.windows, high.map(|(end, _)| end), &elsewhere, &mut squares);
-        (self.floats, self.differences) = (floats, squares);
+        (self.work.floats, self.work.differences) = (floats, squares);
         Ends::of(low, knee.or(high))
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
     fn collect_differences(&mut self, in_light: bool) {
-        let (windows, out) = (&self.windows, &mut self.differences);
+        let (windows, out) = (&self.windows, &mut self.work.differences);
         let (columns, flat, width) = (windows.centre.len(), windows.flat, windows.width);
         let first = if in_light { width - 1 - flat } else { 0 };
         let step = (columns * flat).div_ceil(NOISE_SAMPLES / 2).max(2);
@@ -314,8 +282,8 @@ impl SideState {
             Levels::PerColumn {} => 33,
         };
         let sd = |level: f64| (noise.variance(level) / self.windows.flat as f64).sqrt() as f32;
-        let pooled = self.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
-            && self.pool.pool(&self.windows.light, sd(light), knots, &mut self.light);
+        let pooled = self.work.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
+            && self.work.pool.pool(&self.windows.light, sd(light), knots, &mut self.light);
         if pooled && self.shape != EdgeShape::Gaussian {
             self.take_tails_off();
         }
@@ -326,7 +294,7 @@ impl SideState {
     fn take_tails_off(&mut self) {
         let windows = &self.windows;
         let (e_dark, e_light) =
-            self.shape.flat_ends(self.laid_out, windows.width, windows.flat, half(windows.width));
+            self.shape.flat_ends(self.work.laid_out, windows.width, windows.flat, half(windows.width));
         let span = (e_light - e_dark) as f32;
         for (dark, light) in self.dark.level.iter_mut().zip(&mut self.light.level) {
             let contrast = (*light - *dark) / span;
@@ -363,11 +331,12 @@ impl SideState {
     /// Gives the edges in `line`, just fitted, the frame's own blur.
     pub(crate) fn follow_blur(&mut self, noise: &NoiseModel, line: &mut [Edge]) -> Change {
         let (dark, light) = (self.dark.mean, self.light.mean);
-        let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.misfit.max(1.0);
+        let relative =
+            noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.figures.misfit.max(1.0);
         let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
-        let (windows, table) = (&self.windows, &self.tables[index]);
+        let (windows, table) = (&self.windows, &self.work.tables[index]);
         let is_ringed = self.shape.is_ringed();
-        let view = TrackView { windows, table, level_lines: self.level_lines, is_ringed };
+        let view = TrackView { windows, table, level_lines: self.kind.level_lines, is_ringed };
         let change = self.track.follow(&mut self.blur, relative, &view, line);
         self.blur.limit(self.shape.least_sigma());
         change
@@ -382,11 +351,11 @@ impl SideState {
             light: &self.light,
             slope: &self.slope,
             line,
-            level_lines: self.level_lines,
+            level_lines: self.kind.level_lines,
             kappa: noise.kappa(dark, light),
             relative_variance: noise.variance(0.5 * (dark + light)) / (light - dark).powi(2),
         };
-        blur::refine(&context, start, &mut self.blur_scratch)
+        blur::refine(&context, start, &mut self.work.blur_scratch)
     }
 
     /// Index of the table for a blur and noise slope, built where it is missing.
@@ -396,16 +365,16 @@ impl SideState {
         let near = |t: &Table| {
             t.width == width && (t.sigma / sigma).ln().abs() < same && (t.kappa - kappa).abs() < 0.08
         };
-        if let Some(found) = self.tables.iter().position(near) {
+        if let Some(found) = self.work.tables.iter().position(near) {
             return found;
         }
         let table = Table::new(&self.shape, Tabulation { sigma, kappa, width, free_levels, per_px: FINE });
-        let held: usize = self.tables.iter().map(Table::bytes).sum();
-        if held + table.bytes() > self.most_table_bytes {
-            self.tables.clear();
+        let held: usize = self.work.tables.iter().map(Table::bytes).sum();
+        if held + table.bytes() > self.work.most_table_bytes {
+            self.work.tables.clear();
         }
-        self.tables.push(table);
-        self.tables.len() - 1
+        self.work.tables.push(table);
+        self.work.tables.len() - 1
     }
 
     /// Fits all columns into `line`, then tests residuals and neighbours.
@@ -418,16 +387,16 @@ impl SideState {
     ) {
         line.clear();
         self.track.start();
-        self.clipped_px = 0.0;
+        self.figures.clipped_px = 0.0;
         let freedom = match ends {
             Some(ends) => self.fit_clipped(settings, noise, ends, line),
             None => self.fit_columns(settings, noise, line),
         };
         self.gate(settings, freedom, line);
-        self.jump = neighbour_test::largest_jump(line);
-        if self.jump.is_finite() {
-            self.rows.clear();
-            self.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
+        self.figures.jump = neighbour_test::largest_jump(line);
+        if self.figures.jump.is_finite() {
+            self.figures.rows.clear();
+            self.figures.rows.extend(line.iter().map(|edge| Ok((edge.row_px + 0.5) as i32)));
         }
     }
 
@@ -458,10 +427,15 @@ impl SideState {
             curve.level = level;
             curve.length = length;
         }
-        self.clipped_px = side.u_px;
+        self.figures.clipped_px = side.u_px;
         if !ends.high.is_finite() {
             let index = self.table(side.sigma, noise.kappa(self.dark.mean, self.light.mean), false);
-            self.falloff.state(line, &self.windows, (&self.dark, &self.light), (noise, &self.tables[index]));
+            self.falloff.state(
+                line,
+                &self.windows,
+                (&self.dark, &self.light),
+                (noise, &self.work.tables[index]),
+            );
         }
         side.freedom
     }
@@ -470,7 +444,7 @@ impl SideState {
         let columns = self.windows.centre.len();
         let kappa = noise.kappa(self.dark.mean, self.light.mean);
         let free = matches!(settings.levels, Levels::PerColumn {});
-        let mut normalised = std::mem::take(&mut self.normalised);
+        let mut normalised = std::mem::take(&mut self.work.normalised);
         normalised.resize(self.windows.width, 0.0);
         let (shadow, contrast) = self.own_shadow();
         let (mut from, mut freedom) = (0, 1.0);
@@ -480,7 +454,7 @@ impl SideState {
             let sigma = self.sigma_at(from);
             let to = self.end_of_run(from, sigma);
             let index = self.table(sigma, kappa, free);
-            let table = &self.tables[index];
+            let table = &self.work.tables[index];
             freedom = f64::from(table.freedom);
             let job = ColumnJob {
                 windows: &self.windows,
@@ -506,20 +480,20 @@ impl SideState {
             }
         }
         self.expected = expected;
-        self.normalised = normalised;
+        self.work.normalised = normalised;
         freedom
     }
 
     /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean light.
     fn own_shadow(&mut self) -> (f32, f32) {
-        self.floats.clear();
+        self.work.floats.clear();
         let step = self.windows.dark.len().div_ceil(256).max(1);
-        self.floats.extend(self.windows.dark.iter().step_by(step).filter(|d| d.is_finite()));
-        if self.floats.is_empty() {
+        self.work.floats.extend(self.windows.dark.iter().step_by(step).filter(|d| d.is_finite()));
+        if self.work.floats.is_empty() {
             return (f32::NEG_INFINITY, f32::INFINITY);
         }
-        let quarter = self.floats.len() / 4;
-        let shadow = *self.floats.select_nth_unstable_by(quarter, f32::total_cmp).1;
+        let quarter = self.work.floats.len() / 4;
+        let shadow = *self.work.floats.select_nth_unstable_by(quarter, f32::total_cmp).1;
         (shadow, self.light.mean as f32 - shadow)
     }
 
@@ -542,17 +516,17 @@ impl SideState {
 
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = upper_normal_quantile(settings.residual_false_alarm);
-        self.misfit = residual_test::misfit(line, freedom, &mut self.floats);
-        if self.shape.is_ringed() && self.misfit < residual_test::MOST_NOISE {
-            residual_test::take_noise_back(line, self.misfit);
-            self.misfit = 1.0;
+        self.figures.misfit = residual_test::misfit(line, freedom, &mut self.work.floats);
+        if self.shape.is_ringed() && self.figures.misfit < residual_test::MOST_NOISE {
+            residual_test::take_noise_back(line, self.figures.misfit);
+            self.figures.misfit = 1.0;
         }
-        let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
+        let scale = if self.figures.misfit > 1.2 { self.figures.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
         let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
-        residual_test::state_misfit(line, freedom, left_px, &mut self.stated);
+        residual_test::state_misfit(line, freedom, left_px, &mut self.figures.stated);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
@@ -562,6 +536,6 @@ impl SideState {
             return;
         }
         residual_test::refuse_vague(line);
-        neighbour_test::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
+        neighbour_test::refuse_outliers(line, settings.outlier_px, &mut self.work.outliers);
     }
 }

@@ -235,7 +235,7 @@ impl AreaStream {
             [(top, &out.top), (bottom, &out.bottom)].into_iter().zip(&mut self.sides)
         {
             if unbroken {
-                std::mem::swap(centres, &mut side.rows);
+                std::mem::swap(centres, &mut side.figures.rows);
                 continue;
             }
             let mut nearest = Err(Reason::NoEdge);
@@ -255,7 +255,7 @@ impl AreaStream {
 
     /// Whether neither line has a gap.
     fn is_unbroken(&self) -> bool {
-        self.one_sided == 0.0 && self.sides.iter().all(|side| side.jump.is_finite())
+        self.one_sided == 0.0 && self.sides.iter().all(|side| side.figures.jump.is_finite())
     }
 
     /// Columns with both edges.
@@ -264,7 +264,7 @@ impl AreaStream {
     }
 
     fn misfit(&self) -> f64 {
-        self.sides[0].misfit.max(self.sides[1].misfit)
+        self.sides[0].figures.misfit.max(self.sides[1].figures.misfit)
     }
 
     /// Measures from the coarse search on; false for a wire, which is searched in every frame.
@@ -345,7 +345,7 @@ impl AreaStream {
     ) -> Result<Scene, FrameRefused> {
         let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
         let mut any = false;
-        for side in self.sides.iter_mut().filter(|side| !side.copies) {
+        for side in self.sides.iter_mut().filter(|side| !side.kind.copies) {
             let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
             if stuck.share > MOST_CROSSED {
                 return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));
@@ -431,10 +431,10 @@ impl AreaStream {
     }
 
     fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
-        let ends = self.sides.each_ref().map(|side| side.survey.ends);
-        self.sides[0].survey.share_ends(ends[1]);
-        self.sides[1].survey.share_ends(ends[0]);
-        let [top, bottom] = [&self.sides[0].survey, &self.sides[1].survey];
+        let ends = self.sides.each_ref().map(|side| side.figures.survey.ends);
+        self.sides[0].figures.survey.share_ends(ends[1]);
+        self.sides[1].figures.survey.share_ends(ends[0]);
+        let [top, bottom] = [&self.sides[0].figures.survey, &self.sides[1].figures.survey];
         let count = top.levels.count + bottom.levels.count;
         if top.levels.count.min(bottom.levels.count) == 0.0 && self.is_cut_off() {
             let rows = self.rows;
@@ -472,7 +472,7 @@ impl AreaStream {
         if let Some(given) = NoiseModel::given(self.settings.noise, sign, floor) {
             return Some(given);
         }
-        self.sides[0].survey.noise_with(&self.sides[1].survey, (dark, light), floor)
+        self.sides[0].figures.survey.noise_with(&self.sides[1].figures.survey, (dark, light), floor)
     }
 
     /// Pools the levels of both sides.
@@ -535,9 +535,9 @@ impl AreaStream {
             *length = side.dark.length.min(side.light.length);
         }
         for (stated, side) in out.misfit_px.iter_mut().zip(&self.sides) {
-            stated.clone_from(&side.stated);
+            stated.clone_from(&side.figures.stated);
         }
-        out.clipped_px = [self.sides[0].clipped_px, self.sides[1].clipped_px];
+        out.clipped_px = [self.sides[0].figures.clipped_px, self.sides[1].figures.clipped_px];
         if self.settings.rejection == Rejection::Full {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
@@ -549,7 +549,7 @@ impl AreaStream {
     /// Whether the frame as a whole is believable.
     fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let jump_px = acceptance::jump_px(&self.settings);
-        let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
+        let contours = self.is_unbroken() && self.sides.iter().all(|side| side.figures.jump <= jump_px);
         acceptance::accept(out, &self.settings, self.valid(out), contours)
     }
 

@@ -1,0 +1,81 @@
+//! What a side of the silhouette carries beside its windows, levels and edge-spread function: figures of the frame, the kind of its columns,
+//! and memory.
+
+use super::estimation::survey::Survey;
+use super::rejection::neighbour_test::OutlierScratch;
+use crate::gauge::edge::estimation::blur::BlurScratch;
+use crate::gauge::edge::estimation::levels::LevelPool;
+use crate::gauge::edge::estimation::scoring_table::Table;
+use crate::gauge::edge::image::part_localisation::CoarseEdge;
+
+/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
+pub(super) const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
+
+/// What the frame states of the side beside its edges.
+#[derive(Clone, Debug)]
+pub(crate) struct SideFigures {
+    pub(crate) misfit: f64,
+    pub(crate) survey: Survey,
+    /// Largest step between neighbouring edges, px; infinite with gaps.
+    pub(crate) jump: f64,
+    /// Rows of the edges, where there are no gaps.
+    pub(crate) rows: Vec<CoarseEdge>,
+    /// What a misfit of the edge model states, px, one for every block of columns.
+    pub(crate) stated: Vec<f32>,
+    /// Standard uncertainty of an edge by what is clipped of its shape, px.
+    pub(crate) clipped_px: f64,
+}
+
+impl Default for SideFigures {
+    fn default() -> Self {
+        Self {
+            misfit: 1.0,
+            survey: Survey::default(),
+            jump: f64::INFINITY,
+            rows: Vec::new(),
+            stated: Vec::new(),
+            clipped_px: 0.0,
+        }
+    }
+}
+
+/// What neighbouring columns are.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ColumnKind {
+    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
+    pub(crate) level_lines: bool,
+    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and are alike in every row as a stuck row's.
+    pub(crate) copies: bool,
+}
+
+/// Memory that is kept from frame to frame.
+#[derive(Clone, Debug)]
+pub(super) struct Workspace {
+    /// Blur for which the windows were laid out, px.
+    pub(super) laid_out: f64,
+    pub(super) tables: Vec<Table>,
+    /// Memory that the tables may take, bytes.
+    pub(super) most_table_bytes: usize,
+    pub(super) normalised: Vec<f32>,
+    pub(super) floats: Vec<f32>,
+    pub(super) differences: Vec<f32>,
+    pub(super) outliers: OutlierScratch,
+    pub(super) pool: LevelPool,
+    pub(super) blur_scratch: BlurScratch,
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self {
+            laid_out: 1.0,
+            tables: Vec::new(),
+            most_table_bytes: TABLE_BYTES.0,
+            normalised: Vec::new(),
+            floats: Vec::new(),
+            differences: Vec::new(),
+            outliers: OutlierScratch::default(),
+            pool: LevelPool::default(),
+            blur_scratch: BlurScratch::new(),
+        }
+    }
+}
