@@ -87,7 +87,8 @@ fn flat_means(job: &Job<'_>, place: Place<'_>, row: i32, factors: &[f32; BLOCK],
             for ((means, factors), cells) in lanes.zip(place.cells) {
                 let inside = between(cells, row);
                 for i in 0..CELL {
-                    means[i] = params.signal.shadow + if inside[i] { 0.0 } else { params.signal.contrast * factors[i] };
+                    means[i] = params.signal.shadow
+                        + if inside[i] { 0.0 } else { params.signal.contrast * factors[i] };
                 }
             }
         }

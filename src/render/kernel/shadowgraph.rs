@@ -78,7 +78,11 @@ pub(super) fn fixed_pattern(params: &Params, mean: f32, key: [u32; 2], column: u
     let b = hash([key[1], key[0]], column);
     let response = params.pixels.prnu * (mean - params.signal.black) * standard_normal(a);
     let dark = params.pixels.dsnu * standard_normal(b);
-    let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.pixels.hot_share { params.pixels.hot } else { 0.0 };
+    let hot = if a.wrapping_add(b).wrapping_mul(0x9e37_79b9) < params.pixels.hot_share {
+        params.pixels.hot
+    } else {
+        0.0
+    };
     response + dark + hot
 }
 
