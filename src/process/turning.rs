@@ -11,7 +11,7 @@ pub(super) mod followed;
 use thiserror::Error;
 
 use super::bending;
-use super::check::SettingsError;
+use super::check::refuse;
 use super::cut::{Cut, CutSummary, Passed};
 use super::force::DepthLaw;
 use super::material::Material;
@@ -27,7 +27,7 @@ use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Sh
 pub enum ProcessError {
     /// A setting outside its range.
     #[error(transparent)]
-    Settings(#[from] SettingsError),
+    Settings(#[from] crate::setting::SettingError),
     /// A blank that cannot be turned.
     #[error(
         "a blank of diameter {diameter_mm} mm and length {length_mm} mm cannot be turned; both must be above 0"
@@ -141,9 +141,7 @@ impl TurningProcess {
         for (index, rest) in settings.support.steady_rests.iter().enumerate() {
             if rest.z_mm >= length_mm {
                 let key = format!("support.steady_rests[{index}].z_mm");
-                return Err(
-                    SettingsError::at(key, rest.z_mm, format!("below the length of {length_mm} mm")).into()
-                );
+                return Err(refuse(&key, rest.z_mm, format!("below the length of {length_mm} mm")).into());
             }
         }
         let elements = (length_mm / settings.pass.node_mm).round().clamp(2.0, 1e6) as usize;

@@ -25,7 +25,6 @@ mod thermometer;
 mod unstated;
 mod verification;
 
-pub use super::range_check::SettingError;
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
 pub use axis_zero::AxisZero;
 pub use conditions::{Conditions, GivenConditions};
