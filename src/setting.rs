@@ -45,5 +45,5 @@ pub(crate) fn within(key: &str, value: f64, low: f64, high: f64, right: &str) ->
 
 /// Refuses what is not a finite number above 0.
 pub(crate) fn positive(key: &str, value: f64) -> Result<(), SettingError> {
-    require(value.is_finite() && value > 0.0, key, value, "a positive number")
+    require(value.is_finite() && value > 0.0, key, value, "a number above 0")
 }
