@@ -9,7 +9,7 @@ use super::curvature_bias::bias_per_curvature;
 use super::stretch::crests::Crests;
 use super::stretch::largest_value::{LEAST_STRETCH, Largest, Line};
 use crate::gauge::edges::FrameEdges;
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
 /// Standard uncertainties by which the tangents must lie farther apart than the largest width to be what a caliper touches.
 const APART: f64 = 2.0;
@@ -233,8 +233,7 @@ fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64
         let p = inverse * right;
         let residual = |t: f64, y: f64| y - (p[0] + p[1] * t + p[2] * t * t);
         let mut sizes: Vec<f64> = points.iter().map(|(t, y)| residual(*t, *y).abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let scale = MEDIAN_TO_SD * sizes[sizes.len() / 2] + 1e-9;
+        let scale = MEDIAN_TO_SD * upper_median(&mut sizes, f64::total_cmp)? + 1e-9;
         for ((t, y), weight) in points.iter().zip(&mut weights) {
             let q = residual(*t, *y) / (4.685 * scale);
             *weight = if q.abs() < 1.0 { (1.0 - q * q).powi(2) } else { 0.0 };

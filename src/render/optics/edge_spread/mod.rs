@@ -14,7 +14,7 @@
 
 mod focus_stack;
 pub mod fresnel_integrals;
-mod gaussian;
+pub(crate) mod gaussian;
 mod grazing;
 mod laser;
 mod measured;
