@@ -37,7 +37,7 @@ pub use edge::{NominalEdge, sampled_edge};
 pub use error::from_render;
 use error::{from_control, from_nc};
 pub use part::Part;
-pub use scan::{MasterPin, Masters, Scan, ScanWhen, StockScan};
+pub use scan::{Masters, Scan, ScanWhen, StockScan};
 
 /// Where offsets go: the control whose increments they are rounded to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

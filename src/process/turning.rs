@@ -395,19 +395,7 @@ impl TurningProcess {
             let (feed, nose) = (plan.cutting.feed_mm_per_rev, self.settings.tool.nose_radius_mm);
             surface = Some(texture::with_feed_marks(surface.as_ref(), length_mm, feed, nose));
         }
-        let (deflection, bow) = self.axis();
-        let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
-        Shaft {
-            profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
-            lobes,
-            texture: surface,
-            eccentricity: self.form.eccentricity,
-            bow,
-            deflection,
-            pose: self.form.pose,
-            features: Features::default(),
-            spindle: SpindleMotion::default(),
-        }
+        Shaft { lobes, texture: surface, ..self.blank() }
     }
 }
 

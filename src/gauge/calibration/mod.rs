@@ -18,7 +18,7 @@ mod file_checks;
 mod finish;
 pub(crate) mod gauge_calibration;
 mod imaging_model;
-mod masters;
+pub(crate) mod masters;
 mod observation;
 mod optical_setup;
 mod thermometer;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gauge::calibration::{CertificateShare, Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
-use crate::job::{Job, MasterPin, NominalEdge};
+use crate::job::{Job, NominalEdge};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
@@ -36,7 +36,7 @@ pub struct PinPlan {
     /// Expanded uncertainty U of the certificate, mm.
     pub expanded_u_mm: f64,
     /// Coverage factor k of U.
-    #[serde(default = "two")]
+    #[serde(default = "crate::gauge::calibration::masters::two")]
     pub coverage_factor: f64,
     /// Laboratory, reference standard or instrument that other pins' certificates hang on, too: with `common_expanded_u_mm`.
     #[serde(default)]
@@ -47,10 +47,6 @@ pub struct PinPlan {
     pub common_expanded_u_mm: Option<f64>,
     /// Where it was recorded: one place or more.
     pub positions: Vec<Position>,
-}
-
-fn two() -> f64 {
-    2.0
 }
 
 impl PinPlan {
@@ -249,7 +245,7 @@ fn a_year() -> u32 {
 impl CalibrationPlan {
     /// The calibration of a job's own bench on its own master pins, each at three heights of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
-        let pin = |(index, pin): (usize, &MasterPin)| {
+        let pin = |(index, pin): (usize, &MasterCertificate)| {
             let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
             PinPlan {
                 name: format!("masters.pins[{index}], {} mm", pin.diameter_mm),
