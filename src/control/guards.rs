@@ -3,6 +3,7 @@
 use super::context::{NextPass, PassContext};
 use super::readings::Errors;
 use super::settings::GuardSettings;
+use crate::numerics::line::Line;
 use crate::numerics::robust::{MAD_TO_SIGMA, median_of};
 use crate::plan::{HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
@@ -362,11 +363,7 @@ fn off_neighbours(z: &[f64], e: &[f64], i: usize) -> f64 {
 
 /// Least-squares line through points, at `at`.
 fn fitted_line(z: &[f64], e: &[f64], at: f64) -> f64 {
-    let n = z.len() as f64;
-    let (middle, mean) = (z.iter().sum::<f64>() / n, e.iter().sum::<f64>() / n);
-    let spread: f64 = z.iter().map(|z| (z - middle).powi(2)).sum();
-    let slope = z.iter().zip(e).map(|(z, e)| (z - middle) * (e - mean)).sum::<f64>() / spread;
-    mean + slope * (at - middle)
+    Line::through(z.iter().copied().zip(e.iter().copied())).at(at)
 }
 
 /// Parabola through three points, at `at` (Lagrange).
