@@ -7,7 +7,7 @@
 //! Least squares on the light beside the part, residuals beyond three standard deviations counting by their size only (Huber). A wire's or
 //! a disc's own pixels are divided by it: their edges are then those of even light.
 
-use nalgebra::{Vector6};
+use nalgebra::Vector6;
 
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
