@@ -7,9 +7,10 @@ use miette::{Diagnostic, NamedSource, SourceSpan};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use crate::job::{Job, JobError};
+use crate::job::Job;
 use crate::render::form::read_contour;
 use crate::render::settings::Esf;
+use crate::setting::SettingError;
 
 /// The preset of the main job, carried in the binary; the same file as `configs/slender_shaft.toml`.
 pub const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
@@ -78,16 +79,19 @@ pub fn load(path: &Path) -> Result<Job, ConfigError> {
 }
 
 /// Reads the files that a config names, beside it; what they hold takes the place of their names.
-fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
+fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     let open = |key: &str, name: &str| {
         let path = folder.join(name);
         std::fs::File::open(&path)
-            .map_err(|e| JobError::at(key, format!("{}: cannot be read: {e}", path.display())))
+            .map_err(|e| SettingError::at(key, format!("{}: cannot be read: {e}", path.display())))
     };
     read_measured_edge(&mut job.optics.esf, folder)?;
     if let Some(name) = job.shaft.contour_file.take() {
         if !job.shaft.contour.is_empty() {
-            return Err(JobError::at("shaft.contour_file", "stands beside shaft.contour; give one of them"));
+            return Err(SettingError::at(
+                "shaft.contour_file",
+                "stands beside shaft.contour; give one of them",
+            ));
         }
         let file = open("shaft.contour_file", &name)?;
         job.shaft.contour = read_contour(file).map_err(crate::job::from_render)?;
@@ -99,13 +103,13 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), JobError> {
 ///
 /// # Errors
 /// A file that cannot be read or holds no edge.
-pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), JobError> {
+pub fn read_measured_edge(esf: &mut Esf, folder: &Path) -> Result<(), SettingError> {
     const KEY: &str = "optics.esf.measured.file";
     let Esf::Measured(measured) = esf else { return Ok(()) };
     let Some(name) = measured.file.clone() else { return Ok(()) };
     let path = folder.join(&name);
     let file = std::fs::File::open(&path)
-        .map_err(|e| JobError::at(KEY, format!("{}: cannot be read: {e}", path.display())))?;
+        .map_err(|e| SettingError::at(KEY, format!("{}: cannot be read: {e}", path.display())))?;
     measured.fill(file).map_err(crate::job::from_render)
 }
 
@@ -128,12 +132,12 @@ pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Resul
 }
 
 /// Turns a check that failed later (an override on the command line, the coverage of a scan) into a config error.
-pub fn value_error(text: &str, file: &str, error: JobError) -> ConfigError {
+pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     ConfigError::Value {
         file: file.to_owned(),
         span: key_span(text, &error.key),
+        problem: error.without_key(),
         key: error.key,
-        problem: error.problem,
         source_text: Arc::new(NamedSource::new(file, text.to_owned())),
     }
 }

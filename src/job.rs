@@ -31,12 +31,13 @@ use crate::process::ProcessSettings;
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::setting::{SettingError, positive};
 use crate::shaft::ShaftForm;
 pub use edge::{NominalEdge, sampled_edge};
-pub use error::{JobError, from_render};
-use error::{from_control, from_nc, positive};
+pub use error::from_render;
+use error::{from_control, from_nc};
 pub use part::Part;
-pub use scan::{MasterPin, Masters, Scan, ScanWhen, StockScan};
+pub use scan::{Masters, Scan, ScanWhen, StockScan};
 
 /// Where offsets go: the control whose increments they are rounded to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -210,23 +211,16 @@ impl Job {
         self.bench_settings().nominal_pixel_mm()
     }
 
-    fn check_stages(&self) -> Result<(), JobError> {
+    fn check_stages(&self) -> Result<(), SettingError> {
         self.bench_settings().check().map_err(from_render)?;
-        self.gauge.validate().map_err(|e| {
-            JobError::at(
-                format!("gauge.{}", e.key),
-                format!("{} is out of range; right would be {}", e.value, e.right),
-            )
-        })?;
-        self.process.validate().map_err(|e| {
-            JobError::at(format!("process.{}", e.key), format!("{} must be {}", e.value, e.must_be))
-        })?;
+        self.gauge.validate()?;
+        self.process.validate()?;
         self.check_nc()?;
-        self.control.validate().map_err(from_control)
+        self.control.validate()
     }
 
     /// A path of the first pass must be possible: its lead-out clear of the chuck, its settings in range.
-    fn check_nc(&self) -> Result<(), JobError> {
+    fn check_nc(&self) -> Result<(), SettingError> {
         let Some(nc) = &self.nc else { return Ok(()) };
         let stations = self.part.station_z_mm().len();
         let plan = self.pass_plan(1, crate::plan::DiameterOffset::zero(stations));
@@ -238,7 +232,7 @@ impl Job {
     ///
     /// # Errors
     /// The controller's reason.
-    pub fn check_control(&self) -> Result<(), JobError> {
+    pub fn check_control(&self) -> Result<(), SettingError> {
         crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
     }
 
@@ -255,10 +249,10 @@ impl Job {
     ///
     /// # Errors
     /// The first setting that cannot be right.
-    pub fn check(&self) -> Result<(), JobError> {
+    pub fn check(&self) -> Result<(), SettingError> {
         self.part.check()?;
         if self.passes.is_some_and(|n| n == 0 || n > self.part.passes()) {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "passes",
                 format!("must be 1 to {}, the nominal diameters given", self.part.passes()),
             ));
@@ -273,16 +267,16 @@ impl Job {
         self.check_masters()
     }
 
-    fn check_scan(&self) -> Result<(), JobError> {
+    fn check_scan(&self) -> Result<(), SettingError> {
         if self.scan.fields == 0 || self.scan.fields > 100_000 {
-            return Err(JobError::at("scan.fields", "must be between 1 and 100 000"));
+            return Err(SettingError::at("scan.fields", "must be between 1 and 100 000"));
         }
         if self.scan.angles == 0 || self.scan.angles > 100_000 {
-            return Err(JobError::at("scan.angles", "must be between 1 and 100 000"));
+            return Err(SettingError::at("scan.angles", "must be between 1 and 100 000"));
         }
         let height = self.field_height_mm();
         if self.part.stock_diameter_mm > 0.97 * height {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "part.stock_diameter_mm",
                 format!(
                     "a shaft of {} mm does not fit the field of {height:.2} mm ({} rows at {:.3} µm); at most {:.2} mm, or lower optics.magnification",
@@ -301,9 +295,9 @@ impl Job {
     ///
     /// # Errors
     /// Names the key and what would be enough.
-    pub fn check_coverage(&self) -> Result<(), JobError> {
+    pub fn check_coverage(&self) -> Result<(), SettingError> {
         if let Some(key) = self.shaft.finished_key() {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 key,
                 "describes a finished part, which `render` draws; a run turns a plain shaft: leave it out",
             ));
@@ -314,7 +308,7 @@ impl Job {
             return Ok(());
         }
         if self.scan.angles < 2 {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "scan.angles",
                 "1 angle tells nothing of the section's form, so that no uncertainty could be stated; at least 2, 4 to take \
                  two lobes out of the mean",
@@ -322,7 +316,7 @@ impl Job {
         }
         let needed = (self.part.length_mm / self.field_length_mm()).ceil() as usize;
         if self.scan.fields < needed {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "scan.fields",
                 format!(
                     "{} fields of {:.1} mm leave gaps on a part of {} mm; at least {needed}",
@@ -335,12 +329,12 @@ impl Job {
         Ok(())
     }
 
-    fn check_masters(&self) -> Result<(), JobError> {
+    fn check_masters(&self) -> Result<(), SettingError> {
         if self.masters.frames_each == 0 {
-            return Err(JobError::at("masters.frames_each", "must be at least 1"));
+            return Err(SettingError::at("masters.frames_each", "must be at least 1"));
         }
         if self.masters.pins.len() < 2 {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "masters.pins",
                 "scale and edge offset need two pins of different diameter",
             ));
@@ -351,7 +345,7 @@ impl Job {
             positive(&format!("{key}.expanded_u_mm"), pin.expanded_u_mm)?;
             positive(&format!("{key}.coverage_factor"), pin.coverage_factor)?;
             if pin.diameter_mm > 0.97 * self.field_height_mm() {
-                return Err(JobError::at(
+                return Err(SettingError::at(
                     format!("{key}.diameter_mm"),
                     format!(
                         "a pin of {} mm does not fit the field of {:.2} mm",
@@ -364,7 +358,7 @@ impl Job {
         let least = self.masters.pins.iter().map(|p| p.diameter_mm).fold(f64::INFINITY, f64::min);
         let most = self.masters.pins.iter().map(|p| p.diameter_mm).fold(0.0, f64::max);
         if most - least < 0.01 * most {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "masters.pins",
                 "the pins must differ by 1 % in diameter to separate scale from edge offset",
             ));

@@ -16,6 +16,7 @@ pub mod frame;
 mod numerics;
 pub mod plan;
 pub mod profile;
+pub mod setting;
 pub mod shaft;
 // -- 1 stages: import the vocabulary and their own folder
 pub mod control;

@@ -11,7 +11,7 @@ use imports::{Loop, Source, Tree};
 mod imports;
 
 /// Rooms by layer, bottom to top; a file imports its own room and rooms before it, of the stages only the vocabulary.
-const VOCABULARY: [&str; 6] = ["numerics", "frame", "shaft", "profile", "plan", "conformity"];
+const VOCABULARY: [&str; 7] = ["numerics", "setting", "frame", "shaft", "profile", "plan", "conformity"];
 const STAGES: [&str; 9] =
     ["process", "render", "gauge", "probe", "control", "source", "nc", "tool", "machine"];
 const COMPOSITION: [&str; 5] = ["truth", "job", "cell", "closed_loop", "studies"];
@@ -23,10 +23,7 @@ const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config",
 /// What stands in a room, bottom to top: a file imports its own folder and what is listed before it, and nothing inside
 /// a room imports the room's `mod.rs`.
 const ROOMS: [(&str, &str); 3] = [
-    (
-        "gauge",
-        "range_check form sensor settings edges edge width calibration diameter uncertainty ring instrument",
-    ),
+    ("gauge", "form sensor settings edges edge width calibration diameter uncertainty ring instrument"),
     ("render", "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer"),
     (
         "cli",

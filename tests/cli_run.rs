@@ -1,15 +1,16 @@
 //! `run` and `demo` from outside the binary: exit codes, messages, folders, resume.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
+use program::{shadowgauge, text};
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn shadowgauge(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
-
 /// A job small enough to run in a second: a short part, two passes, a small camera.
-const SMALL: &str = r#"
+const SMALL: &str = concat!(
+    r#"
 name = "small"
 seed = 5
 [part]
@@ -21,23 +22,9 @@ aim_mm = 0.0
 nominal_mm = 11.0
 upper_mm = 0.01
 lower_mm = -0.01
-[scan]
-fields = 5
-angles = 4
-[masters]
-frames_each = 2
-[[masters.pins]]
-diameter_mm = 10.0
-expanded_u_mm = 0.0001
-[[masters.pins]]
-diameter_mm = 12.5
-expanded_u_mm = 0.0001
-[camera]
-columns = 512
-rows = 512
-[optics]
-magnification = 0.115
-"#;
+"#,
+    include_str!("support/small_view.toml")
+);
 
 fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);
@@ -52,7 +39,7 @@ fn run_small(folder: &Path, out: &str, more: &[&str]) -> Output {
 }
 
 fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    text(&output.stderr)
 }
 
 /// (what is changed, the change, exit code, words the error must have)

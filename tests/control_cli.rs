@@ -1,26 +1,16 @@
 //! Control's commands from outside the binary: stability, reproduction, programs, refusals.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
+use program::{said, shadowgauge, text};
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn shadowgauge(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
 
 #[track_caller]
 fn assert_refused(arguments: &[&str], exit: i32, words: &[&str]) {
     let output = shadowgauge(arguments);
-    let text = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-    let text = text.replace("│ ", "");
+    let text = said(&output);
     assert_eq!(output.status.code(), Some(exit), "{arguments:?}: {text}");
     for word in words {
         assert!(text.contains(word), "{arguments:?}: {word:?} is missing in: {text}");
@@ -151,9 +141,9 @@ fn nc_writes_a_runs_offsets() {
     let run = run_folder(folder.path(), |z| 0.05 * (1.0 - (z / 250.0 - 1.0).powi(2)));
     let stated = stated_machine(folder.path());
     let text =
-        stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17", "--machine", &stated]));
+        text(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17", "--machine", &stated]).stdout);
     assert!(text.contains("PART 17 PASS 2") && text.contains("G10 P16 X-0.033"), "{text}");
-    let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "gsk", "--dry-run"]));
+    let list = program::text(&shadowgauge(&["nc", &run, "--dialect", "gsk", "--dry-run"]).stdout);
     assert!(list.contains("reason: released") && list.contains("old/mm"), "{list}");
     let file = folder.path().join("pass2.ngc").to_string_lossy().into_owned();
     assert!(shadowgauge(&["nc", &run, "--dialect", "linuxcnc", "--out", &file]).status.success());
@@ -177,9 +167,12 @@ fn nc_writes_a_line_as_macro_program() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run_folder(folder.path(), |z| 0.03 + 0.02 * (500.0 - z) / 500.0);
     let stated = stated_machine(folder.path());
-    let text =
-        stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--machine", &stated]));
+    let text = text(
+        &shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--machine", &stated]).stdout,
+    );
     assert!(text.contains("#802=0.02\n") && text.contains("#803=0.03\n"), "{text}");
-    let list = stdout(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]));
+    let list = program::text(
+        &shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]).stdout,
+    );
     assert!(list.contains("#805 = 0.050000"), "{list}");
 }

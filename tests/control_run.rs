@@ -1,6 +1,10 @@
 //! Guards, second scans, stock scans, rounding and batches as a run drives them: through frames, on a small part.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
+use program::shadowgauge;
 use shadowgauge::cell::{CellError, SimulatedCell, TurningCell};
 use shadowgauge::closed_loop::{ClosedLoop, PassResult};
 use shadowgauge::control::{ControllerName, PartAndTool, PartEvent};
@@ -14,7 +18,8 @@ use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::studies::parts::{self, Batch};
 
 /// A short shaft, three passes, a small camera; the tailstock is soft, so that there is something to correct.
-const SMALL: &str = r#"
+const SMALL: &str = concat!(
+    r#"
 name = "small"
 seed = 5
 [part]
@@ -26,23 +31,9 @@ aim_mm = 0.0
 nominal_mm = 10.5
 upper_mm = 0.02
 lower_mm = -0.02
-[scan]
-fields = 5
-angles = 4
-[masters]
-frames_each = 2
-[[masters.pins]]
-diameter_mm = 10.0
-expanded_u_mm = 0.0001
-[[masters.pins]]
-diameter_mm = 12.5
-expanded_u_mm = 0.0001
-[camera]
-columns = 512
-rows = 512
-[optics]
-magnification = 0.115
-[process.support]
+"#,
+    include_str!("support/small_view.toml"),
+    r#"[process.support]
 tailstock_n_per_um = 5.0
 [process.disturbance]
 stock_form_um = 20.0
@@ -50,7 +41,8 @@ stock_form_um = 20.0
 length_mm = 60.0
 stock_diameter_mm = 12.0
 tailstock_n_per_um = 5.0
-"#;
+"#
+);
 
 fn job(change: impl FnOnce(&mut Job)) -> Job {
     let mut job: Job = toml::from_str(SMALL).unwrap();
@@ -403,14 +395,6 @@ fn a_batch_learns_from_part_to_part() {
     };
     assert_eq!(of(false, 1), of(true, 1));
     assert_ne!(of(false, 1), of(false, 2));
-}
-
-fn shadowgauge(arguments: &[&str]) -> std::process::Output {
-    std::process::Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .output()
-        .unwrap()
 }
 
 #[test]

@@ -55,32 +55,20 @@ fn fields_that_show_no_station_are_left_out() {
 }
 
 /// A short shaft before a small camera; the tailstock is soft, so that there is something to correct.
-const SMALL: &str = r#"
+const SMALL: &str = concat!(
+    r#"
 [part]
 length_mm = 60.0
 stock_diameter_mm = 12.0
 nominal_diameter_mm = [11.5, 11.0]
 station_z_mm = [3.0, 11.0, 30.5, 40.0, 57.0]
 station_mm = 5.0
-[scan]
-fields = 5
-angles = 4
-[masters]
-frames_each = 2
-[[masters.pins]]
-diameter_mm = 10.0
-expanded_u_mm = 0.0001
-[[masters.pins]]
-diameter_mm = 12.5
-expanded_u_mm = 0.0001
-[camera]
-columns = 512
-rows = 512
-[optics]
-magnification = 0.115
-[process.support]
+"#,
+    include_str!("support/small_view.toml"),
+    r#"[process.support]
 tailstock_n_per_um = 5.0
-"#;
+"#
+);
 
 /// Scanned, controlled and written where they are listed; the learning controller takes their uneven pitch.
 #[test]

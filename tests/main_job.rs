@@ -1,7 +1,8 @@
 //! The main job at full size, from outside the binary: the figures that the README states.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use std::process::Command;
+#[path = "support/program.rs"]
+mod program;
 
 #[test]
 fn four_passes_of_the_slender_shaft() {
@@ -10,11 +11,8 @@ fn four_passes_of_the_slender_shaft() {
     let config = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/slender_shaft.toml");
     let required = std::env::var_os("REQUIRE_VULKAN").is_some_and(|v| v == "1");
     let backend = if required { "vulkan" } else { "auto" };
-    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args(["run", config, "--backend", backend, "--json", "--out"])
-        .arg(&out)
-        .output()
-        .unwrap();
+    let out = out.to_str().unwrap();
+    let output = program::shadowgauge(["run", config, "--backend", backend, "--json", "--out", out]);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{message}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

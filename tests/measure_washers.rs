@@ -2,8 +2,10 @@
 //! project (`SHADOWGAUGE_WASHERS`); without them the test says SKIPPED.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use serde_json::Value;
 
@@ -17,11 +19,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 fn measure(folder: &Path) -> Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args(["measure", "--json"])
-        .arg(folder)
-        .output()
-        .expect("the binary runs");
+    let output = program::shadowgauge(["measure".as_ref(), "--json".as_ref(), folder.as_os_str()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("JSON on stdout")
 }

@@ -1,6 +1,9 @@
 //! The closed loop with a touch probe as its instrument.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use shadowgauge::cell::{SimulatedCell, TurningCell};
 use shadowgauge::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, part_verdict};
 use shadowgauge::config;
@@ -168,9 +171,8 @@ fn what_cannot_be_is_refused() {
 #[test]
 fn a_run_and_its_program_on_the_command_line() {
     let shadowgauge = |args: &[&str]| {
-        let run = std::process::Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(args).output().unwrap();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (run.status.code(), text(&run.stdout), text(&run.stderr))
+        let run = program::shadowgauge(args);
+        (run.status.code(), program::text(&run.stdout), program::text(&run.stderr))
     };
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("run").display().to_string();

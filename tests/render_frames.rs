@@ -405,7 +405,7 @@ fn settings_out_of_range_name_their_key() {
         let mut settings = BenchSettings::default();
         spoil(&mut settings);
         let error = OpticalBench::resolve(&settings, 0).unwrap_err();
-        assert!(matches!(&error, RenderError::Setting { key: k, .. } if *k == key), "{key}: {error}");
+        assert!(matches!(&error, RenderError::Setting(e) if e.key == key), "{key}: {error}");
     }
 }
 

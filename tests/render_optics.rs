@@ -176,7 +176,7 @@ fn measured_edges_that_cannot_be_are_refused() {
         let mut t = good.clone();
         spoil(&mut t);
         let error = Esf::Measured(t).check().unwrap_err();
-        assert!(matches!(error, RenderError::Setting { .. }), "{error}");
+        assert!(matches!(error, RenderError::Setting(_)), "{error}");
     }
 }
 

@@ -1,9 +1,11 @@
 //! Rings seen end-on: frames made here with a renderer of its own, and real washers beside a coordinate-measuring machine.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::f64::consts::TAU;
 use std::path::PathBuf;
-use std::process::Command;
 
 use glam::DVec2;
 use rand::{RngExt, SeedableRng};
@@ -299,7 +301,7 @@ fn frames_without_a_ring_are_refused_with_a_reason() {
     let bad = RingSettings { calipers: 3, ..RingSettings::default() };
     assert!(matches!(
         measure_ring(&frame(&shaft).view(), &bad),
-        Err(RingError::Setting { key: "calipers", .. })
+        Err(RingError::Setting(e)) if e.key == "ring.calipers"
     ));
 }
 
@@ -411,12 +413,8 @@ fn washers_agree_with_the_coordinate_measuring_machine_no_worse_than_a_level_cro
     };
     let out = tempfile::tempdir().unwrap();
     let run = |extra: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-            .args(["study", "washers"])
-            .arg(&folder)
-            .args(extra)
-            .output()
-            .unwrap()
+        let words = ["study", "washers", folder.to_str().unwrap()];
+        program::shadowgauge(words.iter().chain(extra))
     };
     let done = run(&["--json", "--out", out.path().join("w").to_str().unwrap()]);
     let json: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
@@ -448,12 +446,8 @@ fn washers_agree_with_the_coordinate_measuring_machine_no_worse_than_a_level_cro
 fn the_washers_study_names_what_is_missing() {
     let folder = tempfile::tempdir().unwrap();
     let run = || {
-        let done = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-            .args(["study", "washers"])
-            .arg(folder.path())
-            .output()
-            .unwrap();
-        (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned())
+        let done = program::shadowgauge(["study", "washers", folder.path().to_str().unwrap()]);
+        (done.status.code(), program::text(&done.stderr))
     };
     let (code, text) = run();
     assert!(code == Some(3) && text.contains("cmm.csv"), "{text}");

@@ -8,7 +8,8 @@ use super::seen_burst::SeenBurst;
 use super::true_probe::TrueProbe;
 use super::turning_cell::CellError;
 use crate::frame::{Frame, FrameSource, SourceError};
-use crate::job::{Job, MasterPin};
+use crate::gauge::MasterCertificate;
+use crate::job::Job;
 use crate::process::bending::sum_of_lines;
 use crate::process::{BaseForm, Stock, TurningProcess};
 use crate::render::form::form_shaft;
@@ -178,7 +179,7 @@ impl SimulatedCell<'_> {
 }
 
 /// True diameters of the masters: drawn from what their certificates say.
-fn true_masters_mm(pins: &[MasterPin], seed: u64) -> Vec<f64> {
+fn true_masters_mm(pins: &[MasterCertificate], seed: u64) -> Vec<f64> {
     let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
     pins.iter()
         .map(|pin| {

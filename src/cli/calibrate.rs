@@ -91,7 +91,7 @@ pub fn make(
     let LoadedPlan { plan, text, folder } = loaded;
     plan.validate().map_err(|e| text.refuse(e))?;
     let failed = |e: CalibrateError| match e {
-        CalibrateError::Plan(_) | CalibrateError::Gauge(_) => text.refuse(e),
+        CalibrateError::Setting(_) => text.refuse(e),
         other => Failure::fail(format!("{}: {other}", text.name)),
     };
     if plan.simulate.is_none() {

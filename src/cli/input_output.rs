@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::failure::Failure;
+use super::failure::{CommandResult, Failure, Outcome};
 use crate::config::{self, ConfigError};
 use crate::files::OutputFolder;
 
@@ -51,12 +51,25 @@ impl ConfigText {
 pub struct StudyFolder(OutputFolder);
 
 impl StudyFolder {
-    /// Takes a folder that is absent or empty.
+    /// Takes a folder that is absent or empty, where one is asked for.
     ///
     /// # Errors
     /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be written.
-    pub fn claim(path: &Path) -> Result<Self, Failure> {
-        Ok(Self(OutputFolder::claim(path)?))
+    pub fn claim(path: Option<&Path>) -> Result<Option<Self>, Failure> {
+        Ok(path.map(OutputFolder::claim).transpose()?.map(Self))
+    }
+
+    /// Fills a claimed folder and puts it in its place.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn fill(
+        folder: Option<Self>,
+        write: impl FnOnce(&Self) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let Some(folder) = folder else { return Ok(()) };
+        write(&folder)?;
+        Ok(folder.0.finish()?)
     }
 
     /// Writes a file.
@@ -65,14 +78,6 @@ impl StudyFolder {
     /// Exit 3 where the disk or the permissions refuse.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         Ok(self.0.write(name, bytes)?)
-    }
-
-    /// Puts the folder in its place.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
-    pub fn finish(self) -> Result<(), Failure> {
-        Ok(self.0.finish()?)
     }
 }
 
@@ -92,4 +97,17 @@ pub fn csv_text<T: serde::Serialize>(rows: &[T]) -> Result<Vec<u8>, Failure> {
 /// Exit 3 for what JSON cannot carry.
 pub fn json_text<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
     serde_json::to_string_pretty(value).map_err(Failure::fail)
+}
+
+/// Prints a study: as JSON, or in words.
+///
+/// # Errors
+/// As [`json_text`].
+pub fn say_study<T: serde::Serialize>(study: &T, json: bool, in_words: impl FnOnce(&T)) -> CommandResult {
+    if json {
+        say_line!("{}", json_text(study)?);
+    } else {
+        in_words(study);
+    }
+    Ok(Outcome::Done)
 }

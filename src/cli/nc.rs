@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::failure::{CommandResult, Failure, Outcome};
 use crate::config;
 use crate::files::OutputFile;
-use crate::job::{Job, JobError};
+use crate::job::Job;
 use crate::nc::{
     self, Dialect, Direction, MacroProgram, NcError, NcSettings, ProbingProgram, Qualification,
     TurningProgram, Workpiece, Written,
@@ -107,16 +107,15 @@ fn settings(args: &NcArgs, job: &Job) -> Result<NcSettings, Failure> {
     };
     let file = crate::cli::input_output::ConfigText::read(path)?;
     let settings = part_number(file.parse()?);
-    settings.validate().map_err(|error| in_file(&file, error))?;
+    settings.validate().map_err(|error| in_file(&file, error.into()))?;
     Ok(settings)
 }
 
 /// A refusal that points at the key in the machine's file.
 fn in_file(file: &crate::cli::input_output::ConfigText, error: NcError) -> Failure {
     match error {
-        NcError::Setting { key, value, right } => {
-            let key = key.strip_prefix("nc.").unwrap_or(key);
-            let at = JobError::at(key, format!("{value} must be {right}"));
+        NcError::Setting(mut at) => {
+            at.key = at.key.strip_prefix("nc.").unwrap_or(&at.key).to_owned();
             Failure::refused(config::value_error(&file.text, &file.name, at))
         }
         other => file.refuse(other),

@@ -33,12 +33,9 @@ pub fn run(args: &OptimizeArgs) -> CommandResult {
     let mut config: OptimizeConfig = text.parse()?;
     config.genetic.seed = args.seed.unwrap_or(config.genetic.seed);
     let problem = Problem::new(&config).map_err(|e| text.refuse(e))?;
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let study = optimize::study(&problem, &config);
-    if let Some(folder) = folder {
-        write(&folder, &config, &problem, &study)?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(folder, |folder| write(folder, &config, &problem, &study))?;
     if args.json {
         say_line!("{}", json_text(&study)?);
     } else {

@@ -5,25 +5,22 @@ use thiserror::Error;
 use crate::cell::CellError;
 use crate::control::ControlError;
 use crate::frame::SourceError;
-use crate::gauge::{CalibrationError, GaugeSettingsError};
-use crate::job::JobError;
+use crate::gauge::CalibrationError;
+use crate::setting::SettingError;
 
 /// A loop that cannot go on.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoopError {
-    /// The job does not fit together.
+    /// A setting of the job or of the gauge cannot be right.
     #[error(transparent)]
-    Job(#[from] JobError),
+    Setting(#[from] SettingError),
     /// The cell failed.
     #[error(transparent)]
     Cell(#[from] CellError),
     /// A frame did not arrive.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The gauge refuses its settings.
-    #[error(transparent)]
-    Gauge(#[from] GaugeSettingsError),
     /// The gauge cannot be calibrated.
     #[error("calibration: {0}")]
     Calibration(#[from] CalibrationError),

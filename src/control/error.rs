@@ -1,21 +1,15 @@
 //! What control refuses.
 
 use super::controller_name::ControllerName;
+use crate::setting::{SettingError, require};
 
 /// Why a controller cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlError {
     /// A value of the `[control]` table is out of its range.
-    #[error("{key} = {value}: must be {right}")]
-    Setting {
-        /// The key, from the top of the configuration.
-        key: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What would be right.
-        right: &'static str,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// No controller has this name.
     #[error("no controller is called {word:?}; there are {}", names())]
     UnknownController {
@@ -72,18 +66,8 @@ impl std::str::FromStr for ControllerName {
     }
 }
 
-/// Refuses a value, naming its key and what would be right.
-pub(crate) fn require(
-    holds: bool,
-    key: &'static str,
-    value: f64,
-    right: &'static str,
-) -> Result<(), ControlError> {
-    if holds { Ok(()) } else { Err(ControlError::Setting { key, value, right }) }
-}
-
 /// Refuses a limit that is given and not positive.
-pub(super) fn require_limit(key: &'static str, limit: Option<f64>) -> Result<(), ControlError> {
+pub(super) fn require_limit(key: &'static str, limit: Option<f64>) -> Result<(), SettingError> {
     limit.map_or(Ok(()), |value| {
         require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
     })

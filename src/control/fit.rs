@@ -5,12 +5,11 @@
 //! full rank and positive u. Huber: P. J. Huber, Robust Statistics, ch. 7, with the tuning constant 1.345 (95 %
 //! efficiency for normal errors) and the scale from the median absolute residual.
 
+use crate::numerics::robust::{MAD_TO_SIGMA, central_median};
 use nalgebra::{DMatrix, DVector};
 
 /// Huber's tuning constant in units of the scale.
 pub(crate) const HUBER_K: f64 = 1.345;
-/// Median absolute deviation to standard deviation of a normal distribution: 1/Φ⁻¹(3/4).
-const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Rounds of reweighting; each shrinks the change by more than half.
 const HUBER_ROUNDS: usize = 50;
 /// Reweighting ends when no coefficient moves by more than this share of its standard uncertainty.
@@ -59,17 +58,8 @@ pub fn huber(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Optio
 /// min(1, k·s/|t|) of the standardised residuals t, s their robust scale but at least 1 (the stated u).
 fn huber_weights(standardised: &DVector<f64>) -> DVector<f64> {
     let mut magnitude: Vec<f64> = standardised.iter().map(|t| t.abs()).collect();
-    magnitude.sort_by(f64::total_cmp);
-    let scale = (MAD_TO_SIGMA * median(&magnitude)).max(1.0);
+    let scale = (MAD_TO_SIGMA * central_median(&mut magnitude).unwrap_or(0.0)).max(1.0);
     standardised.map(|t| (HUBER_K * scale / t.abs()).min(1.0))
-}
-
-fn median(sorted: &[f64]) -> f64 {
-    match sorted.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
-    }
 }
 
 fn solve(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>, weights: &DVector<f64>) -> Option<Fit> {

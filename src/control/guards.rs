@@ -3,11 +3,11 @@
 use super::context::{NextPass, PassContext};
 use super::readings::Errors;
 use super::settings::GuardSettings;
+use crate::numerics::line::Line;
+use crate::numerics::robust::{MAD_TO_SIGMA, median_of};
 use crate::plan::{HeldReason, PassPlan};
 use crate::profile::DiameterProfile;
 
-/// Median absolute deviation to standard deviation of a normal distribution: 1/Φ⁻¹(3/4).
-const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Variance of a second difference of independent readings: 1 + 4 + 1.
 const SECOND_DIFFERENCE: f64 = 6.0;
 /// An outlier lies this many scatters from its neighbours, besides the limit in mm: about one in 10⁶ by chance.
@@ -336,10 +336,7 @@ fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
 
 /// Standard deviation of one reading from the median magnitude of second differences: slopes drop out.
 fn robust_scatter(second_differences: &[f64]) -> f64 {
-    let mut magnitude: Vec<f64> = second_differences.iter().map(|d| d.abs()).collect();
-    magnitude.sort_by(f64::total_cmp);
-    let median = magnitude.get(magnitude.len() / 2).copied().unwrap_or(0.0);
-    MAD_TO_SIGMA * median / SECOND_DIFFERENCE.sqrt()
+    MAD_TO_SIGMA * median_of(second_differences.iter().map(|d| d.abs()).collect()) / SECOND_DIFFERENCE.sqrt()
 }
 
 /// Difference of a station from what its neighbours say: inside, the median of the four lines through two of them; next
@@ -366,11 +363,7 @@ fn off_neighbours(z: &[f64], e: &[f64], i: usize) -> f64 {
 
 /// Least-squares line through points, at `at`.
 fn fitted_line(z: &[f64], e: &[f64], at: f64) -> f64 {
-    let n = z.len() as f64;
-    let (middle, mean) = (z.iter().sum::<f64>() / n, e.iter().sum::<f64>() / n);
-    let spread: f64 = z.iter().map(|z| (z - middle).powi(2)).sum();
-    let slope = z.iter().zip(e).map(|(z, e)| (z - middle) * (e - mean)).sum::<f64>() / spread;
-    mean + slope * (at - middle)
+    Line::through(z.iter().copied().zip(e.iter().copied())).at(at)
 }
 
 /// Parabola through three points, at `at` (Lagrange).

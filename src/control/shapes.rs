@@ -3,7 +3,8 @@
 //! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the normal matrix
 //! well conditioned; the space they span is that of the plain powers.
 
-use super::error::{ControlError, require};
+use super::error::ControlError;
+use crate::setting::{SettingError, require};
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -99,7 +100,7 @@ impl Shapes {
         })
     }
 
-    pub(crate) fn validate(self, key: &'static str) -> Result<(), ControlError> {
+    pub(crate) fn validate(self, key: &'static str) -> Result<(), SettingError> {
         match self {
             Self::Line | Self::Quadratic => Ok(()),
             Self::Polynomial { degree } => {

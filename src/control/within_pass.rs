@@ -7,6 +7,7 @@
 //! plan already has from the pass before).
 
 use super::settings::WithinPassSettings;
+use crate::numerics::robust::central_median;
 use crate::profile::DiameterProfile;
 
 /// A pass under way.
@@ -61,7 +62,7 @@ impl WithinPass {
             let changed = self.applied_mm[k] - self.planned_mm[k];
             deviations.push(d.d_mm - nominal_mm + self.plant_gain * changed);
         }
-        let middle = median(&mut deviations)?;
+        let middle = central_median(&mut deviations)?;
         let limit = self.settings.limit_mm;
         let shift = (self.settings.gain * middle / self.plant_gain).clamp(-limit, limit);
         for (k, station) in measured.stations.iter().enumerate() {
@@ -71,13 +72,6 @@ impl WithinPass {
         }
         Some(&self.applied_mm)
     }
-}
-
-/// Middle value; `None` of none.
-fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    Some(0.5 * (values.get(n / 2)? + values.get(n.saturating_sub(1) / 2)?))
 }
 
 #[cfg(test)]

@@ -6,8 +6,9 @@ use super::edge::edge_stream::EdgeStream;
 use super::edge::model::systematic_residual::EdgeMisfit;
 use super::edge::parallel::Lanes;
 use super::edges::{FrameEdges, FrameRefused};
-use super::settings::{EsfModel, GaugeSettings, GaugeSettingsError};
+use super::settings::{EsfModel, GaugeSettings};
 use crate::frame::FrameView;
+use crate::setting::SettingError;
 
 /// The gauge: settings, checked once.
 ///
@@ -36,11 +37,11 @@ impl Gauge {
     ///
     /// # Errors
     /// Names the first setting out of its range.
-    pub fn new(settings: GaugeSettings) -> Result<Self, GaugeSettingsError> {
+    pub fn new(settings: GaugeSettings) -> Result<Self, SettingError> {
         settings.validate()?;
         if settings.esf == (EsfModel::Optics {}) {
-            let right = "the table of a job's optics; a gauge by itself has none";
-            return Err(GaugeSettingsError { key: "esf.optics", value: f64::NAN, right });
+            let needs = "needs the table of a job's optics; a gauge by itself has none";
+            return Err(SettingError::at("gauge.esf.optics", needs));
         }
         Ok(Self { settings, misfit: None })
     }

@@ -3,7 +3,7 @@
 //! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`]. Out: [`FrameEdges`] in px,
 //! [`ColumnDiameters`] and a [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its reason.
 //!
-//! From below, and imports point down only: `settings`, `edges` (results), `range_check` → `form`, `sensor` → `edge` (one frame to
+//! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` → `edge` (one frame to
 //! edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) → `uncertainty` (budgets) → `ring` (parts seen end-on);
 //! `instrument` is the gauge that all begin with. A file imports others by their own path, not through the `mod.rs` above it.
 //!
@@ -15,7 +15,6 @@ mod edge;
 mod edges;
 pub mod form;
 mod instrument;
-mod range_check;
 pub mod ring;
 pub mod sensor;
 mod settings;
@@ -43,8 +42,7 @@ pub use edge::settled::SettledStream;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
 pub use instrument::Gauge;
 pub use settings::{
-    Blur, EsfModel, EsfSamples, GaugeSettings, GaugeSettingsError, Levels, Noise, Polarity, Rejection,
-    StationSettings, Which,
+    Blur, EsfModel, EsfSamples, GaugeSettings, Levels, Noise, Polarity, Rejection, StationSettings, Which,
 };
 pub use width::axis_pose::Pose;
 pub use width::largest_caliper::{LargestCaliper, largest_caliper, largest_caliper_over};

@@ -2,7 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
+
+use crate::setting::{SettingError, within};
 
 /// Farthest sample of a table, px: twice the half of the longest window.
 const FARTHEST_PX: f64 = 256.0;
@@ -240,27 +241,6 @@ impl Default for StationSettings {
     }
 }
 
-/// A `[gauge]` value out of its range.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("gauge.{key}{}{right}", self.found())]
-pub struct GaugeSettingsError {
-    /// The key, dotted, below `[gauge]`.
-    pub key: &'static str,
-    /// The value found.
-    pub value: f64,
-    /// What would be right.
-    pub right: &'static str,
-}
-
-impl GaugeSettingsError {
-    fn found(&self) -> String {
-        if self.value.is_nan() {
-            return " needs ".to_owned();
-        }
-        format!(" = {} is out of range; right would be ", self.value)
-    }
-}
-
 impl GaugeSettings {
     /// These settings for a part whose outline goes up and down by itself (threads, knurls): flanks to 71° are measured, and nothing is
     /// refused for leaving its neighbours or the axis.
@@ -273,23 +253,29 @@ impl GaugeSettings {
     ///
     /// # Errors
     /// Names the first key out of its range and what would be right.
-    pub fn validate(&self) -> Result<(), GaugeSettingsError> {
-        within("min_diameter_px", self.min_diameter_px, 4.0, 1e5, "4 or more pixels")?;
-        within("min_snr", self.min_snr, 4.0, 1e6, "4 or more")?;
-        within("max_slope", self.max_slope, 1e-3, 3.0, "0.001 to 3")?;
-        within("residual_false_alarm", self.residual_false_alarm, 1e-12, 0.01, "1e-12 to 0.01")?;
-        within("outlier_px", self.outlier_px, 1e-3, 1e4, "a departure in pixels above 0.001")?;
-        within("max_residual_rel", self.max_residual_rel, 1e-9, 1.0, "a share above 0, at most 1")?;
-        within("station.min_fill", self.station.min_fill, 1e-6, 1.0, "a fraction above 0, at most 1")?;
-        within("station.min_angles", self.station.min_angles as f64, 1.0, 1e9, "1 or more")?;
+    pub fn validate(&self) -> Result<(), SettingError> {
+        within("gauge.min_diameter_px", self.min_diameter_px, 4.0, 1e5, "4 or more pixels")?;
+        within("gauge.min_snr", self.min_snr, 4.0, 1e6, "4 or more")?;
+        within("gauge.max_slope", self.max_slope, 1e-3, 3.0, "0.001 to 3")?;
+        within("gauge.residual_false_alarm", self.residual_false_alarm, 1e-12, 0.01, "1e-12 to 0.01")?;
+        within("gauge.outlier_px", self.outlier_px, 1e-3, 1e4, "a departure in pixels above 0.001")?;
+        within("gauge.max_residual_rel", self.max_residual_rel, 1e-9, 1.0, "a share above 0, at most 1")?;
+        within("gauge.station.min_fill", self.station.min_fill, 1e-6, 1.0, "a fraction above 0, at most 1")?;
+        within("gauge.station.min_angles", self.station.min_angles as f64, 1.0, 1e9, "1 or more")?;
         if let Levels::Pooled { max_knots } = self.levels {
-            within("levels.pooled.max_knots", max_knots as f64, 2.0, 64.0, "2 to 64")?;
+            within("gauge.levels.pooled.max_knots", max_knots as f64, 2.0, 64.0, "2 to 64")?;
         }
         if let Blur::Given { sigma_px } = self.blur {
-            within("blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
+            within("gauge.blur.given.sigma_px", sigma_px, 0.2, 6.0, "0.2 to 6 px")?;
         }
         if let Some(Which::Number(number)) = self.which {
-            within("which.number", f64::from(number), 1.0, 65_535.0, "1 for the uppermost shadow, or more")?;
+            within(
+                "gauge.which.number",
+                f64::from(number),
+                1.0,
+                65_535.0,
+                "1 for the uppermost shadow, or more",
+            )?;
         }
         self.esf.validate()?;
         self.plausibility.validate()?;
@@ -298,36 +284,36 @@ impl GaugeSettings {
 }
 
 impl EsfModel {
-    fn validate(&self) -> Result<(), GaugeSettingsError> {
+    fn validate(&self) -> Result<(), SettingError> {
         let Self::Table(EsfSamples { distance_px, light }) = self else { return Ok(()) };
-        let refuse = |key, value, right| Err(GaugeSettingsError { key, value, right });
+        let refuse = |key: &str, value: f64, right: &str| Err(SettingError::of(key, value, right));
         if distance_px.len() < 8 || distance_px.len() > 100_000 {
             let right = "8 to 100000 samples";
-            return refuse("esf.table.distance_px", distance_px.len() as f64, right);
+            return refuse("gauge.esf.table.distance_px", distance_px.len() as f64, right);
         }
         if light.len() != distance_px.len() {
-            return refuse("esf.table.light", light.len() as f64, "as many values as distance_px has");
+            return refuse("gauge.esf.table.light", light.len() as f64, "as many values as distance_px has");
         }
         for pair in distance_px.windows(2) {
             if !(pair[1] > pair[0] && pair[0].abs() <= FARTHEST_PX && pair[1].abs() <= FARTHEST_PX) {
                 return refuse(
-                    "esf.table.distance_px",
+                    "gauge.esf.table.distance_px",
                     pair[1],
                     "rising distances within 256 px of the edge",
                 );
             }
         }
         if let Some(bad) = light.iter().find(|l| !(-0.5..=2.0).contains(*l)) {
-            return refuse("esf.table.light", *bad, "shares of the bright field, about 0 to 1");
+            return refuse("gauge.esf.table.light", *bad, "shares of the bright field, about 0 to 1");
         }
         let (first, last) = (light[0], light[light.len() - 1]);
         if !(first.abs() <= 0.02) {
-            return refuse("esf.table.light", first, "0 at the first distance, within 0.02");
+            return refuse("gauge.esf.table.light", first, "0 at the first distance, within 0.02");
         }
-        within("esf.table.light", last, 0.98, 1.02, "1 at the last distance, within 0.02")?;
+        within("gauge.esf.table.light", last, 0.98, 1.02, "1 at the last distance, within 0.02")?;
         let (a, b) = (distance_px[0], distance_px[distance_px.len() - 1]);
         if !(a < 0.0 && b > 0.0) {
-            return refuse("esf.table.distance_px", a, "distances to both sides of the edge at 0");
+            return refuse("gauge.esf.table.distance_px", a, "distances to both sides of the edge at 0");
         }
         Ok(())
     }
@@ -367,30 +353,16 @@ impl EsfSamples {
 }
 
 impl Noise {
-    fn validate(self) -> Result<(), GaugeSettingsError> {
+    fn validate(self) -> Result<(), SettingError> {
         let Self::PhotonTransfer { gain_counts_per_electron: gain, read_noise_counts: read, black_counts } =
             self
         else {
             return Ok(());
         };
         let above = "above 0";
-        within("noise.photon_transfer.gain_counts_per_electron", gain, 1e-9, 1e6, above)?;
-        within("noise.photon_transfer.read_noise_counts", read, 1e-9, 1e6, above)?;
-        within("noise.photon_transfer.black_counts", black_counts, -1e6, 1e6, "a grey value")
-    }
-}
-
-pub(super) fn within(
-    key: &'static str,
-    value: f64,
-    low: f64,
-    high: f64,
-    right: &'static str,
-) -> Result<(), GaugeSettingsError> {
-    if value.is_finite() && (low..=high).contains(&value) {
-        Ok(())
-    } else {
-        Err(GaugeSettingsError { key, value, right })
+        within("gauge.noise.photon_transfer.gain_counts_per_electron", gain, 1e-9, 1e6, above)?;
+        within("gauge.noise.photon_transfer.read_noise_counts", read, 1e-9, 1e6, above)?;
+        within("gauge.noise.photon_transfer.black_counts", black_counts, -1e6, 1e6, "a grey value")
     }
 }
 
@@ -418,10 +390,10 @@ impl PlausibilitySettings {
     ///
     /// # Errors
     /// Names the key.
-    pub fn validate(&self) -> Result<(), GaugeSettingsError> {
-        within("plausibility.turn_limit_mm", self.turn_limit_mm, 1e-6, 1e3, "a change above 0, mm")?;
-        within("plausibility.pass_limit_mm", self.pass_limit_mm, 1e-6, 1e3, "a departure above 0, mm")?;
-        within("plausibility.coverage", self.coverage, 1.0, 10.0, "1 to 10")
+    pub fn validate(&self) -> Result<(), SettingError> {
+        within("gauge.plausibility.turn_limit_mm", self.turn_limit_mm, 1e-6, 1e3, "a change above 0, mm")?;
+        within("gauge.plausibility.pass_limit_mm", self.pass_limit_mm, 1e-6, 1e3, "a departure above 0, mm")?;
+        within("gauge.plausibility.coverage", self.coverage, 1.0, 10.0, "1 to 10")
     }
 }
 
@@ -440,7 +412,7 @@ mod tests {
     #[test]
     fn a_wrong_value_is_named_and_an_unknown_key_refused() {
         let settings = GaugeSettings { min_snr: 0.5, ..GaugeSettings::default() };
-        assert_eq!(settings.validate().unwrap_err().key, "min_snr");
+        assert_eq!(settings.validate().unwrap_err().key, "gauge.min_snr");
         assert!(toml::from_str::<GaugeSettings>("sigma = 1.0").is_err());
         let given: GaugeSettings = toml::from_str("[blur.given]\nsigma_px = 0.9").unwrap();
         assert_eq!(given.blur, Blur::Given { sigma_px: 0.9 });

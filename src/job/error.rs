@@ -1,56 +1,28 @@
-//! A setting of a job that cannot be right, and the stages' refusals as such.
-
-use thiserror::Error;
+//! The stages' refusals as settings of a job that cannot be right.
 
 use crate::control::ControlError;
 use crate::nc::NcError;
 use crate::render::RenderError;
-
-/// A setting that cannot be right, with the dotted key it stands under.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{key}: {problem}")]
-pub struct JobError {
-    /// Dotted key as in the TOML file, e.g. `optics.magnification`.
-    pub key: String,
-    /// What is wrong and what would be right.
-    pub problem: String,
-}
-
-impl JobError {
-    /// An error at `key`.
-    pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { key: key.into(), problem: problem.into() }
-    }
-}
+use crate::setting::SettingError;
 
 /// A renderer's refusal as one of the job.
-pub fn from_render(error: RenderError) -> JobError {
+pub fn from_render(error: RenderError) -> SettingError {
     match error {
-        RenderError::Setting { key, found, right } => JobError::at(key, format!("{found} {right}")),
-        other => JobError::at("optics", other.to_string()),
+        RenderError::Setting(error) => error,
+        other => SettingError::at("optics", other.to_string()),
     }
 }
 
-pub(super) fn from_control(error: ControlError) -> JobError {
+pub(super) fn from_control(error: ControlError) -> SettingError {
     match error {
-        ControlError::Setting { key, value, right } => JobError::at(key, format!("{value} must be {right}")),
-        other => JobError::at("control", other.to_string()),
+        ControlError::Setting(error) => error,
+        other => SettingError::at("control", other.to_string()),
     }
 }
 
-pub(super) fn from_nc(error: NcError) -> JobError {
+pub(super) fn from_nc(error: NcError) -> SettingError {
     match error {
-        NcError::Setting { key, value, right } => {
-            JobError::at(key.replacen("nc.", "nc.machine.", 1), format!("{value} must be {right}"))
-        }
-        other => JobError::at("nc.machine", other.to_string()),
-    }
-}
-
-pub(super) fn positive(key: &str, value: f64) -> Result<(), JobError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(JobError::at(key, format!("{value} must be a positive number")))
+        NcError::Setting(e) => SettingError { key: e.key.replacen("nc.", "nc.machine.", 1), ..e },
+        other => SettingError::at("nc.machine", other.to_string()),
     }
 }

@@ -3,12 +3,13 @@
 use std::f64::consts::PI;
 
 use super::Job;
-use super::error::{JobError, from_render};
+use super::error::from_render;
 use super::scan::ScanWhen;
 use crate::gauge::calibration::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;
 use crate::render::motion::Motion;
+use crate::setting::SettingError as JobError;
 
 /// Room between the tool and the field's edge, mm: chip and insert stand out from the tip.
 const CLEAR_OF_TOOL_MM: f64 = 2.0;

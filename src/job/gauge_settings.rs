@@ -2,8 +2,9 @@
 
 use super::Job;
 use super::edge::NominalEdge;
-use super::error::{JobError, from_render};
+use super::error::from_render;
 use crate::gauge::{EsfModel, GaugeSettings};
+use crate::setting::SettingError;
 
 impl Job {
     /// The gauge's settings with the edge-spread function of the job's own optics in place of `[gauge.esf.optics]`: in focus, on
@@ -11,7 +12,7 @@ impl Job {
     ///
     /// # Errors
     /// Optics whose table cannot be had.
-    pub fn gauge_settings(&self) -> Result<GaugeSettings, JobError> {
+    pub fn gauge_settings(&self) -> Result<GaugeSettings, SettingError> {
         if self.gauge.esf != (EsfModel::Optics {}) {
             return Ok(self.gauge.clone());
         }

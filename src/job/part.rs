@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{JobError, positive};
 use super::stations;
 use crate::conformity::{DecisionRule, PROBABILITY, SizeCriterion, Tolerance};
+use crate::setting::{SettingError, positive};
 
 /// The part and its passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -76,13 +76,13 @@ impl Part {
     }
 
     /// The last pass must aim inside the tolerance, or no part could ever be good.
-    pub(super) fn check_aim(&self) -> Result<(), JobError> {
+    pub(super) fn check_aim(&self) -> Result<(), SettingError> {
         let Some(tolerance) = self.tolerance else { return Ok(()) };
         let (aim, (lower, upper)) = (self.target_mm(self.passes() as u32), tolerance.limits_mm());
         if (lower..=upper).contains(&aim) {
             return Ok(());
         }
-        Err(JobError::at(
+        Err(SettingError::at(
             "part.tolerance.nominal_mm",
             format!(
                 "{} mm: the last pass aims at {aim:.4} mm (part.nominal_diameter_mm and part.aim_mm), outside {lower:.4} to {upper:.4} mm",
@@ -105,12 +105,12 @@ impl Part {
         })
     }
 
-    pub(super) fn check(&self) -> Result<(), JobError> {
+    pub(super) fn check(&self) -> Result<(), SettingError> {
         positive("part.length_mm", self.length_mm)?;
         positive("part.stock_diameter_mm", self.stock_diameter_mm)?;
         positive("part.station_mm", self.station_mm)?;
         if self.station_mm > self.length_mm {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "part.station_mm",
                 format!(
                     "a station of {} mm is longer than the part ({} mm)",
@@ -119,7 +119,7 @@ impl Part {
             ));
         }
         if self.length_mm / self.station_mm > 1e5 {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "part.station_mm",
                 "gives more than 100 000 stations; 1 to 10 mm is usual",
             ));
@@ -128,14 +128,17 @@ impl Part {
             stations::check(listed, self.length_mm, self.station_mm)?;
         }
         if self.nominal_diameter_mm.is_empty() {
-            return Err(JobError::at("part.nominal_diameter_mm", "is empty; give the diameter of each pass"));
+            return Err(SettingError::at(
+                "part.nominal_diameter_mm",
+                "is empty; give the diameter of each pass",
+            ));
         }
         let mut before = self.stock_diameter_mm;
         for (index, &nominal) in self.nominal_diameter_mm.iter().enumerate() {
             let key = format!("part.nominal_diameter_mm[{index}]");
             positive(&key, nominal)?;
             if nominal >= before {
-                return Err(JobError::at(
+                return Err(SettingError::at(
                     key,
                     format!("{nominal} mm does not remove material from {before} mm; diameters must fall"),
                 ));
@@ -145,20 +148,20 @@ impl Part {
         self.check_tolerance()
     }
 
-    fn check_tolerance(&self) -> Result<(), JobError> {
+    fn check_tolerance(&self) -> Result<(), SettingError> {
         DecisionRule::new(self.conformance_probability)
-            .map_err(|e| JobError::at("part.conformance_probability", e.to_string()))?;
+            .map_err(|e| SettingError::at("part.conformance_probability", e.to_string()))?;
         let Some(t) = self.tolerance else { return Ok(()) };
         if t.criterion != SizeCriterion::TwoPoint {
             let why = format!(
                 "{} is judged by measure --turn: a run judges the stations' mean two-point sizes",
                 t.criterion.as_str()
             );
-            return Err(JobError::at("part.tolerance", why));
+            return Err(SettingError::at("part.tolerance", why));
         }
         // What is no number does not lie below.
         if !(t.lower_mm < t.upper_mm) {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "part.tolerance.lower_mm",
                 format!("{} mm must lie below upper_mm = {} mm", t.lower_mm, t.upper_mm),
             ));

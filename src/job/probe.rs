@@ -1,19 +1,17 @@
 //! What a job that measures with a touch probe needs.
 
-use super::error::{JobError, positive};
 use super::scan::Masters;
 use crate::probe::ProbeSettings;
+use crate::setting::{SettingError, positive};
 
 /// The probe's table, and masters that it can be calibrated on.
 ///
 /// # Errors
 /// Names the key and what would be right.
-pub(super) fn check(probe: &ProbeSettings, masters: &Masters) -> Result<(), JobError> {
-    probe
-        .validate()
-        .map_err(|e| JobError::at(format!("probe.{}", e.key), format!("{} must be {}", e.value, e.right)))?;
+pub(super) fn check(probe: &ProbeSettings, masters: &Masters) -> Result<(), SettingError> {
+    probe.validate()?;
     if masters.pins.is_empty() {
-        return Err(JobError::at("masters.pins", "is empty; a probe is calibrated on one pin or more"));
+        return Err(SettingError::at("masters.pins", "is empty; a probe is calibrated on one pin or more"));
     }
     for (index, pin) in masters.pins.iter().enumerate() {
         let key = format!("masters.pins[{index}]");

@@ -1,5 +1,6 @@
 //! How the part is scanned, and the master pins that the gauge is calibrated on at the start of a run.
 
+use crate::gauge::MasterCertificate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -62,29 +63,12 @@ impl Default for Scan {
     }
 }
 
-/// A master pin with its certificate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MasterPin {
-    /// Certified diameter at 20 °C, mm.
-    pub diameter_mm: f64,
-    /// Expanded uncertainty U of the certificate, mm.
-    pub expanded_u_mm: f64,
-    /// Coverage factor k of U.
-    #[serde(default = "two")]
-    pub coverage_factor: f64,
-}
-
-fn two() -> f64 {
-    2.0
-}
-
 /// How the gauge is calibrated at the start of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Masters {
     /// Two or more pins of different diameter.
-    pub pins: Vec<MasterPin>,
+    pub pins: Vec<MasterCertificate>,
     /// Frames taken of each pin.
     pub frames_each: usize,
     /// Frames taken of the first pin after every scan, for the guard against a gauge that drifts; 0 for none.
@@ -93,7 +77,8 @@ pub struct Masters {
 
 impl Default for Masters {
     fn default() -> Self {
-        let pin = |diameter_mm| MasterPin { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
+        let pin =
+            |diameter_mm| MasterCertificate { diameter_mm, expanded_u_mm: 1.0e-4, coverage_factor: 2.0 };
         Self { pins: vec![pin(24.0), pin(28.0)], frames_each: 8, check_frames: 1 }
     }
 }

@@ -1,6 +1,6 @@
 //! Stations that a config lists, `part.station_z_mm`.
 
-use super::error::JobError;
+use crate::setting::SettingError;
 
 /// Stations may touch; what rounding leaves of a decimal list is no overlap, mm.
 const SAME_MM: f64 = 1e-6;
@@ -11,13 +11,13 @@ const MOST: usize = 100_000;
 ///
 /// # Errors
 /// Names the place of the list, its value, and what would be right.
-pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), JobError> {
+pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), SettingError> {
     let key = |i: usize| format!("part.station_z_mm[{i}]");
     let half = 0.5 * station_mm;
     if listed.is_empty() || listed.len() > MOST {
         let text =
             format!("lists {} stations; give 1 to {MOST} middles in mm, or leave it out", listed.len());
-        return Err(JobError::at("part.station_z_mm", text));
+        return Err(SettingError::at("part.station_z_mm", text));
     }
     for (i, &z) in listed.iter().enumerate() {
         // What is no number lies nowhere.
@@ -27,13 +27,13 @@ pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), 
                 station_mm,
                 length - half
             );
-            return Err(JobError::at(key(i), text));
+            return Err(SettingError::at(key(i), text));
         }
     }
     for (i, pair) in listed.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let text = format!("{} mm follows {} mm: middles must ascend", pair[1], pair[0]);
-            return Err(JobError::at(key(i + 1), text));
+            return Err(SettingError::at(key(i + 1), text));
         }
         if pair[1] - pair[0] < station_mm - SAME_MM {
             let text = format!(
@@ -43,7 +43,7 @@ pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), 
                 pair[1] - pair[0],
                 station_mm
             );
-            return Err(JobError::at(key(i + 1), text));
+            return Err(SettingError::at(key(i + 1), text));
         }
     }
     Ok(())

@@ -1,19 +1,14 @@
 //! Why a program cannot be written.
 
+use crate::setting::SettingError;
+
 /// A program that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NcError {
     /// A value of the `[nc]` table is out of its range.
-    #[error("{key} = {value}: must be {right}")]
-    Setting {
-        /// The key.
-        key: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What would be right.
-        right: &'static str,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// Stations, offsets or knots that do not fit together.
     #[error("{0}")]
     Plan(String),
@@ -49,13 +44,4 @@ pub enum NcError {
         /// What it does.
         what: String,
     },
-}
-
-pub(super) fn require(
-    holds: bool,
-    key: &'static str,
-    value: f64,
-    right: &'static str,
-) -> Result<(), NcError> {
-    if holds { Ok(()) } else { Err(NcError::Setting { key, value, right }) }
 }

@@ -1,5 +1,7 @@
 //! The line of paper 000: ε = b·x + a by least squares (eqs 4-6), x the share of the length.
 
+use crate::numerics::line::Line;
+
 /// A fitted line.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct LineFit {
@@ -16,14 +18,12 @@ pub fn fit_line(x: &[f64], error: &[f64]) -> Option<LineFit> {
     if x.len() != error.len() || x.len() < 2 {
         return None;
     }
-    let n = x.len() as f64;
-    let (mean_x, mean_e) = (x.iter().sum::<f64>() / n, error.iter().sum::<f64>() / n);
-    let spread: f64 = x.iter().map(|x| (x - mean_x).powi(2)).sum();
-    if spread == 0.0 || !spread.is_finite() {
+    let line = Line::through(x.iter().copied().zip(error.iter().copied()));
+    if line.square == 0.0 || !line.square.is_finite() {
         return None;
     }
-    let b = x.iter().zip(error).map(|(x, e)| (x - mean_x) * (e - mean_e)).sum::<f64>() / spread;
-    let a = mean_e - b * mean_x;
+    let b = line.slope();
+    let a = line.mean_y - b * line.mean_x;
     let off = x.iter().zip(error).map(|(x, e)| (e - b * x - a).abs());
     Some(LineFit { b, a, largest_residual: off.fold(0.0, f64::max) })
 }

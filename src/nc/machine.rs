@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{NcError, require};
+use crate::setting::{SettingError, require};
 
 /// The way the tool travels while it cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl SpindleOrientation {
     /// M codes that mean something else in every program.
     const TAKEN: [u32; 7] = [0, 2, 3, 4, 5, 6, 30];
 
-    pub(super) fn validate(&self) -> Result<(), NcError> {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
         let angle = self.angle_deg;
         let right = "an angle of 0 to below 360 degrees";
         require((0.0..360.0).contains(&angle), "nc.spindle_orientation.angle_deg", angle, right)?;
@@ -189,7 +189,7 @@ pub struct Holder {
 }
 
 impl Obstacle {
-    pub(super) fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), NcError> {
+    pub(super) fn validate(&self, [from, to, diameter]: [&'static str; 3]) -> Result<(), SettingError> {
         let (begin, end, across) = (self.from_z_mm, self.to_z_mm, self.diameter_mm);
         require(begin.is_finite(), from, begin, "a length in mm")?;
         require(end > begin && end.is_finite(), to, end, "a length above from_z_mm")?;
@@ -198,7 +198,7 @@ impl Obstacle {
 }
 
 impl Centre {
-    pub(super) fn validate(&self) -> Result<(), NcError> {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
         let right = "an angle of 20 to 120 degrees";
         let angle = self.point_deg;
         require((20.0..=120.0).contains(&angle), "nc.tailstock.centre.point_deg", angle, right)?;

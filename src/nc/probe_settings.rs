@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{NcError, require};
+use crate::setting::{SettingError, require};
 
 /// Farther than anything in a lathe, mm.
 pub(super) const FAR_MM: f64 = 1e4;
@@ -72,7 +72,7 @@ fn touches() -> u32 {
 }
 
 impl ProbeReference {
-    fn validate(&self) -> Result<(), NcError> {
+    fn validate(&self) -> Result<(), SettingError> {
         let lengths = [
             ("nc.probe.reference.diameter_mm", self.diameter_mm),
             ("nc.probe.reference.length_mm", self.length_mm),
@@ -117,7 +117,7 @@ fn body() -> f64 {
 }
 
 impl NcProbe {
-    pub(super) fn validate(&self, turning_tool: u32, correction_limit_mm: f64) -> Result<(), NcError> {
+    pub(super) fn validate(&self, turning_tool: u32, correction_limit_mm: f64) -> Result<(), SettingError> {
         let tool = f64::from(self.tool);
         let other = (1..=99).contains(&self.tool) && self.tool != turning_tool;
         require(other, "nc.probe.tool", tool, "a number of 1 to 99 that is not nc.tool")?;

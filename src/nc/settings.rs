@@ -3,12 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::{NcError, require};
 use super::machine::{
     ChangePosition, Chuck, GeometryOffset, Holder, Obstacle, Spindle, SpindleOrientation, Tailstock, Travel,
     WearX,
 };
 use super::probe_settings::NcProbe;
+use crate::setting::{SettingError, require};
 
 /// Measuring after the cut, by an M code that leaves its results in macro variables.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -120,8 +120,8 @@ impl NcSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`NcError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), NcError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let number = |key, value: u32, most: u32, right| {
             require((1..=most).contains(&value), key, f64::from(value), right)
         };

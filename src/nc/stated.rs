@@ -1,9 +1,10 @@
 //! Whether the machine's data state what the control leaves open, and whether they are in range.
 
 use super::dialect::Dialect;
-use super::error::{NcError, require};
+use super::error::NcError;
 use super::machine::{GeometryOffset, Tailstock};
 use super::settings::NcSettings;
+use crate::setting::{SettingError, require};
 
 impl NcSettings {
     /// Whether everything is stated that the control leaves open.
@@ -39,7 +40,7 @@ impl NcSettings {
         dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
     }
 
-    pub(super) fn validate_surroundings(&self) -> Result<(), NcError> {
+    pub(super) fn validate_surroundings(&self) -> Result<(), SettingError> {
         let positive = |key, value: f64| {
             require(value > 0.0 && value.is_finite(), key, value, "a positive length in mm")
         };

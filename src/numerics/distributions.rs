@@ -36,6 +36,16 @@ pub(crate) fn upper_normal_quantile(probability: f64) -> f64 {
         / (1.0 + 1.432_788 * t + 0.189_269 * t * t + 0.001_308 * t * t * t)
 }
 
+/// z with Q(z) = share, by bisection: exact where [`upper_normal_quantile`] is quick.
+pub(crate) fn inverse_tail(share: f64) -> f64 {
+    let (mut low, mut high) = (-8.0, 8.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if phi_cdf(-middle) > share { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,4 +1,4 @@
-//! Mathematics without state, for every room: distributions, a smoothing spline, robust statistics, a median network.
+//! Mathematics without state, for every room: distributions, lines, normal equations, a smoothing spline, robust statistics, a median network.
 //!
 //! In: numbers and slices of them. Out: numbers, or a fit that is asked for values. No type here has a unit, keeps anything between calls
 //! or refers to another room, and the same arguments give the same bits on every thread.
@@ -8,7 +8,9 @@
 //! renderer keeps functions of its own, so that a fault here cannot hide in both.
 
 pub(crate) mod distributions;
+pub(crate) mod line;
 pub(crate) mod median_network;
+pub(crate) mod normal_equations;
 pub(crate) mod normal_table;
 pub(crate) mod robust;
 pub(crate) mod smoothing_spline;

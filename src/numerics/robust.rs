@@ -1,13 +1,27 @@
 //! Statistics that a minority of wild values does not move.
 
+use std::cmp::Ordering;
+
 /// Standard deviation of a normal distribution over the median of its absolute deviations, 1/Φ⁻¹(3/4).
 pub(crate) const MEDIAN_TO_SD: f64 = 1.4826;
 
-/// Median of some values, the upper one of an even number; 0 of none.
-pub(crate) fn median_of(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
+/// The same to all digits, where readings of stations are weighed.
+pub(crate) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+
+/// Median, the upper one of the two middle values of an even number; leaves the values in another order.
+pub(crate) fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
     let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, order).1)
+}
+
+/// The same of a list; 0 of none.
+pub(crate) fn median_of(mut values: Vec<f64>) -> f64 {
+    upper_median(&mut values, f64::total_cmp).unwrap_or(0.0)
+}
+
+/// Median, the mean of the two middle values of an even number; sorts the values.
+pub(crate) fn central_median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    Some(0.5 * (values.get(n / 2)? + values.get(n.saturating_sub(1) / 2)?))
 }

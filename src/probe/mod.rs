@@ -23,5 +23,5 @@ mod touch;
 pub use calibration::{CalibrationError, MasterTouches, ProbeCalibration, calibrate};
 pub use pairs::{Pair, orders, pairs};
 pub use profile::{common_parts, corrected, of_master, profile};
-pub use settings::{ProbeSettings, ProbeTemperature, SettingError, Sides, Stylus};
+pub use settings::{ProbeSettings, ProbeTemperature, Sides, Stylus};
 pub use touch::{Side, Touch, TouchOrder};

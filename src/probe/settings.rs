@@ -3,17 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A value of `[probe]` that is out of its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} = {value}: must be {right}")]
-pub struct SettingError {
-    /// Key below `probe.`.
-    pub key: &'static str,
-    /// What stands there.
-    pub value: f64,
-    /// What would be right.
-    pub right: &'static str,
-}
+use crate::setting::{SettingError, require};
 
 /// Direction of the stylus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -140,10 +130,6 @@ impl Default for ProbeSettings {
     }
 }
 
-fn require(holds: bool, key: &'static str, value: f64, right: &'static str) -> Result<(), SettingError> {
-    if holds { Ok(()) } else { Err(SettingError { key, value, right }) }
-}
-
 impl ProbeSettings {
     /// Checks the table.
     ///
@@ -153,44 +139,44 @@ impl ProbeSettings {
         let two_at_tip = self.sides == Sides::Two && self.stylus == Stylus::AlongX;
         let right =
             "one with stylus = \"along_x\": its tip does not reach the far side; along_y or along_z does";
-        require(!two_at_tip, "sides", 2.0, right)?;
+        require(!two_at_tip, "probe.sides", 2.0, right)?;
         let count = |key, value: usize, least: usize, right| {
             require((least..=360).contains(&value), key, value as f64, right)
         };
-        count("angles", self.angles, 2, "2 to 360: one has no scatter to state an uncertainty by")?;
-        count("master_diameters", self.master_diameters, 2, "2 to 360")?;
+        count("probe.angles", self.angles, 2, "2 to 360: one has no scatter to state an uncertainty by")?;
+        count("probe.master_diameters", self.master_diameters, 2, "2 to 360")?;
         let lengths = [
-            ("ball_mm", self.ball_mm),
-            ("stylus_mm", self.stylus_mm),
-            ("stem_mm", self.stem_mm),
-            ("modulus_n_per_mm2", self.modulus_n_per_mm2),
-            ("spring_n", self.spring_n),
-            ("seat_radius_mm", self.seat_radius_mm),
-            ("feed_mm_per_min", self.feed_mm_per_min),
-            ("repeatability_um", self.repeatability_um),
-            ("reach_mm", self.reach_mm),
+            ("probe.ball_mm", self.ball_mm),
+            ("probe.stylus_mm", self.stylus_mm),
+            ("probe.stem_mm", self.stem_mm),
+            ("probe.modulus_n_per_mm2", self.modulus_n_per_mm2),
+            ("probe.spring_n", self.spring_n),
+            ("probe.seat_radius_mm", self.seat_radius_mm),
+            ("probe.feed_mm_per_min", self.feed_mm_per_min),
+            ("probe.repeatability_um", self.repeatability_um),
+            ("probe.reach_mm", self.reach_mm),
         ];
         for (key, value) in lengths {
             require(value > 0.0 && value.is_finite(), key, value, "above 0")?;
         }
         let t = &self.temperature;
         let not_negative = [
-            ("delay_ms", self.delay_ms),
-            ("resolution_um", self.resolution_um),
-            ("u_height_um", self.u_height_um),
-            ("u_axis_um", self.u_axis_um),
-            ("u_guideway_um", self.u_guideway_um),
-            ("u_drift_um", self.u_drift_um),
-            ("part_yield_um_per_n", self.part_yield_um_per_n),
-            ("temperature.u_k", t.u_k),
-            ("temperature.expansion_um_per_m_k", t.expansion_um_per_m_k),
+            ("probe.delay_ms", self.delay_ms),
+            ("probe.resolution_um", self.resolution_um),
+            ("probe.u_height_um", self.u_height_um),
+            ("probe.u_axis_um", self.u_axis_um),
+            ("probe.u_guideway_um", self.u_guideway_um),
+            ("probe.u_drift_um", self.u_drift_um),
+            ("probe.part_yield_um_per_n", self.part_yield_um_per_n),
+            ("probe.temperature.u_k", t.u_k),
+            ("probe.temperature.expansion_um_per_m_k", t.expansion_um_per_m_k),
         ];
         for (key, value) in not_negative {
             require(value >= 0.0 && value.is_finite(), key, value, "0 or more")?;
         }
         let right = "a temperature of -20 to 80 °C";
-        require((-20.0..=80.0).contains(&t.part_c), "temperature.part_c", t.part_c, right)?;
-        require((-20.0..=80.0).contains(&t.master_c), "temperature.master_c", t.master_c, right)?;
-        require(self.lobe_deg.is_finite(), "lobe_deg", self.lobe_deg, "an angle in degrees")
+        require((-20.0..=80.0).contains(&t.part_c), "probe.temperature.part_c", t.part_c, right)?;
+        require((-20.0..=80.0).contains(&t.master_c), "probe.temperature.master_c", t.master_c, right)?;
+        require(self.lobe_deg.is_finite(), "probe.lobe_deg", self.lobe_deg, "an angle in degrees")
     }
 }

@@ -8,11 +8,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::beam::Supports;
-use super::check::{Range, SettingsError};
+use super::check::Range;
 use super::force_components::Components;
 use super::line::{Action, PointForce, Span, deflection_line_mm};
 use super::material::Material;
 use super::section::Section;
+use crate::setting::SettingError;
 use crate::shaft::AxisKnot;
 
 /// Acceleration of free fall, m/s² (ISO 80000-3, conventional value).
@@ -63,7 +64,7 @@ impl Default for BendingSettings {
 }
 
 impl BendingSettings {
-    pub(super) fn validate(&self) -> Result<(), SettingsError> {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
         let angle = Range::between(-360.0, 360.0);
         angle.check("bending.gravity_deg", self.gravity_deg)?;
         angle.check("bending.tool_deg", self.tool_deg)?;

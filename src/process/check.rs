@@ -1,24 +1,12 @@
-//! Ranges of settings, and the error that names the key.
+//! Ranges of the settings below `[process]`.
 
-use thiserror::Error;
+use std::fmt::Display;
 
-/// A setting outside its range.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("process.{key} = {value} is not possible; it must be {must_be}")]
-pub struct SettingsError {
-    /// The key below `[process]`, dotted.
-    pub key: String,
-    /// The value found.
-    pub value: String,
-    /// What would be right.
-    pub must_be: String,
-}
+use crate::setting::SettingError;
 
-impl SettingsError {
-    /// An error at a key.
-    pub fn at(key: impl Into<String>, value: impl std::fmt::Display, must_be: impl Into<String>) -> Self {
-        Self { key: key.into(), value: value.to_string(), must_be: must_be.into() }
-    }
+/// A value that a key below `[process]` does not take.
+pub(super) fn refuse(key: &str, value: impl Display, right: impl Display) -> SettingError {
+    SettingError::of(format!("process.{key}"), value, right)
 }
 
 /// A range that a number must lie in.
@@ -59,7 +47,7 @@ impl Range {
     }
 
     /// Refuses a value outside the range.
-    pub(super) fn check(&self, key: &str, value: f64) -> Result<(), SettingsError> {
-        if self.holds(value) { Ok(()) } else { Err(SettingsError::at(key, value, self.text())) }
+    pub(super) fn check(&self, key: &str, value: f64) -> Result<(), SettingError> {
+        if self.holds(value) { Ok(()) } else { Err(refuse(key, value, self.text())) }
     }
 }

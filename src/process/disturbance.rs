@@ -7,8 +7,9 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Range, SettingsError};
+use super::check::Range;
 use super::random::{Stream, generator, smoothing_kernel};
+use crate::setting::SettingError;
 use crate::shaft::Lobe;
 
 /// A point of the guideway's straightness error; linear between points, constant beyond.
@@ -74,7 +75,7 @@ impl Default for DisturbanceSettings {
 }
 
 impl DisturbanceSettings {
-    pub(super) fn validate(&self) -> Result<(), SettingsError> {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
         let key = |name: &str| format!("disturbance.{name}");
         Range::NOT_NEGATIVE.check(&key("wear_um_per_pass"), self.wear_um_per_pass)?;
         Range::between(-1e3, 1e3).check(&key("drift_um_per_pass"), self.drift_um_per_pass)?;

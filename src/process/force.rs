@@ -3,13 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Range, SettingsError};
+use super::check::Range;
 use super::force_components::Components;
 use super::kienzle::{EdgeLaw, KienzleLaw, THINNEST_CHIP_MM};
 use super::material::Material;
 use super::tool::ToolSettings;
 use super::tool_factors::ToolFactors;
 use crate::plan::CuttingData;
+use crate::setting::SettingError;
 
 /// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of materials.
 pub const FITTED_TO: &str = "C45";
@@ -218,7 +219,7 @@ impl PowerLaw {
         DepthLaw { shape, factor: 1.0 }
     }
 
-    fn validate(&self) -> Result<(), SettingsError> {
+    fn validate(&self) -> Result<(), SettingError> {
         let exponent = Range::between(-3.0, 3.0);
         Range::POSITIVE.check("force.power.coefficient_n", self.coefficient_n)?;
         Range::between(0.01, 2.0).check("force.power.depth_exponent", self.depth_exponent)?;
@@ -301,7 +302,7 @@ impl ForceLaw {
         .collect()
     }
 
-    pub(super) fn validate(&self, material: &Material) -> Result<(), SettingsError> {
+    pub(super) fn validate(&self, material: &Material) -> Result<(), SettingError> {
         match self {
             Self::Power(law) => law.validate(),
             Self::Kienzle(law) => law.validate(material),

@@ -17,11 +17,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Range, SettingsError};
+use super::check::{Range, refuse};
 use super::force_components::Components;
 use super::material::Material;
 use super::tool::ToolSettings;
 use super::tool_factors::ToolFactors;
+use crate::setting::SettingError;
 
 /// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises faster, mm.
 pub const THINNEST_CHIP_MM: f64 = 0.05;
@@ -48,17 +49,13 @@ impl Default for KienzleLaw {
 }
 
 impl KienzleLaw {
-    pub(super) fn validate(&self, material: &Material) -> Result<(), SettingsError> {
+    pub(super) fn validate(&self, material: &Material) -> Result<(), SettingError> {
         for (key, own, known) in [
             ("force.kienzle.kc11_n_per_mm2", self.kc11_n_per_mm2, material.kienzle.map(|k| k.kc11_n_per_mm2)),
             ("force.kienzle.mc", self.mc, material.kienzle.map(|k| k.mc)),
         ] {
             let value = own.or(known).ok_or_else(|| {
-                SettingsError::at(
-                    key,
-                    "(not set)",
-                    format!("given: the table has no value for {}", material.name),
-                )
+                refuse(key, "(not set)", format!("given: the table has no value for {}", material.name))
             })?;
             let range = if key.ends_with("mc") { Range::between(0.0, 0.9) } else { Range::POSITIVE };
             range.check(key, value)?;

@@ -33,7 +33,6 @@ pub mod tool_factors;
 mod turning;
 
 pub use bending::BendingSettings;
-pub use check::SettingsError;
 pub use cut::CutSummary;
 pub use disturbance::{DisturbanceSettings, GuidewayPoint};
 pub use force::{DepthLaw, FITTED_TO, FittedRange, ForceLaw, PowerLaw};

@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::beam::{Part, SteadyRest, Supports};
 use super::bending::BendingSettings;
-use super::check::{Range, SettingsError};
+use super::check::{Range, refuse};
 use super::disturbance::DisturbanceSettings;
 use super::force::ForceLaw;
 use super::material::{self, Material};
 use super::tool::ToolSettings;
+use crate::setting::SettingError;
 
 /// The `[process]` table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -67,10 +68,9 @@ impl MaterialSettings {
     ///
     /// # Errors
     /// A name that is not in the table, or a number out of range.
-    pub fn resolve(&self) -> Result<Material, SettingsError> {
-        let known = material::find(&self.name).ok_or_else(|| {
-            SettingsError::at("material.name", &self.name, format!("one of {}", material::names()))
-        })?;
+    pub fn resolve(&self) -> Result<Material, SettingError> {
+        let known = material::find(&self.name)
+            .ok_or_else(|| refuse("material.name", &self.name, format!("one of {}", material::names())))?;
         let resolved = Material {
             youngs_modulus_n_per_mm2: self.youngs_modulus_n_per_mm2.unwrap_or(known.youngs_modulus_n_per_mm2),
             poisson_ratio: self.poisson_ratio.unwrap_or(known.poisson_ratio),
@@ -214,7 +214,7 @@ impl ProcessSettings {
     ///
     /// # Errors
     /// Names the first key out of range and what would be right.
-    pub fn validate(&self) -> Result<(), SettingsError> {
+    pub fn validate(&self) -> Result<(), SettingError> {
         let material = self.material.resolve()?;
         self.force.validate(&material)?;
         self.tool.validate("tool")?;
@@ -228,7 +228,7 @@ impl ProcessSettings {
 }
 
 impl SupportSettings {
-    fn validate(&self) -> Result<(), SettingsError> {
+    fn validate(&self) -> Result<(), SettingError> {
         let stiff = Range::POSITIVE.or_infinite();
         stiff.check("support.chuck_n_per_um", self.chuck_n_per_um)?;
         stiff.check("support.chuck_tilt_nm_per_mrad", self.chuck_tilt_nm_per_mrad)?;
@@ -244,7 +244,7 @@ impl SupportSettings {
 }
 
 impl TextureSettings {
-    fn validate(&self) -> Result<(), SettingsError> {
+    fn validate(&self) -> Result<(), SettingError> {
         Range::NOT_NEGATIVE.check("texture.rms_um", self.rms_um)?;
         Range::between(0.2, 1000.0).check("texture.correlation_z_mm", self.correlation_z_mm)?;
         Range::between(0.5, 60.0).check("texture.correlation_deg", self.correlation_deg)?;

@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Range, SettingsError};
+use super::check::Range;
+use crate::setting::SettingError;
 
 /// The cutting edge; the default is the slender-shaft paper's insert.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,7 +40,7 @@ impl Default for ToolSettings {
 
 impl ToolSettings {
     /// Checks every number; `prefix` is the table's dotted key below `process`.
-    pub(super) fn validate(&self, prefix: &str) -> Result<(), SettingsError> {
+    pub(super) fn validate(&self, prefix: &str) -> Result<(), SettingError> {
         let key = |name: &str| format!("{prefix}.{name}");
         Range::POSITIVE.check(&key("nose_radius_mm"), self.nose_radius_mm)?;
         Range::between(15.0, 90.0).check(&key("lead_angle_deg"), self.lead_angle_deg)?;

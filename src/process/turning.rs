@@ -11,7 +11,7 @@ pub(super) mod followed;
 use thiserror::Error;
 
 use super::bending;
-use super::check::SettingsError;
+use super::check::refuse;
 use super::cut::{Cut, CutSummary, Passed};
 use super::force::DepthLaw;
 use super::material::Material;
@@ -27,7 +27,7 @@ use crate::shaft::{AxisKnot, Eccentricity, Features, Lobe, Pose, ProfileKnot, Sh
 pub enum ProcessError {
     /// A setting outside its range.
     #[error(transparent)]
-    Settings(#[from] SettingsError),
+    Settings(#[from] crate::setting::SettingError),
     /// A blank that cannot be turned.
     #[error(
         "a blank of diameter {diameter_mm} mm and length {length_mm} mm cannot be turned; both must be above 0"
@@ -141,9 +141,7 @@ impl TurningProcess {
         for (index, rest) in settings.support.steady_rests.iter().enumerate() {
             if rest.z_mm >= length_mm {
                 let key = format!("support.steady_rests[{index}].z_mm");
-                return Err(
-                    SettingsError::at(key, rest.z_mm, format!("below the length of {length_mm} mm")).into()
-                );
+                return Err(refuse(&key, rest.z_mm, format!("below the length of {length_mm} mm")).into());
             }
         }
         let elements = (length_mm / settings.pass.node_mm).round().clamp(2.0, 1e6) as usize;
@@ -396,19 +394,7 @@ impl TurningProcess {
             let (feed, nose) = (plan.cutting.feed_mm_per_rev, self.settings.tool.nose_radius_mm);
             surface = Some(texture::with_feed_marks(surface.as_ref(), length_mm, feed, nose));
         }
-        let (deflection, bow) = self.axis();
-        let knot = |(z_mm, diameter): (f64, &f64)| ProfileKnot { z_mm, radius_mm: 0.5 * diameter };
-        Shaft {
-            profile: self.node_z_mm().zip(&self.diameter_mm).map(knot).collect(),
-            lobes,
-            texture: surface,
-            eccentricity: self.form.eccentricity,
-            bow,
-            deflection,
-            pose: self.form.pose,
-            features: Features::default(),
-            spindle: SpindleMotion::default(),
-        }
+        Shaft { lobes, texture: surface, ..self.blank() }
     }
 }
 

@@ -2,20 +2,15 @@
 
 use thiserror::Error;
 
+use crate::setting::SettingError;
+
 /// Errors of the render stage.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum RenderError {
     /// A setting outside its range.
-    #[error("{key} = {found}: {right}")]
-    Setting {
-        /// Dotted key of the setting, as written in a config.
-        key: &'static str,
-        /// The value found.
-        found: String,
-        /// What would be right.
-        right: String,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// The shaft does not fit the field of view.
     #[error("{what}")]
     Field {
@@ -57,7 +52,8 @@ impl RenderError {
         found: &(impl ToString + ?Sized),
         right: impl Into<String>,
     ) -> Self {
-        Self::Setting { key, found: found.to_string(), right: right.into() }
+        let found = Some(found.to_string());
+        Self::Setting(SettingError { found, ..SettingError::at(key, right) })
     }
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
-use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, StationColumns};
+use crate::gauge::{FrameEdges, Gauge, GaugeSettings, Rejection, StationColumns};
 
 /// A station counts as harmed from here, µm.
 const HARMED_UM: f64 = 5.0;
@@ -76,7 +76,7 @@ pub enum StudyError {
     /// A frame cannot be drawn.
     Draw(#[from] DrawError),
     /// The gauge refuses its settings.
-    Gauge(#[from] GaugeSettingsError),
+    Gauge(#[from] crate::setting::SettingError),
 }
 
 impl ContaminationStudy {
@@ -102,7 +102,7 @@ struct Pair {
 }
 
 impl Pair {
-    fn new(settings: &GaugeSettings) -> Result<Self, GaugeSettingsError> {
+    fn new(settings: &GaugeSettings) -> Result<Self, crate::setting::SettingError> {
         let off = GaugeSettings { rejection: Rejection::Off, ..settings.clone() };
         Ok(Self {
             on: Gauge::new(settings.clone())?,

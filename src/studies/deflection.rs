@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::process::stepped::{Piece, SteppedShaft};
-use crate::process::{ProcessSettings, Section, SettingsError};
+use crate::process::{ProcessSettings, Section};
+use crate::setting::{SettingError, positive, require};
 
 /// What to study: a shaft and how it is held.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,19 +54,9 @@ pub struct Step {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DeflectionError {
-    /// A process setting.
+    /// A setting of the process or of the part.
     #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// A value of the part.
-    #[error("part.{key} = {value} is not possible; it must be {must_be}")]
-    Part {
-        /// Key below `[part]`.
-        key: String,
-        /// Value found.
-        value: f64,
-        /// What would be right.
-        must_be: String,
-    },
+    Settings(#[from] SettingError),
     /// A position outside the shaft.
     #[error("--at {z_mm}: outside the shaft; it must lie between 0 and {length_mm} mm")]
     Outside {
@@ -103,10 +94,10 @@ impl DeflectionConfig {
         self.process.validate()?;
         let material = self.process.material.resolve()?;
         let part = &self.part;
-        positive("length_mm", part.length_mm)?;
-        positive("stock_diameter_mm", part.stock_diameter_mm)?;
+        positive("part.length_mm", part.length_mm)?;
+        positive("part.stock_diameter_mm", part.stock_diameter_mm)?;
         let cut = part.cut_diameter_mm.unwrap_or(part.stock_diameter_mm);
-        positive("cut_diameter_mm", cut)?;
+        positive("part.cut_diameter_mm", cut)?;
         let plain = |length_mm: f64| Piece {
             length_mm,
             ahead: Section::circular(part.stock_diameter_mm, &material),
@@ -114,7 +105,7 @@ impl DeflectionConfig {
         };
         let (mut pieces, mut at) = (Vec::new(), 0.0);
         for (index, step) in part.steps.iter().enumerate() {
-            let key = |name: &str| format!("steps[{index}].{name}");
+            let key = |name: &str| format!("part.steps[{index}].{name}");
             positive(&key("diameter_mm"), step.diameter_mm)?;
             in_order(&key("from_mm"), step.from_mm, at, part.length_mm)?;
             in_order(&key("to_mm"), step.to_mm, step.from_mm, part.length_mm)?;
@@ -148,17 +139,7 @@ impl DeflectionConfig {
     }
 }
 
-fn positive(key: &str, value: f64) -> Result<(), DeflectionError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(DeflectionError::Part { key: key.to_owned(), value, must_be: "above 0".to_owned() })
-}
-
-fn in_order(key: &str, value: f64, from: f64, to: f64) -> Result<(), DeflectionError> {
-    if (from..=to).contains(&value) {
-        return Ok(());
-    }
-    let must_be = format!("between {from} and {to} mm (steps ascend and do not overlap)");
-    Err(DeflectionError::Part { key: key.to_owned(), value, must_be })
+fn in_order(key: &str, value: f64, from: f64, to: f64) -> Result<(), SettingError> {
+    let right = format!("between {from} and {to} mm (steps ascend and do not overlap)");
+    require((from..=to).contains(&value), key, value, &right)
 }

@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
 use crate::frame::{Buffer, Frame, FrameError, FrameMeta, PixelFormat};
+use crate::numerics::distributions::phi_cdf;
 use crate::render::RenderError;
 use crate::render::contamination::{
     AirDroplets, Chips, Contamination, ContaminationField, Dirt, FieldGeometry, Mist, Scratches,
@@ -242,8 +243,7 @@ fn step(d: f64) -> f64 {
     }
     let g = |u: f64| {
         let t = u / SIGMA_PX;
-        0.5 * u * libm::erfc(-t * std::f64::consts::FRAC_1_SQRT_2)
-            + SIGMA_PX * (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt()
+        u * phi_cdf(t) + SIGMA_PX * (-0.5 * t * t).exp() / (2.0 * std::f64::consts::PI).sqrt()
     };
     g(d + 0.5) - g(d - 0.5)
 }

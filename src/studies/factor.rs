@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::deflection::{BeamPart, DeflectionConfig, DeflectionError};
+use crate::numerics::line::Line;
 use crate::plan::CuttingData;
 use crate::process::fit::{Estimate, FitError, ForcePoint, fit_power_law};
 use crate::process::stepped::SteppedShaft;
@@ -258,7 +259,7 @@ impl FactorConfig {
         Ok(FactorSeries {
             name: series.name.clone(),
             factor: series.factor,
-            elasticity: slope(rows.iter().map(|r| (r.value.ln(), r.max_error_um.ln()))),
+            elasticity: Line::through(rows.iter().map(|r| (r.value.ln(), r.max_error_um.ln()))).slope(),
             curves: points.iter().map(|p| curve(shaft, p.force_n)).collect(),
             fit: fit.map(|f| f.estimates),
             rows,
@@ -272,16 +273,6 @@ fn curve(shaft: &SteppedShaft, force_n: f64) -> Vec<(f64, f64)> {
         .map(|i| shaft.length_mm() * i as f64 / CURVE_POINTS as f64)
         .map(|z| (z, 2e3 * shaft.compliance_mm_per_n(z) * force_n))
         .collect()
-}
-
-/// Slope of the least-squares line.
-fn slope(points: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let n = points.clone().count() as f64;
-    let (sx, sy) = points.clone().fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
-    let (mx, my) = (sx / n, sy / n);
-    let (sxy, sxx) =
-        points.fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx).powi(2)));
-    sxy / sxx
 }
 
 impl SeriesConfig {

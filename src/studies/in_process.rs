@@ -48,7 +48,7 @@ const WAYS: [(&str, ScanWhen, bool); 3] = [
 ///
 /// # Errors
 /// The first setting that cannot be right.
-pub fn check(job: &Job) -> Result<(), crate::job::JobError> {
+pub fn check(job: &Job) -> Result<(), crate::setting::SettingError> {
     WAYS.iter().try_for_each(|way| {
         let one = variant(job, way);
         one.check()?;

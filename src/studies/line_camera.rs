@@ -11,10 +11,11 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::frame::{Frame, FrameView, PixelFormat, Pixels};
-use crate::gauge::{EdgeStream, FrameEdges, Gauge, GaugeSettings, GaugeSettingsError};
-use crate::job::{Job, JobError};
+use crate::gauge::{EdgeStream, FrameEdges, Gauge, GaugeSettings};
+use crate::job::Job;
 use crate::render::form::form_shaft;
 use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::setting::SettingError;
 use crate::shaft::{Pose, ProfileKnot};
 use crate::truth;
 
@@ -34,13 +35,10 @@ const MOST_STEP_PX: f64 = 3.0;
 pub enum LineCameraError {
     /// The job.
     #[error(transparent)]
-    Job(#[from] JobError),
+    Setting(#[from] SettingError),
     /// The renderer.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The gauge.
-    #[error(transparent)]
-    Gauge(#[from] GaugeSettingsError),
     /// A frame that cannot be put together.
     #[error("a block of readings is no frame: {0}")]
     Block(String),
@@ -119,11 +117,13 @@ impl Sums {
 ///
 /// # Errors
 /// The first setting that cannot be right.
-pub fn check(job: &Job) -> Result<(), JobError> {
+pub fn check(job: &Job) -> Result<(), SettingError> {
     job.check()?;
     match job.camera.line {
         Some(_) => Ok(()),
-        None => Err(JobError::at("camera.line", "a line camera is needed: [camera.line] with its rate_khz")),
+        None => {
+            Err(SettingError::at("camera.line", "a line camera is needed: [camera.line] with its rate_khz"))
+        }
     }
 }
 

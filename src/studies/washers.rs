@@ -19,6 +19,7 @@ use serde::Serialize;
 use crate::frame::{Frame, FrameView};
 use crate::gauge::form::{FormError, least_squares_circle};
 use crate::gauge::ring::{EdgeCircle, RingError, RingMeasurement, RingSettings, measure_ring};
+use crate::numerics::robust::{MEDIAN_TO_SD, central_median};
 
 /// Outer and inner.
 pub type Pair = [f64; 2];
@@ -361,9 +362,8 @@ fn scale_and_offset<'a>(pairs: impl Iterator<Item = &'a (Pair, Pair)>) -> (f64, 
     ((dm * n - m1 * d1) / determinant, (dd * m1 - d1 * dm) / determinant)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    central_median(&mut values.collect::<Vec<f64>>()).unwrap_or(f64::NAN)
 }
 
 /// Standard deviation and robust standard deviation.
@@ -371,14 +371,14 @@ fn spreads(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let middle = median(values.to_vec());
-    [sd, 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect())]
+    let middle = median(values.iter().copied());
+    [sd, MEDIAN_TO_SD * median(values.iter().map(|v| (v - middle).abs()))]
 }
 
 fn outliers(parts: &[Part], ours: &MethodFigures, plain: &MethodFigures) -> Vec<Outlier> {
     let mut found = Vec::new();
     for side in 0..2 {
-        let middle = median(ours.residual_um.iter().map(|r| r[side]).collect());
+        let middle = median(ours.residual_um.iter().map(|r| r[side]));
         for (k, part) in parts.iter().enumerate() {
             let residual_um = [ours.residual_um[k][side], plain.residual_um[k][side]];
             if (residual_um[0] - middle).abs() > OUTLIER * ours.robust_sd_um[side] {

@@ -7,7 +7,7 @@ use rand::SeedableRng as _;
 use rand_distr::Distribution as _;
 use serde_json::Value;
 
-use super::support::{said, shadowgauge};
+use super::support::{json, said, shadowgauge, text};
 
 pub(super) const COLUMNS: u32 = 192;
 
@@ -32,14 +32,6 @@ fn measure(inputs: &[PathBuf], more: &[&str]) -> Output {
     let inputs = inputs.iter().map(|p| p.as_os_str());
     let more = ["--um-per-px", "1000", "--json"].iter().chain(more).map(std::ffi::OsStr::new);
     shadowgauge(std::iter::once("measure".as_ref()).chain(inputs).chain(more))
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 #[test]

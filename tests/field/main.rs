@@ -16,6 +16,8 @@ mod optics;
 mod order;
 mod outputs;
 mod pictures;
+#[path = "../support/program.rs"]
+mod program;
 mod refusals;
 mod refused;
 mod sizes;

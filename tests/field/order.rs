@@ -8,7 +8,7 @@ use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
 use tempfile::TempDir;
 
 use super::pictures::{Picture, shaft};
-use super::support::{collected, measured, shadowgauge};
+use super::support::{collected, json, measured, said, shadowgauge};
 
 fn save(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
@@ -22,16 +22,6 @@ fn run(inputs: &[&Path], options: &[&str]) -> Output {
     shadowgauge(
         std::iter::once("measure".as_ref()).chain(inputs).chain(options.iter().map(std::ffi::OsStr::new)),
     )
-}
-
-/// stderr in one line.
-fn said(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    text.split_whitespace().filter(|w| *w != "│").collect::<Vec<_>>().join(" ")
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", said(output)))
 }
 
 fn names(document: &Value) -> Vec<&str> {

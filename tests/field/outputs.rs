@@ -9,17 +9,13 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use super::conformity::{COLUMNS, draw};
-use super::support::{said, shadowgauge};
+use super::support::{said, shadowgauge, text};
 
 /// A shaft of 60 px.
 fn picture(folder: &Path) -> PathBuf {
     let path = folder.join("part.png");
     draw(&path, 60.0, 1, |_| 0.0);
     path
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn measure(picture: &Path, edges: &Path, more: &[&str]) -> Output {

@@ -2,9 +2,10 @@
 #![allow(dead_code, reason = "not every module uses every helper")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use serde_json::Value;
+
+pub(crate) use crate::program::{json, said, shadowgauge, text};
 
 /// The path of `name` in the collection, or `None` with a loud word where `$SHADOWGAUGE_FIELD` is not set.
 pub(crate) fn collected(name: &str) -> Option<PathBuf> {
@@ -19,24 +20,6 @@ pub(crate) fn collected(name: &str) -> Option<PathBuf> {
             None
         }
     }
-}
-
-/// Runs the program with `arguments`.
-pub(crate) fn shadowgauge<I, S>(arguments: I) -> Output
-where
-    I: IntoIterator<Item = S>,
-    S: AsRef<std::ffi::OsStr>,
-{
-    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).output().expect("the program runs")
-}
-
-/// What a command says on stderr, without the line breaks and rulers of a narrow terminal.
-pub(crate) fn said(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr);
-    text.split(|c: char| c.is_whitespace() || c == '│')
-        .filter(|word| !word.is_empty())
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 /// The document that `measure --json` prints for `file` at 1000 µm per pixel (millimetres read as pixels), with

@@ -4,4 +4,6 @@
 mod cli;
 mod constants;
 mod optimize;
+#[path = "../support/program.rs"]
+mod program;
 mod reproduce;

@@ -1,11 +1,12 @@
 //! Reproduction of the slender-shaft paper: limits of every group of rows, and that ours really follows the inputs.
 
 use std::collections::HashSet;
-use std::process::Command;
 
 use shadowgauge::studies::optimize::OptimizeConfig;
 use shadowgauge::studies::reproduce_003::{Inputs, KNOWN_MISSES, Reproduction, run};
 use shadowgauge::studies::reproduction::{Basis, Row, Verdict};
+
+use crate::program::shadowgauge;
 
 pub const INPUTS: &str = include_str!("../../configs/reproduce_003.toml");
 pub const PROBLEM: &str = include_str!("../../configs/optimize_003.toml");
@@ -352,15 +353,11 @@ fn ours_follows_the_inputs() {
     assert!(moved(&rows, "eq10.t"));
 }
 
-fn command(arguments: &[&str]) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
-
 #[test]
 fn from_outside_the_binary() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
-    let output = command(&["reproduce", "003", "--no-frames", "--json", "--out", out.to_str().unwrap()]);
+    let output = shadowgauge(["reproduce", "003", "--no-frames", "--json", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert!(rows.len() > 80, "{}", rows.len());
@@ -389,11 +386,11 @@ fn from_outside_the_binary() {
     // A figure that is missed for no known reason: exit 1.
     let missed = folder.path().join("missed.toml");
     std::fs::write(&missed, INPUTS.replacen("error_um = 15.4", "error_um = 18.0", 1)).unwrap();
-    let output = command(&["reproduce", "003", "--no-frames", "--inputs", missed.to_str().unwrap()]);
+    let output = shadowgauge(["reproduce", "003", "--no-frames", "--inputs", missed.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     let bad = folder.path().join("bad.toml");
     std::fs::write(&bad, INPUTS.replacen("force_n = 49.84", "force_n = -1.0", 1)).unwrap();
-    let output = command(&["reproduce", "003", "--no-frames", "--inputs", bad.to_str().unwrap()]);
+    let output = shadowgauge(["reproduce", "003", "--no-frames", "--inputs", bad.to_str().unwrap()]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("table_1[0].force_n"), "{text}");
@@ -404,7 +401,8 @@ fn from_outside_the_binary() {
 fn two_groups_through_frames() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
-    let output = command(&["reproduce", "000", "--backend", "cpu", "--json", "--out", out.to_str().unwrap()]);
+    let output =
+        shadowgauge(["reproduce", "000", "--backend", "cpu", "--json", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&output.stdout).unwrap();
     let find = |id: &str| rows.iter().find(|row| row["id"] == id).unwrap_or_else(|| panic!("no row {id}"));

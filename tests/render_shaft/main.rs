@@ -1,6 +1,8 @@
 //! What a shaft, a lens and an exposure do to the edges: against closed forms, brute force and second integrations.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
+#[path = "../support/program.rs"]
+mod program;
 #[path = "../support/render.rs"]
 #[expect(dead_code, reason = "shared with the other tests of the renderer")]
 mod support;

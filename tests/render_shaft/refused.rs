@@ -2,23 +2,26 @@
 
 use std::path::Path;
 
-use assert_cmd::Command;
+use std::process::Output;
+
+use crate::program::{shadowgauge, text};
 
 const JOB: &str = include_str!("../support/small_render_job.toml");
+
+/// One frame of a config, on the CPU.
+fn drawn(config: &Path, out: &Path) -> Output {
+    let files = ["render".as_ref(), config.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    shadowgauge(files.into_iter().chain(["--backend=cpu", "--frames=1"].map(AsRef::as_ref)))
+}
 
 fn render(folder: &Path, extra: &str) -> (i32, String) {
     let path = folder.join("job.toml");
     std::fs::write(&path, format!("{JOB}\n{extra}\n")).unwrap();
     let out = folder.join("out");
     let _ = std::fs::remove_dir_all(&out);
-    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .arg("render")
-        .arg(&path)
-        .args(["--out", out.to_str().unwrap(), "--backend", "cpu", "--frames", "1"])
-        .output()
-        .unwrap();
+    let output = drawn(&path, &out);
     assert!(output.status.success() == out.exists(), "a refused job leaves nothing");
-    (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+    (output.status.code().unwrap(), text(&output.stderr))
 }
 
 #[test]
@@ -74,13 +77,8 @@ fn an_exposure_longer_than_a_turn_needs_consent() {
         let path = folder.path().join("long.toml");
         std::fs::write(&path, format!("{long}\n{}\n", job(consent))).unwrap();
         let out = folder.path().join(format!("out{wanted}"));
-        let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-            .arg("render")
-            .arg(&path)
-            .args(["--out", out.to_str().unwrap(), "--backend", "cpu", "--frames", "1"])
-            .output()
-            .unwrap();
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        let output = drawn(&path, &out);
+        let stderr = text(&output.stderr);
         assert_eq!(output.status.code(), Some(wanted), "{stderr}");
         assert!(wanted == 0 || stderr.contains("allow_more_than_a_turn"), "{stderr}");
     }
@@ -120,18 +118,15 @@ fn a_run_refuses_a_finished_part() {
         format!("{JOB}\n[shaft]\nflats = [{{ from_mm = 0.0, to_mm = 1.0, distance_mm = 0.4 }}]\n"),
     )
     .unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_shadowgauge"))
-        .args([
-            "run",
-            path.to_str().unwrap(),
-            "--out",
-            folder.path().join("run").to_str().unwrap(),
-            "--backend",
-            "cpu",
-        ])
-        .output()
-        .unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    let out = folder.path().join("run");
+    let output = shadowgauge([
+        "run".as_ref(),
+        path.as_os_str(),
+        "--backend=cpu".as_ref(),
+        "--out".as_ref(),
+        out.as_os_str(),
+    ]);
+    let stderr = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.contains("shaft.flats"), "{stderr}");
 }

@@ -1,13 +1,15 @@
 //! `calibrate` and what `measure` does with a calibration, from outside the binary.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 use shadowgauge::frame::{Frame, PixelFormat, Pixels};
 use shadowgauge::render::{BackendChoice, OpticalBench, Renderer};
 use shadowgauge::shaft::{Lobe, Shaft};
 use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedBench};
+
+use crate::program::shadowgauge;
 
 /// A small bench without distortion (its truth is drawn apart from [`true_bench`]); every test changes what it needs.
 pub const PLAN: &str = r#"
@@ -45,10 +47,6 @@ frames_each = 1
 rows = 512
 columns = 320
 "#;
-
-pub fn shadowgauge(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_shadowgauge")).args(arguments).env("NO_COLOR", "1").output().unwrap()
-}
 
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).split_whitespace().collect::<Vec<_>>().join(" ")

@@ -5,4 +5,6 @@ mod bench;
 mod cli;
 mod coverage;
 mod jcgm_101;
+#[path = "../support/program.rs"]
+mod program;
 mod trust;

@@ -5,7 +5,8 @@ use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::shaft::Lobe;
 use shadowgauge::studies::calibration::SimulatedBench;
 
-use crate::cli::{PLAN, calibrate, json, laid, path, save, shadowgauge, text, true_bench};
+use crate::cli::{PLAN, calibrate, json, laid, path, save, text, true_bench};
+use crate::program::shadowgauge;
 
 /// Partially coherent light of a slow lens: far from Gaussian.
 const COHERENT: &str = r#"

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::frame::FrameView;
 use crate::gauge::{EdgeStream, FrameEdges, FrameRefused, Gauge, Lanes};
+use crate::numerics::robust::median_of;
 
 /// Rounds in which ways of using the threads take turns, and frames of a round.
 const ROUNDS: usize = 15;
@@ -99,9 +100,9 @@ fn compare(gauge: &Gauge, frames: &[FrameView<'_>], threads: usize) -> Gains {
         independent.push(threads as f64 * single / apart);
     }
     Gains {
-        of_lanes: median(in_turn),
-        within_a_frame: median(within),
-        of_independent_streams: median(independent),
+        of_lanes: median_of(in_turn),
+        within_a_frame: median_of(within),
+        of_independent_streams: median_of(independent),
     }
 }
 
@@ -118,9 +119,4 @@ fn seconds(work: impl FnOnce()) -> f64 {
     let start = Instant::now();
     work();
     start.elapsed().as_secs_f64()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

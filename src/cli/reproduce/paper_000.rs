@@ -45,7 +45,7 @@ pub fn run(args: &Reproduce000Args) -> CommandResult {
         inputs.error.clone_from(&args.errors);
     }
     let mut rows = reproduce_000::run(&inputs).map_err(Failure::refuse)?;
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let mut parts = Vec::new();
     if !args.no_frames {
         let line = reproduce_000::line(&inputs).map_err(Failure::refuse)?;
@@ -53,10 +53,7 @@ pub fn run(args: &Reproduce000Args) -> CommandResult {
         parts = experiment::run(&inputs, &line, &renderer).map_err(Failure::fail)?;
         rows.extend(experiment::rows(&inputs, &parts));
     }
-    if let Some(folder) = folder {
-        write(&folder, &inputs, &rows, &parts)?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(folder, |folder| write(folder, &inputs, &rows, &parts))?;
     tables::print(&rows, args.json)
 }
 

@@ -46,14 +46,11 @@ pub fn run(args: &Reproduce003Args) -> CommandResult {
     let inputs: Inputs = inputs_text.parse()?;
     let problem: OptimizeConfig = problem_text.parse()?;
     problem.validate().map_err(|e| problem_text.refuse(e))?;
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer =
         (!args.no_frames).then(|| Renderer::new(args.backend)).transpose().map_err(Failure::fail)?;
     let found =
         reproduce_003::run(&inputs, &problem, renderer.as_ref()).map_err(|e| inputs_text.refuse(e))?;
-    if let Some(folder) = folder {
-        paper_003_page::write(&folder, &found)?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(folder, |folder| paper_003_page::write(folder, &found))?;
     tables::print(&found.rows, args.json)
 }

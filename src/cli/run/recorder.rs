@@ -254,7 +254,7 @@ fn read_calibration(folder: &RunFolder) -> Result<Calibrated, Failure> {
 /// A job or a controller that is refused is exit 2, everything else fails with 3.
 fn loop_failure(error: LoopError) -> Failure {
     match error {
-        LoopError::Job(_) | LoopError::Control(_) | LoopError::Gauge(_) => Failure::refuse(error),
+        LoopError::Setting(_) | LoopError::Control(_) => Failure::refuse(error),
         other => Failure::fail(chain_text(&other)),
     }
 }

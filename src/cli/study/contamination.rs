@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::{StudyFolder, json_text};
+use crate::cli::failure::{CommandResult, Failure};
+use crate::cli::input_output::{StudyFolder, say_study};
 use crate::gauge::GaugeSettings;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
@@ -35,7 +35,7 @@ pub struct StudyContaminationArgs {
 /// # Errors
 /// Exit 2 for an output folder that holds anything, 3 for a disk that fails.
 pub fn run(args: &StudyContaminationArgs) -> CommandResult {
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let settings = GaugeSettings::default();
     let study =
         contamination::run(&settings, args.frames as usize, args.clean as usize, args.seed).map_err(|e| {
@@ -44,16 +44,8 @@ pub fn run(args: &StudyContaminationArgs) -> CommandResult {
                 e => Failure::fail(e),
             }
         })?;
-    if let Some(folder) = folder {
-        folder.write("report.html", page(&study)?.as_bytes())?;
-        folder.finish()?;
-    }
-    if args.json {
-        say_line!("{}", json_text(&study)?);
-    } else {
-        print(&study);
-    }
-    Ok(Outcome::Done)
+    StudyFolder::fill(folder, |folder| folder.write("report.html", page(&study)?.as_bytes()))?;
+    say_study(&study, args.json, print)
 }
 
 fn name(matter: Matter) -> &'static str {

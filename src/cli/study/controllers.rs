@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::failure::{CommandResult, Failure};
+use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
 use crate::config;
 use crate::control::ControllerName;
 use crate::render::{BackendChoice, Renderer};
@@ -53,7 +53,7 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
         settings.controller = *controller;
         crate::control::build(&settings, &job.part.station_z_mm()).map_err(|e| text.refuse(e))?;
     }
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let bar = indicatif::ProgressBar::new(u64::from(args.shafts) * (names.len() as u64 + 1));
     let study = controllers::run(&job, &names, args.shafts as usize, &renderer, &mut |controller, seed| {
@@ -62,16 +62,8 @@ pub fn run(args: &StudyControllersArgs) -> CommandResult {
     })
     .map_err(Failure::fail)?;
     bar.finish_and_clear();
-    if let Some(folder) = folder {
-        write(&folder, &study)?;
-        folder.finish()?;
-    }
-    if args.json {
-        say_line!("{}", json_text(&study)?);
-    } else {
-        print(&study);
-    }
-    Ok(Outcome::Done)
+    StudyFolder::fill(folder, |folder| write(folder, &study))?;
+    say_study(&study, args.json, print)
 }
 
 fn print(study: &ControllerStudy) {

@@ -55,11 +55,9 @@ pub fn run(args: &StudyDeflectionArgs) -> CommandResult {
         true => Some(lines(args, &line, study.max.z_mm).map_err(|e| text.refuse(e))?),
         false => None,
     };
-    if let Some(out) = &args.out {
-        let folder = StudyFolder::claim(out)?;
-        write(&folder, &beam, &study, line.as_ref())?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(StudyFolder::claim(args.out.as_deref())?, |folder| {
+        write(folder, &beam, &study, line.as_ref())
+    })?;
     if args.json {
         let mut json = serde_json::to_value(&study).map_err(Failure::fail)?;
         if let Some(line) = &line {

@@ -48,11 +48,7 @@ pub fn run(args: &StudyFactorArgs) -> CommandResult {
         config.process.force = ForceLaw::Power(fit.law);
     }
     let study = config.run().map_err(|e| text.refuse(e))?;
-    if let Some(out) = &args.out {
-        let folder = StudyFolder::claim(out)?;
-        write(&folder, &study)?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(StudyFolder::claim(args.out.as_deref())?, |folder| write(folder, &study))?;
     if args.json {
         say_line!("{}", json_text(&Output { fitted: fitted.as_ref(), study: &study })?);
     } else {

@@ -39,16 +39,13 @@ pub fn run(args: &StudyInProcessArgs) -> CommandResult {
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.seed = args.seed.unwrap_or(job.seed);
     in_process::check(&job).map_err(|e| text.refuse(e))?;
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let rows = in_process::run(&job, &renderer, &mut |row| {
         tracing::info!(way = row.way, pass = row.pass, "turned");
     })
     .map_err(Failure::fail)?;
-    if let Some(folder) = folder {
-        write(&folder, &rows)?;
-        folder.finish()?;
-    }
+    StudyFolder::fill(folder, |folder| write(folder, &rows))?;
     if args.json {
         say_line!("{}", json_text(&rows)?);
         return Ok(Outcome::Done);

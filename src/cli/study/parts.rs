@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::failure::{CommandResult, Failure};
+use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
 use crate::config;
 use crate::control::{ControllerName, PartEvent};
 use crate::job::Job;
@@ -51,7 +51,7 @@ pub fn run(args: &StudyPartsArgs) -> CommandResult {
     let mut job = config::parse(&text.text, &text.name).map_err(Failure::refused)?;
     job.control.controller = args.controller.unwrap_or(job.control.controller);
     job.check_coverage().and_then(|()| job.check_control()).map_err(|e| text.refuse(e))?;
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let batch = Batch { parts: args.parts, insert_every: args.insert_every, cold_at: args.cold_at.clone() };
     let bar = indicatif::ProgressBar::new(2 * u64::from(args.parts));
@@ -61,16 +61,8 @@ pub fn run(args: &StudyPartsArgs) -> CommandResult {
     })
     .map_err(Failure::fail)?;
     bar.finish_and_clear();
-    if let Some(folder) = folder {
-        write(&folder, &job, &study)?;
-        folder.finish()?;
-    }
-    if args.json {
-        say_line!("{}", json_text(&study)?);
-    } else {
-        print(&study);
-    }
-    Ok(Outcome::Done)
+    StudyFolder::fill(folder, |folder| write(folder, &job, &study))?;
+    say_study(&study, args.json, print)
 }
 
 fn way(learning: bool) -> &'static str {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::cli::failure::{CommandResult, Failure, Outcome};
-use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, json_text};
+use crate::cli::failure::{CommandResult, Failure};
+use crate::cli::input_output::{ConfigText, StudyFolder, csv_text, say_study};
 use crate::config;
 use crate::control::stability::StabilityReport;
 use crate::report::html::Page;
@@ -51,17 +51,8 @@ pub fn run(args: &StudyStabilityArgs) -> CommandResult {
     settings.plant_gain = args.gain.unwrap_or(settings.plant_gain);
     settings.validate().map_err(|e| text.refuse(e))?;
     let study = stability::run(&settings, &job.part.station_z_mm());
-    if let Some(out) = &args.out {
-        let folder = StudyFolder::claim(out)?;
-        write(&folder, &study)?;
-        folder.finish()?;
-    }
-    if args.json {
-        say_line!("{}", json_text(&study)?);
-    } else {
-        print(&study);
-    }
-    Ok(Outcome::Done)
+    StudyFolder::fill(StudyFolder::claim(args.out.as_deref())?, |folder| write(folder, &study))?;
+    say_study(&study, args.json, print)
 }
 
 fn rows(study: &StabilityStudy) -> Vec<Row> {

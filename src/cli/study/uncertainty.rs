@@ -58,7 +58,7 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
             calibration_plan::of_text(ConfigText { text: PRESET.to_owned(), name }, PathBuf::new())?
         }
     };
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let calibrated = make(&mut loaded, None, args.backend)?;
     let LoadedPlan { plan, .. } = &loaded;
     let calibration = &calibrated.calibration;
@@ -85,12 +85,11 @@ pub fn run(args: &StudyUncertaintyArgs) -> CommandResult {
             Some(class_figures(Class::Mixed, n, args.seed, &renderer).map_err(Failure::fail)?)
         }
     };
-    if let Some(folder) = folder {
+    StudyFolder::fill(folder, |folder| {
         folder.write("uncertainty.json", json_text(&result)?.as_bytes())?;
         let page = page(&result, scenes.as_ref()).map_err(Failure::fail)?;
-        folder.write("report.html", page.as_bytes())?;
-        folder.finish()?;
-    }
+        folder.write("report.html", page.as_bytes())
+    })?;
     if args.json {
         say_line!("{}", serde_json::json!({ "uncertainty": result, "rendered": scenes }));
     } else {

@@ -29,20 +29,17 @@ pub struct StudyWashersArgs {
 /// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be read and parts that cannot be
 /// measured.
 pub fn run(args: &StudyWashersArgs) -> CommandResult {
-    let folder = args.out.as_deref().map(StudyFolder::claim).transpose()?;
+    let folder = StudyFolder::claim(args.out.as_deref())?;
     let parts = read(&args.folder)?;
     let study = washers(&parts).map_err(|e| match e {
         WashersError::TooFew(_) => Failure::refuse(e),
         e => Failure::fail(e),
     })?;
-    if let Some(folder) = folder {
+    StudyFolder::fill(folder, |folder| {
         let (page, pictures) = washers_page(&study, &parts).map_err(Failure::fail)?;
         folder.write("report.html", page.as_bytes())?;
-        for (name, svg) in pictures {
-            folder.write(&name, svg.as_bytes())?;
-        }
-        folder.finish()?;
-    }
+        pictures.iter().try_for_each(|(name, svg)| folder.write(name, svg.as_bytes()))
+    })?;
     let misses = study.misses();
     if args.json {
         say_line!("{}", json_text(&serde_json::json!({ "washers": study, "misses": misses }))?);

@@ -1,6 +1,7 @@
 //! `[control.guards]`: what an offset must pass before it is released.
 
-use crate::control::error::{ControlError, require, require_limit};
+use crate::control::error::require_limit;
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -93,8 +94,8 @@ impl GuardSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let limits = [
             ("control.guards.plausible_error_mm", self.plausible_error_mm),
             ("control.guards.uncertainty_limit_mm", self.uncertainty_limit_mm),

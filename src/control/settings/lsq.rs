@@ -1,7 +1,7 @@
 //! `[control.lsq]`.
 
-use crate::control::error::{ControlError, require};
 use crate::control::shapes::Shapes;
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -59,8 +59,8 @@ impl LsqSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         self.shapes.validate("control.lsq.shapes")?;
         require(
             self.gain > 0.0 && self.gain < 2.0,

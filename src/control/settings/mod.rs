@@ -15,7 +15,7 @@ pub use run_to_run::{DoubleEwmaSettings, EwmaSettings, IlcSettings, PartsSetting
 pub use within_pass::WithinPassSettings;
 
 use super::controller_name::ControllerName;
-use super::error::{ControlError, require};
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -94,8 +94,8 @@ impl ControlSettings {
     /// Checks every value of the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key, its value and what would be right.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key, its value and what would be right.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let g = self.plant_gain;
         require(g > 0.0 && g <= 2.0, "control.plant_gain", g, "a gain above 0 and at most 2")?;
         let share = self.gaps.interpolate_share;

@@ -3,7 +3,7 @@
 //! Length, diameter, material and force law describe the job's own part and follow from it where the table leaves them out
 //! ([`Workpiece`]); a controller that is built without a job falls back on the slender-shaft paper's part.
 
-use crate::control::error::{ControlError, require};
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -160,8 +160,8 @@ impl ModelSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let w = self.workpiece();
         let positive = [
             ("control.model.coefficient_n", w.coefficient_n),

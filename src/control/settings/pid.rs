@@ -1,7 +1,8 @@
 //! `[control.pid]`.
 
-use crate::control::error::{ControlError, require, require_limit};
+use crate::control::error::require_limit;
 use crate::control::shapes::Shapes;
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -100,8 +101,8 @@ impl PidSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let gains = [("control.pid.kp", self.kp), ("control.pid.ki", self.ki), ("control.pid.kd", self.kd)];
         for (key, gain) in gains {
             require(gain >= 0.0 && gain.is_finite(), key, gain, "a gain of 0 or more")?;

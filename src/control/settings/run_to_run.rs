@@ -1,6 +1,6 @@
 //! `[control.ewma]`, `[control.dewma]`, `[control.ilc]` and `[control.parts]`.
 
-use crate::control::error::{ControlError, require};
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -76,11 +76,11 @@ impl Default for PartsSettings {
     }
 }
 
-fn weight(key: &'static str, value: f64) -> Result<(), ControlError> {
+fn weight(key: &'static str, value: f64) -> Result<(), SettingError> {
     require(value > 0.0 && value <= 1.0, key, value, "a weight above 0 and at most 1")
 }
 
-fn gain(key: &'static str, value: f64) -> Result<(), ControlError> {
+fn gain(key: &'static str, value: f64) -> Result<(), SettingError> {
     require(value > 0.0 && value <= 2.0, key, value, "a gain above 0 and at most 2")
 }
 
@@ -88,8 +88,8 @@ impl EwmaSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         weight("control.ewma.weight", self.weight)?;
         gain("control.ewma.gain_estimate", self.gain_estimate)
     }
@@ -99,8 +99,8 @@ impl DoubleEwmaSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         weight("control.dewma.level_weight", self.level_weight)?;
         let trend = self.trend_weight;
         require((0.0..=1.0).contains(&trend), "control.dewma.trend_weight", trend, "a weight of 0 to 1")?;
@@ -112,8 +112,8 @@ impl IlcSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         let l = self.learning_gain;
         require(l > 0.0 && l < 2.0, "control.ilc.learning_gain", l, "a gain above 0 and below 2")?;
         let cutoff = self.q_cutoff_mm;
@@ -126,8 +126,8 @@ impl PartsSettings {
     /// Checks the table.
     ///
     /// # Errors
-    /// [`ControlError::Setting`] names the key.
-    pub fn validate(&self) -> Result<(), ControlError> {
+    /// [`SettingError`] names the key.
+    pub fn validate(&self) -> Result<(), SettingError> {
         weight("control.parts.level_weight", self.level_weight)?;
         let trend = self.trend_weight;
         require((0.0..=1.0).contains(&trend), "control.parts.trend_weight", trend, "a weight of 0 to 1")

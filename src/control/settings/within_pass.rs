@@ -1,6 +1,6 @@
 //! `[control.within_pass]`: correction of the stations ahead while a pass is cut.
 
-use crate::control::error::{ControlError, require};
+use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ impl Default for WithinPassSettings {
 }
 
 impl WithinPassSettings {
-    pub(super) fn validate(&self) -> Result<(), ControlError> {
+    pub(super) fn validate(&self) -> Result<(), SettingError> {
         let (gain, limit) = (self.gain, self.limit_mm);
         require(gain > 0.0 && gain <= 1.0, "control.within_pass.gain", gain, "above 0 and at most 1")?;
         require(

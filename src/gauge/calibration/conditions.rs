@@ -6,11 +6,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::range_check::{SettingError, within};
 use super::finish::Finish;
 use super::unstated::{
     UNSTATED_EDGE_UM, UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated,
 };
+use crate::setting::{SettingError, within};
 
 /// Reference temperature of ISO 1, °C.
 const REFERENCE_C: f64 = 20.0;

@@ -92,18 +92,11 @@ impl Calibration {
             scale = fit.scale;
         }
         Ok(Self {
-            version: CALIBRATION_VERSION,
-            optics_id: String::new(),
             scale_mm_per_px: fit.scale,
             offset_mm: fit.offset,
             covariance: fit.covariance,
             masters: masters.to_vec(),
-            bench: None,
-            misfit: None,
-            edge_model: None,
-            edge_table: None,
-            conditions: None,
-            encoding: None,
+            ..Self::from_scale(1.0)
         })
     }
 
@@ -111,18 +104,12 @@ impl Calibration {
     pub fn of_bench(adjusted: &Adjusted, masters: Vec<MasterFigure>, bench: BenchCalibration) -> Self {
         let sum = |i: usize, j: usize| bench.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {
-            version: CALIBRATION_VERSION,
-            optics_id: String::new(),
             scale_mm_per_px: adjusted.parameters[0],
             offset_mm: adjusted.parameters[1],
             covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
             masters,
             bench: Some(Box::new(bench)),
-            misfit: None,
-            edge_model: None,
-            edge_table: None,
-            conditions: None,
-            encoding: None,
+            ..Self::from_scale(1.0)
         }
     }
 

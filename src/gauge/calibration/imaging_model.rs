@@ -16,7 +16,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::range_check::{SettingError, within};
+use crate::setting::{SettingError, within};
 
 /// Number of parameters of a bench: s, o, a, q, g, t.
 pub const PARAMETERS: usize = 6;

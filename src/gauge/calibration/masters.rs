@@ -6,16 +6,23 @@ use crate::gauge::width::column_means::mean_width;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a master's certificate says.
+/// A master pin with its certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "MasterPin")]
 #[serde(deny_unknown_fields)]
 pub struct MasterCertificate {
     /// Certified diameter at 20 °C, mm.
     pub diameter_mm: f64,
-    /// Expanded uncertainty U, mm.
+    /// Expanded uncertainty U of the certificate, mm.
     pub expanded_u_mm: f64,
     /// Coverage factor k of U.
+    #[serde(default = "two")]
     pub coverage_factor: f64,
+}
+
+/// The coverage factor k of a certificate that states none.
+pub(crate) fn two() -> f64 {
+    2.0
 }
 
 impl MasterCertificate {

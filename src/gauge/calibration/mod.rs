@@ -18,14 +18,13 @@ mod file_checks;
 mod finish;
 pub(crate) mod gauge_calibration;
 mod imaging_model;
-mod masters;
+pub(crate) mod masters;
 mod observation;
 mod optical_setup;
 mod thermometer;
 mod unstated;
 mod verification;
 
-pub use super::range_check::SettingError;
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};
 pub use axis_zero::AxisZero;
 pub use conditions::{Conditions, GivenConditions};

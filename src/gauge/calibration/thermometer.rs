@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::range_check::{SettingError, within};
 use super::unstated::{UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated};
+use crate::setting::{SettingError, within};
 
 /// Temperature of the masters while they were recorded: one thermometer, one material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -239,6 +239,6 @@ mod tests {
     #[test]
     fn limits_out_of_range_are_named() {
         let wrong = PlausibilitySettings { turn_limit_mm: f64::NAN, ..PlausibilitySettings::default() };
-        assert_eq!(wrong.validate().unwrap_err().key, "plausibility.turn_limit_mm");
+        assert_eq!(wrong.validate().unwrap_err().key, "gauge.plausibility.turn_limit_mm");
     }
 }

@@ -10,6 +10,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use thiserror::Error;
 
 use super::reading_scatter::{SeriesMean, TWO_SIDED_95};
+use crate::numerics::robust::central_median;
 use crate::profile::{Diameter, Reading};
 
 /// Why an average or an index cannot be formed.
@@ -132,11 +133,9 @@ fn mean(window: &[Diameter], newest: Diameter) -> Diameter {
 
 fn median(window: &[Diameter], newest: Diameter) -> Diameter {
     let mut values: Vec<f64> = window.iter().map(|d| d.d_mm).collect();
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    let d_mm = 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+    let d_mm = central_median(&mut values).unwrap_or(newest.d_mm);
     let mean = mean(window, newest);
-    let u_random_mm = mean.u_random_mm * median_penalty(n);
+    let u_random_mm = mean.u_random_mm * median_penalty(values.len());
     Diameter { d_mm, u_random_mm, ..mean }
 }
 

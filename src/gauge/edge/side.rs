@@ -517,13 +517,14 @@ impl SideState {
     fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = upper_normal_quantile(settings.residual_false_alarm);
         self.figures.misfit = residual_test::misfit(line, freedom, &mut self.work.floats);
-        if self.shape.is_ringed() && self.figures.misfit < residual_test::MOST_NOISE {
-            residual_test::take_noise_back(line, self.figures.misfit);
-            self.figures.misfit = 1.0;
-        }
         let scale = if self.figures.misfit > 1.2 { self.figures.misfit } else { 1.0 };
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
+        }
+        // After the test: of a frame without noise the residuals are the model's, and differ by more than noise would.
+        if self.shape.is_ringed() && self.figures.misfit < residual_test::MOST_NOISE {
+            residual_test::take_noise_back(line, self.figures.misfit);
+            self.figures.misfit = 1.0;
         }
         let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
         residual_test::state_misfit(line, freedom, left_px, &mut self.figures.stated);

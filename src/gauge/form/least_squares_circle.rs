@@ -10,6 +10,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use super::certificate::Certificate;
 use super::circle::{CircleFit, assemble, centroid, check, radii};
 use super::error::FormError;
+use crate::numerics::normal_equations::NormalEquations;
 
 /// A least-squares circle with what its residuals say.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,18 +105,17 @@ fn algebraic_centre(points: &[DVec2]) -> Option<DVec2> {
     if scale <= 0.0 {
         return None;
     }
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    let mut fit = NormalEquations::new();
     for p in points {
-        let row = Vector3::new(p.x / scale, p.y / scale, 1.0);
-        normal += row * row.transpose();
-        right += row * (p.length_squared() / (scale * scale));
+        fit.add(Vector3::new(p.x / scale, p.y / scale, 1.0), p.length_squared() / (scale * scale), 1.0);
     }
+    let normal = &fit.normal;
     let spread = Matrix2::new(normal[(0, 0)], normal[(0, 1)], normal[(1, 0)], normal[(1, 1)]);
     let eigenvalues = spread.symmetric_eigenvalues();
     if eigenvalues.min() <= 1e-24 * eigenvalues.max() {
         return None;
     }
-    let solution = normal.try_inverse()? * right;
+    let solution = fit.by_inverse()?;
     Some(DVec2::new(solution.x, solution.y) * (0.5 * scale))
 }
 

@@ -2,20 +2,15 @@
 
 use thiserror::Error;
 
+use crate::setting::SettingError;
+
 /// Why a frame gives no ring.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum RingError {
     /// A setting out of range.
-    #[error("ring.{key} = {value}: must be {right}")]
-    Setting {
-        /// The key.
-        key: &'static str,
-        /// What stands there.
-        value: f64,
-        /// What would be right.
-        right: &'static str,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// A pixel is not a number.
     #[error("pixel at row {row}, column {column} is not finite")]
     NotFinite {

@@ -11,7 +11,7 @@
 //!
 //! Where one width vanishes the narrow box is put into the blur, σ² + b²/12, exact to b⁴/σ⁴/2880.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Value and derivatives of the unit edge in one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,8 +27,7 @@ pub(super) struct Sample {
 /// Φ, G = ∫Φ and H = ∫G of u at blur σ.
 fn integrals(u: f64, sigma: f64) -> [f64; 3] {
     let t = u / sigma;
-    let cdf = 0.5 * libm::erfc(-t * FRAC_1_SQRT_2);
-    let pdf = (-0.5 * t * t).exp() / (2.0 * PI).sqrt();
+    let (cdf, pdf) = (phi_cdf(t), phi_pdf(t));
     [cdf, u * cdf + sigma * pdf, 0.5 * ((u * u + sigma * sigma) * cdf + u * sigma * pdf)]
 }
 
@@ -53,7 +52,7 @@ pub(super) fn square_edge(d: f64, cos: f64, sin: f64, sigma: f64) -> Sample {
 /// The same with one box of width a and blur s; the derivative is by the lens's own σ: dE/dσ = (σ/s)·dE/ds.
 fn box_edge(d: f64, a: f64, s: f64, sigma: f64) -> Sample {
     let (up, down) = (integrals(d + 0.5 * a, s), integrals(d - 0.5 * a, s));
-    let pdf = |u: f64| (-0.5 * (u / s).powi(2)).exp() / (2.0 * PI).sqrt();
+    let pdf = |u: f64| phi_pdf(u / s);
     Sample {
         value: (up[1] - down[1]) / a,
         by_distance: (up[0] - down[0]) / a,
@@ -77,7 +76,7 @@ mod tests {
                 for i in 0..n {
                     for j in 0..n {
                         let u = d + at(i) * cos + at(j) * sin;
-                        sum += 0.5 * libm::erfc(-u / sigma * FRAC_1_SQRT_2);
+                        sum += phi_cdf(u / sigma);
                     }
                 }
                 let exact = sum / f64::from(n * n);

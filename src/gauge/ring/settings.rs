@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::error::RingError;
+use crate::setting::{SettingError, within};
 
 /// Settings of `measure --shape ring`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -67,27 +67,30 @@ impl RingSettings {
     ///
     /// # Errors
     /// Names the first key out of range.
-    pub fn validate(&self) -> Result<(), RingError> {
-        let within = |key, value: f64, low: f64, high: f64, right| {
-            if value >= low && value <= high { Ok(()) } else { Err(RingError::Setting { key, value, right }) }
-        };
-        within("min_diameter_px", self.min_diameter_px, 16.0, 1e5, "16 or more")?;
-        within("calipers", self.calipers as f64, 64.0, 4096.0, "64 to 4096")?;
-        within("half_band_px", self.half_band_px, 3.0, 20.0, "3 to 20")?;
-        within("outlier_sigmas", self.outlier_sigmas, 4.0, 1e6, "4 or more")?;
-        within("min_fill", self.min_fill, 0.5, 1.0, "0.5 to 1")?;
+    pub fn validate(&self) -> Result<(), SettingError> {
+        within("ring.min_diameter_px", self.min_diameter_px, 16.0, 1e5, "16 or more")?;
+        within("ring.calipers", self.calipers as f64, 64.0, 4096.0, "64 to 4096")?;
+        within("ring.half_band_px", self.half_band_px, 3.0, 20.0, "3 to 20")?;
+        within("ring.outlier_sigmas", self.outlier_sigmas, 4.0, 1e6, "4 or more")?;
+        within("ring.min_fill", self.min_fill, 0.5, 1.0, "0.5 to 1")?;
         within(
-            "roundness_cutoff_upr",
+            "ring.roundness_cutoff_upr",
             self.roundness_cutoff_upr,
             1e-3,
             1e5,
             "above 0; ISO 12181-2: 15, 50, 150",
         )?;
-        within("stylus_radius_px", self.stylus_radius_px.unwrap_or(1.0), 1e-3, 1e3, "above 0, at most 1000")?;
+        within(
+            "ring.stylus_radius_px",
+            self.stylus_radius_px.unwrap_or(1.0),
+            1e-3,
+            1e3,
+            "above 0, at most 1000",
+        )?;
         let Some(scale) = self.scale else { return Ok(()) };
-        within("scale.um_per_px", scale.um_per_px, 1e-6, 1e6, "above 0")?;
-        within("scale.u_um_per_px", scale.u_um_per_px, 0.0, 1e6, "0 or more")?;
-        within("scale.edge_offset_px", scale.edge_offset_px, -20.0, 20.0, "-20 to 20")?;
-        within("scale.u_edge_offset_px", scale.u_edge_offset_px, 0.0, 20.0, "0 or more")
+        within("ring.scale.um_per_px", scale.um_per_px, 1e-6, 1e6, "above 0")?;
+        within("ring.scale.u_um_per_px", scale.u_um_per_px, 0.0, 1e6, "0 or more")?;
+        within("ring.scale.edge_offset_px", scale.edge_offset_px, -20.0, 20.0, "-20 to 20")?;
+        within("ring.scale.u_edge_offset_px", scale.u_edge_offset_px, 0.0, 20.0, "0 or more")
     }
 }

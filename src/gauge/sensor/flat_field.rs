@@ -9,7 +9,7 @@
 //! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
 //! while a map of it would carry the noise of the flats that it was made from.
 
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -162,8 +162,7 @@ impl Mean {
 }
 
 fn median(values: &mut [f32]) -> f64 {
-    let middle = values.len() / 2;
-    f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+    upper_median(values, f32::total_cmp).map_or(0.0, f64::from)
 }
 
 /// Median and robust standard deviation.

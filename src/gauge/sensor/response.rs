@@ -14,6 +14,7 @@ use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use crate::frame::{Buffer, Frame, FrameView};
+use crate::numerics::robust::median_of;
 
 /// Departure from a line, as a share of the reference, below which a response is linear: cameras state 1 % and less (EMVA 1288
 /// LE), and a lamp that drifts by 1 % between two exposures a factor of 1.5 apart feigns .9 %.
@@ -80,7 +81,7 @@ pub fn response(
     flats: &[(f64, Vec<FrameView<'_>>)],
 ) -> Result<Option<Response>, NoResponse> {
     let Some(first) = dark.first() else { return Ok(None) };
-    let black = median(tiles(dark));
+    let black = median_of(tiles(dark));
     let full = first.full_scale().map_or(f64::INFINITY, f64::from);
     let mut exposures: Vec<Exposure> = flats
         .iter()
@@ -90,7 +91,7 @@ pub fn response(
             Exposure { exposure: *exposure, signals }
         })
         .collect();
-    exposures.retain(|e| median(e.signals.clone()) + black < MOST_SIGNAL * full);
+    exposures.retain(|e| median_of(e.signals.clone()) + black < MOST_SIGNAL * full);
     exposures.sort_by(|a, b| a.exposure.total_cmp(&b.exposure));
     let different =
         1 + exposures.windows(2).filter(|p| p[1].exposure > p[0].exposure * (1.0 + SAME_EXPOSURE)).count();
@@ -179,15 +180,10 @@ fn tiles(frames: &[FrameView<'_>]) -> Vec<f64> {
         };
         let values: Vec<f64> = pixels.map(mean).collect();
         if !values.is_empty() {
-            medians.push(median(values));
+            medians.push(median_of(values));
         }
     }
     medians
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl Response {

@@ -8,6 +8,7 @@
 use crate::gauge::calibration::{Along, LensModel};
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::column_means::ColumnMeans;
+use crate::numerics::line::Line;
 
 /// Columns of a block.
 const BLOCK: usize = 16;
@@ -97,9 +98,8 @@ fn variance_about_line(values: &[(f64, f64)]) -> f64 {
     if n < 3.0 {
         return 0.0;
     }
-    let (x, y) = (values.iter().map(|v| v.0).sum::<f64>() / n, values.iter().map(|v| v.1).sum::<f64>() / n);
-    let square: f64 = values.iter().map(|v| (v.0 - x).powi(2)).sum();
-    let slope = values.iter().map(|v| (v.0 - x) * (v.1 - y)).sum::<f64>() / square;
+    let line = Line::through(values.iter().copied());
+    let (x, y, slope) = (line.mean_x, line.mean_y, line.slope());
     values.iter().map(|v| (v.1 - y - slope * (v.0 - x)).powi(2)).sum::<f64>() / (n - 2.0)
 }
 

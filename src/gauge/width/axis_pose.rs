@@ -1,6 +1,7 @@
 //! How the axis of a straight part lies in a frame: its slope and that of the flanks, and what they do to a width.
 
 use crate::gauge::edges::FrameEdges;
+use crate::numerics::line::Line;
 
 /// Slopes of the axis and of the flanks in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,16 +45,14 @@ fn robust_slope(points: &[(f64, f64)]) -> f64 {
     let mut limit = f64::INFINITY;
     let (mut intercept, mut slope) = (0.0, 0.0);
     for _ in 0..3 {
-        let kept = || points.iter().filter(|p| (p.1 - intercept - slope * p.0).abs() <= limit);
+        let kept = || points.iter().copied().filter(|p| (p.1 - intercept - slope * p.0).abs() <= limit);
         let n = kept().count() as f64;
         if n < 8.0 {
             break;
         }
-        let (mx, my) = (kept().map(|p| p.0).sum::<f64>() / n, kept().map(|p| p.1).sum::<f64>() / n);
-        let square: f64 = kept().map(|p| (p.0 - mx).powi(2)).sum();
-        let cross: f64 = kept().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-        let next = if square > 0.0 { cross / square } else { 0.0 };
-        let start = my - next * mx;
+        let line = Line::through(kept());
+        let next = if line.square > 0.0 { line.slope() } else { 0.0 };
+        let start = line.mean_y - next * line.mean_x;
         let rest: f64 = kept().map(|p| (p.1 - start - next * p.0).powi(2)).sum();
         (intercept, slope) = (start, next);
         limit = 3.0 * (rest / n).sqrt() + 1e-9;

@@ -4,10 +4,11 @@
 //! half a micrometre at Ø 8, and changes by as much over a field. The middles between both edges are taken for a polynomial of the fifth degree
 //! where it describes them to their own roughness, and for a line otherwise.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::axis_pose::Pose;
 use crate::gauge::edges::FrameEdges;
+use crate::numerics::normal_equations::NormalEquations;
 
 /// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.
 const TERMS: usize = 6;
@@ -107,26 +108,24 @@ fn fitted(
     };
     let (mut found, mut rest, mut limit) = (SVector::<f64, TERMS>::zeros(), f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
-        let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
-        let (mut right, mut count) = (SVector::<f64, TERMS>::zeros(), 0.0);
+        let (mut fit, mut count) = (NormalEquations::<TERMS>::new(), 0.0);
         for (x, y) in points {
             let phi = basis(*x);
             if (y - start - found.dot(&phi)).abs() <= limit {
-                normal += phi * phi.transpose();
-                right += phi * (y - start);
+                fit.add(phi, y - start, 1.0);
                 count += 1.0;
             }
         }
         for k in terms..TERMS {
-            normal.row_mut(k).fill(0.0);
-            normal.column_mut(k).fill(0.0);
-            normal[(k, k)] = 1.0;
-            right[k] = 0.0;
+            fit.normal.row_mut(k).fill(0.0);
+            fit.normal.column_mut(k).fill(0.0);
+            fit.normal[(k, k)] = 1.0;
+            fit.right[k] = 0.0;
         }
         if count < (LEAST_COLUMNS / BLOCK / 2) as f64 {
             break;
         }
-        found = normal.try_inverse()? * right;
+        found = fit.by_inverse()?;
         let square: f64 = points
             .iter()
             .map(|(x, y)| y - start - found.dot(&basis(*x)))

@@ -9,7 +9,8 @@ use super::curvature_bias::bias_per_curvature;
 use super::stretch::crests::Crests;
 use super::stretch::largest_value::{LEAST_STRETCH, Largest, Line};
 use crate::gauge::edges::FrameEdges;
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::normal_equations::NormalEquations;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
 /// Standard uncertainties by which the tangents must lie farther apart than the largest width to be what a caliper touches.
 const APART: f64 = 2.0;
@@ -222,19 +223,15 @@ fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64
     let mut weights = vec![1.0; points.len()];
     let mut last = None;
     for _ in 0..8 {
-        let mut normal = nalgebra::Matrix3::<f64>::zeros();
-        let mut right = nalgebra::Vector3::<f64>::zeros();
+        let mut fit = NormalEquations::new();
         for ((t, y), weight) in points.iter().zip(&weights) {
-            let basis = nalgebra::Vector3::new(1.0, *t, t * t);
-            normal += basis * basis.transpose() * *weight;
-            right += basis * (*weight * y);
+            fit.add(nalgebra::Vector3::new(1.0, *t, t * t), *y, *weight);
         }
-        let inverse = normal.try_inverse()?;
-        let p = inverse * right;
+        let inverse = fit.normal.try_inverse()?;
+        let p = inverse * fit.right;
         let residual = |t: f64, y: f64| y - (p[0] + p[1] * t + p[2] * t * t);
         let mut sizes: Vec<f64> = points.iter().map(|(t, y)| residual(*t, *y).abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let scale = MEDIAN_TO_SD * sizes[sizes.len() / 2] + 1e-9;
+        let scale = MEDIAN_TO_SD * upper_median(&mut sizes, f64::total_cmp)? + 1e-9;
         for ((t, y), weight) in points.iter().zip(&mut weights) {
             let q = residual(*t, *y) / (4.685 * scale);
             *weight = if q.abs() < 1.0 { (1.0 - q * q).powi(2) } else { 0.0 };

@@ -58,15 +58,6 @@ pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
     nearest.sqrt() * if inside { 1.0 } else { -1.0 }
 }
 
-/// Area within a polygon.
-pub fn polygon_area(corners: &[[f64; 2]]) -> f64 {
-    let cross = |i: usize| {
-        let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-        a[0] * b[1] - a[1] * b[0]
-    };
-    0.5 * (0..corners.len()).map(cross).sum::<f64>().abs()
-}
-
 /// Largest distance from the middle of a ball of `radius` and index n at which a parallel ray is turned by no more than
 /// `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left side rises).
 pub fn clear_radius_of_ball(radius: f64, index: f64, angle_rad: f64) -> f64 {

@@ -11,6 +11,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::edge_spread::gaussian::gaussian;
 use super::edge_spread::quadrature::gauss_legendre;
 use super::edge_spread::{
     EdgeSpread, FocusStack, GaussianBlur, GrazingReflection, LaserShadow, PartiallyCoherentEdge, Shifts,
@@ -442,12 +443,6 @@ fn over_radii(
         }
     }
     Ok((radii, made))
-}
-
-/// Φ(u) and φ(u); the reference takes another route to Φ (libm's erf).
-pub(crate) fn gaussian(u: f64) -> (f64, f64) {
-    let density = (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
-    (statrs::function::erf::erfc(-u / std::f64::consts::SQRT_2) * 0.5, density)
 }
 
 /// Φ averaged over u ± half, and its derivative.

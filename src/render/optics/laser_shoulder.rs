@@ -17,7 +17,8 @@ use std::sync::LazyLock;
 
 use super::edge_spread::LaserShadow;
 use super::edge_spread::fresnel_integrals::fresnel;
-use super::esf_table::{EsfTable, TablePlace, gaussian};
+use super::edge_spread::gaussian::gaussian;
+use super::esf_table::{EsfTable, TablePlace};
 
 /// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the amplitude there.
 pub(crate) const SEEN_UNITS: f64 = 10.0;

@@ -23,8 +23,9 @@ use super::scene::Scene;
 use crate::render::kernel::column_edges::{Column, Depth, Edge, PROFILE, Straight};
 use crate::render::kernel::params::Window;
 use crate::render::optics::edge_spread::LaserShadow;
+use crate::render::optics::edge_spread::gaussian::gaussian;
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
-use crate::render::optics::esf_table::{EsfTable, Node, TablePlace, gaussian};
+use crate::render::optics::esf_table::{EsfTable, Node, TablePlace};
 use crate::render::optics::laser_shoulder::{LaserShoulder, Pieces, Rows, SEEN_UNITS};
 use crate::render::silhouette::Turned;
 

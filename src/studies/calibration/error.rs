@@ -2,23 +2,20 @@
 
 use thiserror::Error;
 
-use super::plan::PlanError;
 use crate::frame::Encoding;
+use crate::gauge::CalibrationError;
 use crate::gauge::photon_transfer::PhotonTransferError;
 use crate::gauge::sensor::{FlatFieldError, NoResponse};
-use crate::gauge::{CalibrationError, GaugeSettingsError};
 use crate::render::RenderError;
+use crate::setting::SettingError;
 
 /// Why there is no calibration.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CalibrateError {
-    /// The plan cannot be right.
+    /// A setting of the plan or of the gauge cannot be right.
     #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The gauge refuses its settings.
-    #[error(transparent)]
-    Gauge(#[from] GaugeSettingsError),
+    Setting(#[from] SettingError),
     /// Frames that cannot be read.
     #[error("{0}")]
     Frames(String),

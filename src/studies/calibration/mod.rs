@@ -12,7 +12,7 @@ mod words;
 pub use calibrated::Calibrated;
 pub use error::CalibrateError;
 use one_encoding::OneEncoding;
-pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
+pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, Position, SimulatedPlan};
 pub use recordings::Recordings;
 pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
 pub use words::{edge_model_line, parameter_table};

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gauge::calibration::SettingError;
 use crate::gauge::calibration::{CertificateShare, Conditions, Date, LensLimits, Thermometer};
 use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
-use crate::job::{Job, MasterPin, NominalEdge};
+use crate::job::{Job, NominalEdge};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
 use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::setting::{SettingError, positive};
 use crate::source::Channel;
 
 /// Frames of a pin at one place in the field.
@@ -36,7 +36,7 @@ pub struct PinPlan {
     /// Expanded uncertainty U of the certificate, mm.
     pub expanded_u_mm: f64,
     /// Coverage factor k of U.
-    #[serde(default = "two")]
+    #[serde(default = "crate::gauge::calibration::masters::two")]
     pub coverage_factor: f64,
     /// Laboratory, reference standard or instrument that other pins' certificates hang on, too: with `common_expanded_u_mm`.
     #[serde(default)]
@@ -47,10 +47,6 @@ pub struct PinPlan {
     pub common_expanded_u_mm: Option<f64>,
     /// Where it was recorded: one place or more.
     pub positions: Vec<Position>,
-}
-
-fn two() -> f64 {
-    2.0
 }
 
 impl PinPlan {
@@ -186,20 +182,20 @@ impl SimulatedPlan {
         self.bench() == BenchSettings::default()
     }
 
-    fn check(&self) -> Result<(), PlanError> {
+    fn check(&self) -> Result<(), SettingError> {
         if let Some(config) = &self.config {
             let beside = "was not read: a calibration is loaded from a file to find the config it names";
-            return Err(PlanError::new("simulate.config", format!("{}: {beside}", config.display())));
+            return Err(SettingError::at("simulate.config", format!("{}: {beside}", config.display())));
         }
-        self.bench().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
+        self.bench().check().map_err(|e| SettingError::at("simulate", e.to_string()))?;
         if !(1..=1000).contains(&self.frames_each) {
-            return Err(PlanError::new("simulate.frames_each", "must be 1 to 1000"));
+            return Err(SettingError::at("simulate.frames_each", "must be 1 to 1000"));
         }
         if !(0.0..=100.0).contains(&self.limit_tilt_mrad) {
-            return Err(PlanError::new("simulate.limit_tilt_mrad", "must be 0 to 100 mrad"));
+            return Err(SettingError::at("simulate.limit_tilt_mrad", "must be 0 to 100 mrad"));
         }
         if !(0.0..=10.0).contains(&self.limit_height_mm) {
-            return Err(PlanError::new("simulate.limit_height_mm", "must be 0 to 10 mm"));
+            return Err(SettingError::at("simulate.limit_height_mm", "must be 0 to 10 mm"));
         }
         Ok(())
     }
@@ -249,7 +245,7 @@ fn a_year() -> u32 {
 impl CalibrationPlan {
     /// The calibration of a job's own bench on its own master pins, each at three heights of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
-        let pin = |(index, pin): (usize, &MasterPin)| {
+        let pin = |(index, pin): (usize, &MasterCertificate)| {
             let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
             PinPlan {
                 name: format!("masters.pins[{index}], {} mm", pin.diameter_mm),
@@ -317,22 +313,22 @@ impl CalibrationPlan {
     ///
     /// # Errors
     /// Names the key and what would be right.
-    pub fn validate(&self) -> Result<(), PlanError> {
+    pub fn validate(&self) -> Result<(), SettingError> {
         self.lens.validate()?;
         self.thermometer.validate()?;
         self.conditions.validate()?;
-        self.gauge.validate().map_err(|e| PlanError::new(format!("gauge.{}", e.key), e.to_string()))?;
+        self.gauge.validate()?;
         if self.optics_id.trim().is_empty() {
-            return Err(PlanError::new(
+            return Err(SettingError::at(
                 "optics_id",
                 "is empty; name camera, lens and light, so that no others pass for them",
             ));
         }
         if self.valid_days == 0 {
-            return Err(PlanError::new("valid_days", "must be at least 1"));
+            return Err(SettingError::at("valid_days", "must be at least 1"));
         }
         if self.masters.len() < 2 {
-            return Err(PlanError::new(
+            return Err(SettingError::at(
                 "masters",
                 "scale and edge offset need two pins of different diameter",
             ));
@@ -346,7 +342,7 @@ impl CalibrationPlan {
         let diameters = || self.masters.iter().map(|pin| pin.diameter_mm);
         let (least, most) = (diameters().fold(f64::INFINITY, f64::min), diameters().fold(0.0, f64::max));
         if most - least < 0.01 * most {
-            return Err(PlanError::new(
+            return Err(SettingError::at(
                 "masters",
                 format!(
                     "{least} to {most} mm: must differ by 1 % in diameter to separate scale from edge offset"
@@ -355,13 +351,13 @@ impl CalibrationPlan {
         }
         if self.simulate.is_none() {
             if self.fields.dark.is_none() && !self.fields.flats.is_empty() {
-                return Err(PlanError::new(
+                return Err(SettingError::at(
                     "fields.dark",
                     "is missing; flat fields need dark frames beside them",
                 ));
             }
             if let Some(index) = self.fields.flats.iter().position(|f| f.frames.is_none()) {
-                return Err(PlanError::new(
+                return Err(SettingError::at(
                     format!("fields.flats[{index}].frames"),
                     "is missing; give the folder, or a [simulate] table",
                 ));
@@ -370,33 +366,28 @@ impl CalibrationPlan {
         self.simulate.as_ref().map_or(Ok(()), SimulatedPlan::check)
     }
 
-    fn check_pin(&self, key: &str, pin: &PinPlan) -> Result<(), PlanError> {
+    fn check_pin(&self, key: &str, pin: &PinPlan) -> Result<(), SettingError> {
         let numbers = [
             ("diameter_mm", pin.diameter_mm),
             ("expanded_u_mm", pin.expanded_u_mm),
             ("coverage_factor", pin.coverage_factor),
         ];
         for (name, value) in numbers {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(PlanError::new(
-                    format!("{key}.{name}"),
-                    format!("{value} must be a positive number"),
-                ));
-            }
+            positive(&format!("{key}.{name}"), value)?;
         }
         check_common(key, pin)?;
         if let Some(simulate) = &self.simulate {
             let bench = simulate.bench();
             let field_mm = f64::from(bench.camera.rows) * bench.nominal_pixel_mm();
             if pin.diameter_mm > 0.97 * field_mm {
-                return Err(PlanError::new(
+                return Err(SettingError::at(
                     format!("{key}.diameter_mm"),
                     format!("a pin of {} mm does not fit the field of {field_mm:.2} mm", pin.diameter_mm),
                 ));
             }
         }
         if pin.positions.is_empty() {
-            return Err(PlanError::new(
+            return Err(SettingError::at(
                 format!("{key}.positions"),
                 "is empty; give one place in the field or more",
             ));
@@ -404,10 +395,10 @@ impl CalibrationPlan {
         for (index, position) in pin.positions.iter().enumerate() {
             let at = format!("{key}.positions[{index}]");
             if !(position.y_mm.is_finite() && position.height_mm.is_finite()) {
-                return Err(PlanError::new(at, "y_mm and height_mm must be finite"));
+                return Err(SettingError::at(at, "y_mm and height_mm must be finite"));
             }
             if self.simulate.is_none() && position.frames.is_none() {
-                return Err(PlanError::new(
+                return Err(SettingError::at(
                     format!("{at}.frames"),
                     "is missing; give the folder of its frames, or a [simulate] table to render them",
                 ));
@@ -418,43 +409,21 @@ impl CalibrationPlan {
 }
 
 /// What certificates share needs both keys, and is a part of U.
-fn check_common(key: &str, pin: &PinPlan) -> Result<(), PlanError> {
+fn check_common(key: &str, pin: &PinPlan) -> Result<(), SettingError> {
     match (&pin.certified_by, pin.common_expanded_u_mm) {
         (None, None) => Ok(()),
-        (Some(_), None) => Err(PlanError::new(
+        (Some(_), None) => Err(SettingError::at(
             format!("{key}.common_expanded_u_mm"),
             "is missing; say how much of U the certificates of one laboratory share (0 for none, U for all of it)",
         )),
-        (None, Some(_)) => Err(PlanError::new(
+        (None, Some(_)) => Err(SettingError::at(
             format!("{key}.certified_by"),
             "is missing; name the laboratory or standard that the certificates share",
         )),
         (Some(_), Some(u)) if (0.0..=pin.expanded_u_mm).contains(&u) => Ok(()),
-        (Some(_), Some(u)) => Err(PlanError::new(
+        (Some(_), Some(u)) => Err(SettingError::at(
             format!("{key}.common_expanded_u_mm"),
             format!("{u} is not a part of expanded_u_mm = {}; right would be 0 to that", pin.expanded_u_mm),
         )),
-    }
-}
-
-/// A key that cannot be right.
-#[derive(Clone, Debug, thiserror::Error, PartialEq)]
-#[error("{key}: {problem}")]
-pub struct PlanError {
-    /// The dotted key.
-    pub key: String,
-    /// What is wrong and what would be right.
-    pub problem: String,
-}
-
-impl PlanError {
-    fn new(key: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { key: key.into(), problem: problem.into() }
-    }
-}
-
-impl From<SettingError> for PlanError {
-    fn from(e: SettingError) -> Self {
-        Self { key: e.key, problem: format!("{} is out of range; right would be {}", e.value, e.right) }
     }
 }

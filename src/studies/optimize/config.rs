@@ -2,29 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::point::Point;
-use crate::process::{ProcessSettings, SettingsError};
-
-/// Why a problem is refused.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum OptimizeError {
-    /// A process setting.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// A value out of range.
-    #[error("{key} = {value} is not possible; it must be {must_be}")]
-    Value {
-        /// Dotted key.
-        key: String,
-        /// Value found.
-        value: String,
-        /// What would be right.
-        must_be: String,
-    },
-}
+use crate::process::ProcessSettings;
+use crate::setting::{SettingError, positive, require};
 
 /// A choice of cutting data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -201,7 +182,7 @@ impl OptimizeConfig {
     ///
     /// # Errors
     /// Names the first key out of range; bounds that exclude each other are such a key.
-    pub fn validate(&self) -> Result<(), OptimizeError> {
+    pub fn validate(&self) -> Result<(), SettingError> {
         self.process.validate()?;
         let (part, quality, life) = (&self.part, &self.quality, &self.tool_life);
         positive("part.length_mm", part.length_mm)?;
@@ -210,19 +191,16 @@ impl OptimizeConfig {
         bounds("limits.feed_mm_per_rev", self.limits.feed_mm_per_rev)?;
         bounds("limits.depth_mm", self.limits.depth_mm)?;
         let removed = 2.0 * f64::from(part.passes) * self.limits.depth_mm[1];
-        if removed >= part.diameter_mm {
-            let must_be = format!(
-                "small enough to leave a shaft: passes·2·depth = {removed} mm of {} mm",
-                part.diameter_mm
-            );
-            return Err(refuse("limits.depth_mm[1]", self.limits.depth_mm[1], must_be));
-        }
+        let right = format!(
+            "small enough to leave a shaft: passes·2·depth = {removed} mm of {} mm",
+            part.diameter_mm
+        );
+        require(removed < part.diameter_mm, "limits.depth_mm[1]", self.limits.depth_mm[1], &right)?;
         positive("quality.roughness_um", quality.roughness_um)?;
         positive("quality.size_error_mm", quality.size_error_mm)?;
-        if !(0.0..quality.size_error_mm).contains(&quality.reserve_mm) {
-            let must_be = format!("at least 0 and below quality.size_error_mm = {}", quality.size_error_mm);
-            return Err(refuse("quality.reserve_mm", quality.reserve_mm, must_be));
-        }
+        let right = format!("at least 0 and below quality.size_error_mm = {}", quality.size_error_mm);
+        let in_range = (0.0..quality.size_error_mm).contains(&quality.reserve_mm);
+        require(in_range, "quality.reserve_mm", quality.reserve_mm, &right)?;
         positive("tool_life.constant_m_per_min", life.constant_m_per_min)?;
         positive("tool_life.life_exponent", life.life_exponent)?;
         not_negative("tool_life.feed_exponent", life.feed_exponent)?;
@@ -240,48 +218,35 @@ impl OptimizeConfig {
 }
 
 impl GeneticSettings {
-    fn validate(&self) -> Result<(), OptimizeError> {
-        if !(4..=100_000).contains(&self.population) {
-            return Err(refuse(
-                "genetic.population",
-                self.population as f64,
-                "between 4 and 100000".to_owned(),
-            ));
-        }
-        if self.evaluations < 2 * self.population || self.evaluations > 100_000_000 {
-            let must_be = "at least twice genetic.population and at most 1e8".to_owned();
-            return Err(refuse("genetic.evaluations", self.evaluations as f64, must_be));
-        }
+    fn validate(&self) -> Result<(), SettingError> {
+        let (population, evaluations) = (self.population, self.evaluations);
+        require(
+            (4..=100_000).contains(&population),
+            "genetic.population",
+            population,
+            "between 4 and 100000",
+        )?;
+        let enough = (2 * population..=100_000_000).contains(&evaluations);
+        require(
+            enough,
+            "genetic.evaluations",
+            evaluations,
+            "at least twice genetic.population and at most 1e8",
+        )?;
         not_negative("genetic.crossover_index", self.crossover_index)?;
         not_negative("genetic.mutation_index", self.mutation_index)?;
-        if !(0.0..=1.0).contains(&self.mutation_rate) {
-            return Err(refuse("genetic.mutation_rate", self.mutation_rate, "between 0 and 1".to_owned()));
-        }
-        Ok(())
+        let rate = self.mutation_rate;
+        require((0.0..=1.0).contains(&rate), "genetic.mutation_rate", rate, "between 0 and 1")
     }
 }
 
-fn refuse(key: &str, value: f64, must_be: String) -> OptimizeError {
-    OptimizeError::Value { key: key.to_owned(), value: value.to_string(), must_be }
+fn not_negative(key: &str, value: f64) -> Result<(), SettingError> {
+    require(value >= 0.0 && value.is_finite(), key, value, "at least 0")
 }
 
-fn positive(key: &str, value: f64) -> Result<(), OptimizeError> {
-    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(refuse(key, value, "above 0".to_owned())) }
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), OptimizeError> {
-    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(refuse(key, value, "at least 0".to_owned())) }
-}
-
-fn bounds(key: &str, [low, high]: [f64; 2]) -> Result<(), OptimizeError> {
+fn bounds(key: &str, [low, high]: [f64; 2]) -> Result<(), SettingError> {
     positive(&format!("{key}[0]"), low)?;
     positive(&format!("{key}[1]"), high)?;
-    if low <= high {
-        return Ok(());
-    }
-    Err(refuse(
-        &format!("{key}[1]"),
-        high,
-        format!("at least the lower bound {low}; the bounds exclude each other"),
-    ))
+    let right = format!("at least the lower bound {low}; the bounds exclude each other");
+    require(low <= high, &format!("{key}[1]"), high, &right)
 }

@@ -19,8 +19,7 @@ mod point;
 mod problem;
 
 pub use config::{
-    GeneticSettings, Limits, OptimizeConfig, OptimizeError, OptimizePart, Quality, Reference, TimeModel,
-    ToolLife,
+    GeneticSettings, Limits, OptimizeConfig, OptimizePart, Quality, Reference, TimeModel, ToolLife,
 };
 pub use point::Point;
 pub use problem::{Conflict, Constraint, Problem, Solution};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::config::{Limits, OptimizeConfig, OptimizeError, TimeModel, ToolLife};
+use super::config::{Limits, OptimizeConfig, TimeModel, ToolLife};
 use super::point::Point;
 use crate::process::material::Material;
 use crate::process::stepped::{Piece, SteppedShaft};
@@ -84,7 +84,7 @@ impl Problem {
     ///
     /// # Errors
     /// As [`OptimizeConfig::validate`].
-    pub fn new(config: &OptimizeConfig) -> Result<Self, OptimizeError> {
+    pub fn new(config: &OptimizeConfig) -> Result<Self, crate::setting::SettingError> {
         config.validate()?;
         let process = &config.process;
         let material = process.material.resolve()?;

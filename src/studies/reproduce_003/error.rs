@@ -6,7 +6,6 @@ use crate::closed_loop::LoopError;
 use crate::process::ProcessError;
 use crate::process::fit::FitError;
 use crate::studies::factor::FactorError;
-use crate::studies::optimize::OptimizeError;
 
 /// A reproduction that cannot be made from the inputs given.
 #[derive(Debug, Error)]
@@ -28,7 +27,7 @@ pub enum ReproductionError {
     Factor(#[from] FactorError),
     /// The choice of cutting data.
     #[error(transparent)]
-    Optimize(#[from] OptimizeError),
+    Optimize(#[from] crate::setting::SettingError),
     /// The turning process.
     #[error(transparent)]
     Process(#[from] ProcessError),

@@ -6,7 +6,8 @@
 //! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
 
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::numerics::distributions::phi_cdf;
+use crate::numerics::distributions::{inverse_tail, phi_cdf};
+use crate::numerics::robust::upper_median;
 
 /// Columns looked at before anything looks clipped.
 const GLANCE: usize = 64;
@@ -279,20 +280,9 @@ pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
     if squares.len() < PAIRS {
         return None;
     }
-    let middle = squares.len() / 2;
-    let median = *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let median = upper_median(squares, f32::total_cmp)?;
     let cut = 36.0 * 2.2 * median;
     let kept = squares.iter().filter(|s| median == 0.0 || **s <= cut);
     let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), s| (sum + f64::from(*s), count + 1.0));
     Some(sum / f64::max(count, 1.0))
-}
-
-/// z with Q(z) = share, by bisection.
-pub(crate) fn inverse_tail(share: f64) -> f64 {
-    let (mut low, mut high) = (-8.0, 8.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if phi_cdf(-middle) > share { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }

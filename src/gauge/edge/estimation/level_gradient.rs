@@ -20,7 +20,7 @@ use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edges::Edge;
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
 const TILE: usize = 64;
@@ -226,8 +226,8 @@ impl Falloff {
         if bends.len() < LEAST_BENT {
             return None;
         }
-        let (middle, n) = (bends.len() / 2, bends.len() as f32);
-        let median = *bends.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let n = bends.len() as f32;
+        let median = upper_median(&mut bends, f32::total_cmp)?;
         let apart = bends.iter().map(|bend| (bend - median).abs()).sum::<f32>() / n;
         Some((median, (MEDIAN as f32 * variance.sqrt() / n).hypot(apart / n.sqrt())))
     }

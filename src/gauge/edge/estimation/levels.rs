@@ -178,19 +178,16 @@ impl Bins {
 
     /// The quartic of least squares over all bins, without its constant and line; `None` where few bins show it.
     fn bend(&self, columns: usize) -> Option<Bend> {
-        let mut normal = nalgebra::Matrix5::<f64>::zeros();
-        let mut right = nalgebra::Vector5::<f64>::zeros();
+        let mut fit = crate::numerics::normal_equations::NormalEquations::new();
         for Bin { at, mean, count } in &self.0 {
             let [p2, p3, p4] = legendre(*at, columns);
             let t = 2.0 * at / (columns.max(2) - 1) as f64 - 1.0;
-            let terms = nalgebra::Vector5::new(1.0, t, p2, p3, p4);
-            normal += terms * terms.transpose() * *count;
-            right += terms * (*count * mean);
+            fit.add(nalgebra::Vector5::new(1.0, t, p2, p3, p4), *mean, *count);
         }
         if self.0.len() < 7 {
             return None;
         }
-        let by = normal.cholesky()?.solve(&right);
+        let by = fit.by_cholesky()?;
         Some(Bend { by: [by[2], by[3], by[4]], columns, count: self.0.iter().map(|bin| bin.count).sum() })
     }
 

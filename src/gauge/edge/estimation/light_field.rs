@@ -7,8 +7,9 @@
 //! Least squares on the light beside the part, residuals beyond three standard deviations counting by their size only (Huber). A wire's or
 //! a disc's own pixels are divided by it: their edges are then those of even light.
 
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::Vector6;
 
+use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// Fewest pixels of light that show a field.
@@ -62,16 +63,15 @@ impl LightField {
         field.by[0] = usual.ln();
         let mut noise = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+            let mut fit = NormalEquations::new();
             for p in &points {
                 let (terms, residual) = (field.terms(p.x, p.y), field.residual(p));
                 // A residual of the logarithm weighs by the contrast's square, near the field's own.
                 let expected = field.terms(p.x, p.y).dot(&field.by).exp();
                 let weight = expected.powi(2) * (HUBER * noise / residual.abs().max(1e-12)).min(1.0);
-                normal += terms * terms.transpose() * weight;
-                right += terms * (weight * p.contrast.ln());
+                fit.add(terms, p.contrast.ln(), weight);
             }
-            field.by = normal.cholesky()?.solve(&right);
+            field.by = fit.by_cholesky()?;
             noise = MEDIAN_TO_SD * median_of(points.iter().map(|p| field.residual(p).abs()).collect());
         }
         (field.is_uneven(&points, noise) && is_smooth(&points, noise, usual)).then_some(field)

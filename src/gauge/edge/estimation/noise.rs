@@ -4,7 +4,7 @@
 //! pixel-to-pixel response alike, and none of the light's slow variation.
 
 use crate::gauge::settings::Noise;
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
 /// Noise variance as a function of the grey level: `offset + gain·level`, at least `floor`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,11 +75,10 @@ impl Spread {
             *place = difference.abs();
             taken += 1;
         }
-        if taken == 0 {
+        let Some(median) = upper_median(&mut sample[..taken], f32::total_cmp) else {
             return Self::default();
-        }
-        let (_, median, _) = sample[..taken].select_nth_unstable_by(taken / 2, f32::total_cmp);
-        let cut = 6.0 * (MEDIAN_TO_SD as f32 * *median).max(least);
+        };
+        let cut = 6.0 * (MEDIAN_TO_SD as f32 * median).max(least);
         let (mut squares, mut count) = ([0.0_f64; 4], [0.0_f64; 4]);
         let (fours, rest) = differences.as_chunks::<4>();
         for four in fours {

@@ -15,7 +15,7 @@ use crate::gauge::edge::model::edge_spread::{Knot, StepTable};
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::Edge;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 use crate::numerics::smoothing_spline::{Spline, SplineFit};
 
 /// Rows that an edge must travel over the frame for all phases to be seen often enough.
@@ -78,9 +78,7 @@ fn smooth_curve(places: &[(usize, f64)]) -> Option<Spline> {
         }
         let next = fit.solve(SMOOTHING, false)?;
         let mut sizes: Vec<f64> = places.iter().map(|(c, p)| (p - next.at(*c as f64).0).abs()).collect();
-        let middle = sizes.len() / 2;
-        let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-        limit = (4.0 * MEDIAN_TO_SD * *median).max(1e-6);
+        limit = (4.0 * MEDIAN_TO_SD * upper_median(&mut sizes, f64::total_cmp)?).max(1e-6);
         curve = Some(next);
     }
     curve

@@ -7,7 +7,7 @@
 
 use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::numerics::distributions::{phi_cdf, phi_pdf};
+use crate::numerics::distributions::{inverse_tail, phi_cdf, phi_pdf};
 
 /// Share of the variance expected of the light below which it is compressed: a slope of .55. A linear sensor's is 1 or more, known to some
 /// per cent; gentler bends move an edge by less than what the misfit of the edge model then states.
@@ -54,7 +54,7 @@ pub(crate) fn trusted([dark, light]: [f64; 2], step: f64) -> f64 {
 /// Variance of a normal deviate of variance 1 whose share `at_end` is clipped at an upper end: with z the end's distance above the mean
 /// and d what a deviate lies below it, E[d] = zΦ + φ and E[d²] = (z² + 1)Φ + zφ.
 fn clipped_variance(at_end: f64) -> f64 {
-    let z = super::grey_ends::inverse_tail(at_end.clamp(1e-9, 1.0 - 1e-9));
+    let z = inverse_tail(at_end.clamp(1e-9, 1.0 - 1e-9));
     let (cdf, pdf) = (phi_cdf(z), phi_pdf(z));
     let mean = z * cdf + pdf;
     (z * z + 1.0) * cdf + z * pdf - mean * mean

@@ -14,6 +14,7 @@ use super::shadows::{Grid, NoShadow, Shadows};
 use super::valleys::{Bridged, Valleys, median_down};
 use crate::gauge::edges::ShadowsSeen;
 use crate::gauge::settings::GaugeSettings;
+use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
 /// Cells a side of the thinned image, at most.
@@ -107,8 +108,7 @@ impl Coarse {
         self.widths.clear();
         let pairs = self.top.iter().zip(&self.bottom);
         self.widths.extend(pairs.filter_map(|(t, b)| Some(width((*t).ok()?, (*b).ok()?))));
-        let middle = self.widths.len() / 2;
-        (!self.widths.is_empty()).then(|| f64::from(*self.widths.select_nth_unstable(middle).1))
+        upper_median(&mut self.widths, Ord::cmp).map(f64::from)
     }
 
     /// Finds the part.

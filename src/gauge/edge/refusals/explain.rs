@@ -7,6 +7,7 @@ use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::shadows::NoShadow;
 use crate::gauge::edges::{Edge, FrameEdges, FrameRefused};
 use crate::gauge::settings::GaugeSettings;
+use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
 /// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie
@@ -111,10 +112,9 @@ impl GreyValues {
                 differences.push((next - value).abs());
             }
         }
-        let middle = differences.len() / 2;
-        let (_, median, _) = differences.select_nth_unstable_by(middle, f32::total_cmp);
+        let median = upper_median(&mut differences, f32::total_cmp).unwrap_or(0.0);
         // Without the steps at edges; the mean of |difference| of two normal values is 1.128 of their standard deviation.
-        let cut = 6.0 * (*median + 0.5);
+        let cut = 6.0 * (median + 0.5);
         let small = differences.iter().filter(|d| **d < cut);
         let (sum, count) = small.fold((0.0, 0.0_f64), |(sum, n), d| (sum + f64::from(*d), n + 1.0));
         let noise = sum / count.max(1.0) / 1.128;

@@ -2,10 +2,11 @@
 //!
 //! What adheres to one side widens the shadow by twice what it moves the middle; an axis that bends widens it not at all.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::centreline::CALM_PX;
 use super::departures::Block;
+use crate::numerics::normal_equations::NormalEquations;
 
 /// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
 const TERMS: usize = 6;
@@ -27,17 +28,14 @@ pub(super) fn is_bent(blocks: &[Block]) -> bool {
 
 /// Largest departure from the least-squares polynomial of so many terms; `None` where a value is missing.
 fn largest(blocks: &[Block], value: impl Fn(&Block) -> f64, terms: usize) -> Option<f64> {
-    let mut normal = SMatrix::<f64, TERMS, TERMS>::identity();
-    normal.view_mut((0, 0), (terms, terms)).fill(0.0);
-    let mut right = SVector::<f64, TERMS>::zeros();
+    let mut fit = NormalEquations::<TERMS>::new();
+    (terms..TERMS).for_each(|k| fit.normal[(k, k)] = 1.0);
     let basis =
         |b: &Block| SVector::<f64, TERMS>::from_fn(|k, _| if k < terms { b.x.powi(k as i32) } else { 0.0 });
     for block in blocks {
-        let phi = basis(block);
-        normal += phi * phi.transpose();
-        right += phi * value(block);
+        fit.add(basis(block), value(block), 1.0);
     }
-    let found = normal.try_inverse()? * right;
+    let found = fit.by_inverse()?;
     let mut off = blocks.iter().map(|b| (value(b) - found.dot(&basis(b))).abs());
     off.try_fold(0.0_f64, |most, d| d.is_finite().then(|| most.max(d)))
 }

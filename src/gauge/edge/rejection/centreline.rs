@@ -1,8 +1,9 @@
 //! The axis that most blocks of a frame agree with: a parabola over the field, robust where they disagree.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::departures::{AGREEING, AxisScratch, Block, FLOOR_PX, basis};
+use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
 /// Trial axes of the robust fit.
@@ -190,14 +191,12 @@ fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
 
 /// Parabola or line by least squares; `None` where the points do not tell it.
 pub(super) fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
-    let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
+    let mut fit = NormalEquations::new();
     for (x, y) in points {
-        let b = if bent { basis(x) } else { Vector3::new(1.0, x, 0.0) };
-        normal += b * b.transpose();
-        right += b * y;
+        fit.add(if bent { basis(x) } else { Vector3::new(1.0, x, 0.0) }, y, 1.0);
     }
     if !bent {
-        normal[(2, 2)] = 1.0;
+        fit.normal[(2, 2)] = 1.0;
     }
-    normal.cholesky().map(|c| c.solve(&right))
+    fit.by_cholesky()
 }

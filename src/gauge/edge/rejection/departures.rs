@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::gauge::edges::Edge;
 use crate::numerics::median_network::{BLOCK, LANES, medians};
-use crate::numerics::robust::MEDIAN_TO_SD;
+use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
 /// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
 const COLUMN_LIMIT: f64 = 5.5;
@@ -112,9 +112,8 @@ pub(super) fn basis(x: f64) -> Vector3<f64> {
 fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f32, usize)> {
     pool.clear();
     pool.extend(values.iter().filter(|m| m.is_finite()));
-    let middle = pool.len() / 2;
     let count = pool.len();
-    (count > 0).then(|| (*pool.select_nth_unstable_by(middle, f32::total_cmp).1, count))
+    upper_median(pool, f32::total_cmp).map(|median| (median, count))
 }
 
 impl AxisScratch {

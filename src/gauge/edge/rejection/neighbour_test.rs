@@ -1,6 +1,7 @@
 //! Whether an edge lies where its neighbours do, and whether both lines are contours of one part.
 
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
 /// Columns whose median stands for the neighbourhood.
@@ -17,10 +18,8 @@ fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
             column += offset as f64;
         }
         if pool.len() >= 4 {
-            let middle = pool.len() / 2;
             let column = column / pool.len() as f64 + (index * NEIGHBOURS) as f64;
-            let (_, median, _) = pool.select_nth_unstable_by(middle, f64::total_cmp);
-            out.push((column, *median));
+            out.extend(upper_median(pool, f64::total_cmp).map(|median| (column, median)));
         }
     }
 }

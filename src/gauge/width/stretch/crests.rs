@@ -64,11 +64,8 @@ fn crest_slope(line: &[Edge], sign: f64, pitch_px: f64) -> Option<f64> {
             Some((top as f64, line[top].row_px))
         })
         .collect();
-    let n = crests.len() as f64;
-    let (mx, my) = (crests.iter().map(|c| c.0).sum::<f64>() / n, crests.iter().map(|c| c.1).sum::<f64>() / n);
-    let spread: f64 = crests.iter().map(|c| (c.0 - mx).powi(2)).sum();
-    let cross: f64 = crests.iter().map(|c| (c.0 - mx) * (c.1 - my)).sum();
-    (crests.len() >= 3 && spread > 0.0).then(|| cross / spread)
+    let through = crate::numerics::line::Line::through(crests.iter().copied());
+    (crests.len() >= 3 && through.square > 0.0).then(|| through.slope())
 }
 
 /// Intercept and slope of the line through a side's usable edges.

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use statrs::function::erf::erfc;
 
 use super::table::EdgeSpread;
+use crate::numerics::distributions::phi_pdf;
 use crate::render::error::{RenderError, within};
 
 /// Reach of the table in σ before its ends fade: the rest is 2e-10.
@@ -70,12 +71,14 @@ impl GaussianBlur {
     pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         self.check()?;
         let sigma = self.sigma_um();
-        EdgeSpread::tabulate(-REACH * sigma, REACH * sigma, TOLERANCE, |d| gaussian_edge(d / sigma, sigma))
+        EdgeSpread::tabulate(-REACH * sigma, REACH * sigma, TOLERANCE, |d| {
+            let (light, density) = gaussian(d / sigma);
+            (light, density / sigma)
+        })
     }
 }
 
-/// Φ(u) and its derivative over d = u·σ.
-fn gaussian_edge(u: f64, sigma: f64) -> (f64, f64) {
-    let density = (-0.5 * u * u).exp() / (2.0 * std::f64::consts::PI).sqrt();
-    (0.5 * erfc(-u / std::f64::consts::SQRT_2), density / sigma)
+/// Φ(u) and φ(u); the reference takes another route to Φ (libm's erf).
+pub(crate) fn gaussian(u: f64) -> (f64, f64) {
+    (0.5 * erfc(-u / std::f64::consts::SQRT_2), phi_pdf(u))
 }

@@ -14,7 +14,7 @@
 
 mod focus_stack;
 pub mod fresnel_integrals;
-mod gaussian;
+pub(crate) mod gaussian;
 mod grazing;
 mod laser;
 mod measured;
@@ -31,4 +31,4 @@ pub use laser::LaserShadow;
 pub use measured::{MeasuredEdge, MeasuredEsf};
 pub use partial::PartiallyCoherentEdge;
 pub use shifts::Shifts;
-pub use table::{EdgeSpread, KernelTable};
+pub use table::EdgeSpread;

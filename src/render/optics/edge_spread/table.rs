@@ -286,27 +286,6 @@ impl EdgeSpread {
         (steepest / third.fold(f64::MIN_POSITIVE, f64::max)).sqrt()
     }
 
-    /// The table as a kernel reads it: cubics in f32 over equal segments of pixels, the same reach to both sides.
-    pub fn kernel_table(&self, pixel_um: f64) -> KernelTable {
-        let (low, high) = self.range_um();
-        let reach_um = high.max(-low);
-        let segments = (2.0 * reach_um / self.step_um).ceil().max(1.0);
-        let step = 2.0 * reach_um / segments;
-        let cubics = self.cubics(reach_um, segments as usize);
-        let middle = |(i, c): (usize, &[f64; 4])| {
-            let found = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
-            (found - self.value(-reach_um + (i as f64 + 0.5) * step)).abs()
-        };
-        let error = cubics.iter().enumerate().map(middle).fold(0.0, f64::max);
-        KernelTable {
-            segments: cubics.iter().map(|c| c.map(|v| v as f32)).collect(),
-            reach_px: reach_um / pixel_um,
-            per_px: pixel_um / step,
-            sharpness_px: self.sharpness_um() / pixel_um,
-            error: error + self.interpolation_error + f64::from(f32::EPSILON),
-        }
-    }
-
     /// Cubics over `segments` equal segments of -`reach_um`..=`reach_um`.
     pub fn cubics(&self, reach_um: f64, segments: usize) -> Vec<[f64; 4]> {
         let step = 2.0 * reach_um / segments as f64;
@@ -340,21 +319,6 @@ impl EdgeSpread {
     pub fn segments(&self) -> usize {
         self.knots.len() - 1
     }
-}
-
-/// A table for a kernel: F(d) over d = -reach..=reach pixels.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KernelTable {
-    /// Coefficients c0..c3 of every segment in its own fraction 0..1.
-    pub segments: Vec<[f32; 4]>,
-    /// Distance of the first knot (in the shadow) and the last (in the light) from the edge, px.
-    pub reach_px: f64,
-    /// Segments a pixel.
-    pub per_px: f64,
-    /// [`EdgeSpread::sharpness_um`] in pixels: scale for the quadrature over a pixel.
-    pub sharpness_px: f64,
-    /// Largest error against the family, share of full intensity, f32 included.
-    pub error: f64,
 }
 
 enum Place {

@@ -1,0 +1,35 @@
+//! Normal equations of a small linear least-squares problem, summed point by point.
+
+use nalgebra::{SMatrix, SVector};
+
+/// Σ w·φφᵀ and Σ w·y·φ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NormalEquations<const N: usize> {
+    /// Σ w·φφᵀ.
+    pub(crate) normal: SMatrix<f64, N, N>,
+    /// Σ w·y·φ.
+    pub(crate) right: SVector<f64, N>,
+}
+
+impl<const N: usize> NormalEquations<N> {
+    /// Of no point.
+    pub(crate) fn new() -> Self {
+        Self { normal: SMatrix::zeros(), right: SVector::zeros() }
+    }
+
+    /// Adds a point by its terms φ, its value y and its weight w.
+    pub(crate) fn add(&mut self, terms: SVector<f64, N>, value: f64, weight: f64) {
+        self.normal += terms * terms.transpose() * weight;
+        self.right += terms * (weight * value);
+    }
+
+    /// Coefficients by the inverse, where one is needed besides or the matrix is not known to be definite.
+    pub(crate) fn by_inverse(&self) -> Option<SVector<f64, N>> {
+        Some(self.normal.try_inverse()? * self.right)
+    }
+
+    /// Coefficients by Cholesky's decomposition; `None` where the points do not tell them.
+    pub(crate) fn by_cholesky(&self) -> Option<SVector<f64, N>> {
+        Some(self.normal.cholesky()?.solve(&self.right))
+    }
+}
