@@ -35,7 +35,7 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
 fn run_small(folder: &Path, out: &str, more: &[&str]) -> Output {
     let config = write(folder, "small.toml", SMALL);
     let out = folder.join(out).to_string_lossy().into_owned();
-    shadowgauge(&[&["run", &config, "--out", &out, "--backend", "cpu"], more].concat())
+    shadowgauge([&["run", &config, "--out", &out, "--backend", "cpu"], more].concat())
 }
 
 fn stderr(output: &Output) -> String {
@@ -82,7 +82,7 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
     for (what, text, exit, words) in cases {
         let config = write(folder.path(), "wrong.toml", &text);
         let out = folder.path().join("out");
-        let output = shadowgauge(&["run", &config, "--out", &out.to_string_lossy(), "--backend", "cpu"]);
+        let output = shadowgauge(["run", &config, "--out", &out.to_string_lossy(), "--backend", "cpu"]);
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(exit), "{what}: {message}");
         assert!(words.iter().all(|w| message.contains(w)), "{what}: {words:?} not in: {message}");
@@ -95,7 +95,7 @@ fn a_wrong_config_is_one_clear_error_and_leaves_nothing_behind() {
 fn a_missing_config_and_an_unknown_controller_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out").to_string_lossy().into_owned();
-    let output = shadowgauge(&["run", "no/such.toml", "--out", &out]);
+    let output = shadowgauge(["run", "no/such.toml", "--out", &out]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("no/such.toml"), "{}", stderr(&output));
     let output = run_small(folder.path(), "out", &["--controller", "magic"]);
@@ -241,7 +241,7 @@ fn a_part_within_u_of_its_limit_is_not_proven_good() {
     let config = write(folder.path(), "free.toml", &free);
     let out = folder.path().join("free").to_string_lossy().into_owned();
     let run = |config: &str, out: &str| {
-        shadowgauge(&["run", config, "--out", out, "--backend", "cpu", "--no-reference", "--json"])
+        shadowgauge(["run", config, "--out", out, "--backend", "cpu", "--no-reference", "--json"])
     };
     let output = run(&config, &out);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -20,7 +20,7 @@ fn assert_refused(arguments: &[&str], exit: i32, words: &[&str]) {
 
 #[test]
 fn stability_is_told_for_every_controller() {
-    let output = shadowgauge(&["study", "stability", "--json"]);
+    let output = shadowgauge(["study", "stability", "--json"]);
     assert!(output.status.success());
     let study: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let loops = study["loops"].as_array().expect("loops");
@@ -41,7 +41,7 @@ fn stability_is_told_for_every_controller() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("study");
-    assert!(shadowgauge(&["study", "stability", "--out", &out.to_string_lossy()]).status.success());
+    assert!(shadowgauge(["study", "stability", "--out", &out.to_string_lossy()]).status.success());
     for name in ["stability.csv", "stability.svg", "report.html"] {
         assert!(out.join(name).metadata().is_ok_and(|m| m.len() > 500), "{name}");
     }
@@ -71,7 +71,7 @@ fn unstable_gains_are_refused_by_a_run_unless_insisted_on() {
 #[test]
 fn reproduction_of_000_is_computed_when_asked() {
     let rows = |more: &[&str], code: i32| -> Vec<serde_json::Value> {
-        let output = shadowgauge(&[&["reproduce", "000", "--no-frames", "--json"], more].concat());
+        let output = shadowgauge([&["reproduce", "000", "--no-frames", "--json"], more].concat());
         assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice(&output.stdout).expect("JSON rows")
     };
@@ -141,12 +141,12 @@ fn nc_writes_a_runs_offsets() {
     let run = run_folder(folder.path(), |z| 0.05 * (1.0 - (z / 250.0 - 1.0).powi(2)));
     let stated = stated_machine(folder.path());
     let text =
-        text(&shadowgauge(&["nc", &run, "--dialect", "fanuc", "--part", "17", "--machine", &stated]).stdout);
+        text(&shadowgauge(["nc", &run, "--dialect", "fanuc", "--part", "17", "--machine", &stated]).stdout);
     assert!(text.contains("PART 17 PASS 2") && text.contains("G10 P16 X-0.033"), "{text}");
-    let list = program::text(&shadowgauge(&["nc", &run, "--dialect", "gsk", "--dry-run"]).stdout);
+    let list = program::text(&shadowgauge(["nc", &run, "--dialect", "gsk", "--dry-run"]).stdout);
     assert!(list.contains("reason: released") && list.contains("old/mm"), "{list}");
     let file = folder.path().join("pass2.ngc").to_string_lossy().into_owned();
-    assert!(shadowgauge(&["nc", &run, "--dialect", "linuxcnc", "--out", &file]).status.success());
+    assert!(shadowgauge(["nc", &run, "--dialect", "linuxcnc", "--out", &file]).status.success());
     assert!(std::fs::read_to_string(&file).is_ok_and(|t| t.ends_with("%\n")));
     assert_refused(&["nc", &run, "--dialect", "fanuc", "--pass", "9"], 2, &["no pass 9", "1 to 2"]);
     assert_refused(&["nc", &run, "--dialect", "heidenhain"], 2, &["fanuc, linuxcnc, gsk"]);
@@ -168,11 +168,11 @@ fn nc_writes_a_line_as_macro_program() {
     let run = run_folder(folder.path(), |z| 0.03 + 0.02 * (500.0 - z) / 500.0);
     let stated = stated_machine(folder.path());
     let text = text(
-        &shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--machine", &stated]).stdout,
+        &shadowgauge(["nc", &run, "--dialect", "fanuc", "--form", "macro", "--machine", &stated]).stdout,
     );
     assert!(text.contains("#802=0.02\n") && text.contains("#803=0.03\n"), "{text}");
     let list = program::text(
-        &shadowgauge(&["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]).stdout,
+        &shadowgauge(["nc", &run, "--dialect", "fanuc", "--form", "macro", "--dry-run"]).stdout,
     );
     assert!(list.contains("#805 = 0.050000"), "{list}");
 }

@@ -405,7 +405,7 @@ fn an_alarm_stops_a_run_and_the_reason_is_written_down() {
     for (more, stops) in [("", true), ("on_alarm = \"go_on\"\n", false)] {
         std::fs::write(&config, format!("{text}{more}")).unwrap();
         let out = folder.path().join(format!("out_{stops}"));
-        let output = shadowgauge(&[
+        let output = shadowgauge([
             "run",
             &config.to_string_lossy(),
             "--out",
@@ -446,7 +446,7 @@ fn a_killed_run_with_stock_second_scans_and_rounding_is_resumed_to_the_same_byte
     );
     std::fs::write(&config, text).unwrap();
     let run = |out: &std::path::Path| {
-        let output = shadowgauge(&[
+        let output = shadowgauge([
             "run",
             &config.to_string_lossy(),
             "--out",
@@ -482,7 +482,7 @@ fn a_killed_run_with_stock_second_scans_and_rounding_is_resumed_to_the_same_byte
         assert!(read(&whole) == read(&killed), "{name} differs after a resume");
     }
     // the program of the run's own control departs from the offsets in force by nothing: the loop ran on what it cuts
-    let listed = shadowgauge(&["nc", &whole.to_string_lossy(), "--dialect", "linuxcnc", "--dry-run"]);
+    let listed = shadowgauge(["nc", &whole.to_string_lossy(), "--dialect", "linuxcnc", "--dry-run"]);
     let text = String::from_utf8_lossy(&listed.stdout).into_owned();
     let rows = std::fs::read_to_string(whole.join("offsets.csv")).unwrap();
     let last = rows.lines().last().unwrap().split(',').nth(2).unwrap().parse::<f64>().unwrap();

@@ -56,7 +56,7 @@ fn deflection_reads_a_job_and_writes_a_page() {
     assert!(
         std::fs::read_to_string(out.join("deflection.csv")).unwrap().starts_with("z_mm,compliance_mm_per_n")
     );
-    let taken = shadowgauge(&["study", "deflection", "configs/beam_003.toml", "--out", out_text]);
+    let taken = shadowgauge(["study", "deflection", "configs/beam_003.toml", "--out", out_text]);
     assert_eq!(taken.status.code(), Some(2));
 }
 
@@ -79,9 +79,9 @@ fn deflection_refuses_what_cannot_be() {
         "{part}steps = [{{ from_mm = 0.0, to_mm = 200.0, diameter_mm = 60.0 }}, {{ from_mm = 100.0, to_mm = 300.0, diameter_mm = 55.0 }}]\n"
     );
     assert_refused(&command, &overlapping, 2, &["steps[1].from_mm", "overlap"]);
-    let outside = shadowgauge(&["study", "deflection", "configs/beam_003.toml", "--at", "1200"]);
+    let outside = shadowgauge(["study", "deflection", "configs/beam_003.toml", "--at", "1200"]);
     assert_eq!(outside.status.code(), Some(2));
-    let missing = shadowgauge(&["study", "deflection", "configs/no_such.toml"]);
+    let missing = shadowgauge(["study", "deflection", "configs/no_such.toml"]);
     assert_eq!(missing.status.code(), Some(2));
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/beam_003.toml").exists());
 }
@@ -120,14 +120,14 @@ fn optimize_calls_an_infeasible_problem_infeasible() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table_1.toml");
     std::fs::write(&path, optimize_config("coefficient_n = 521.2", "coefficient_n = 4764.2")).unwrap();
-    let output = shadowgauge(&["optimize", path.to_str().unwrap(), "--json"]);
+    let output = shadowgauge(["optimize", path.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(
         (&found["feasible"], &found["conflict"]["constraints"][0]),
         (&false.into(), &"size_error".into())
     );
-    let words = shadowgauge(&["optimize", path.to_str().unwrap()]);
+    let words = shadowgauge(["optimize", path.to_str().unwrap()]);
     assert!(String::from_utf8_lossy(&words.stdout).contains("infeasible"));
 }
 
@@ -204,7 +204,7 @@ fn factor_refuses_what_cannot_be() {
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("forces.csv");
     std::fs::write(&table, "depth_mm,speed_m_per_min,feed_mm_per_rev,force_n\n0.1,40,0.1,oops\n").unwrap();
-    let output = shadowgauge(&["study", "factor", "--forces", table.to_str().unwrap()]);
+    let output = shadowgauge(["study", "factor", "--forces", table.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(3));
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(words.contains("forces.csv") && words.contains("oops") || words.contains("float"), "{words}");
@@ -222,7 +222,7 @@ fn a_run_refuses_a_shaft_too_slender_to_cut_and_a_material_without_data() {
     let out = folder.path().join("run");
     let attempt = |tables: &str| {
         std::fs::write(&config, job_with(tables)).unwrap();
-        let output = shadowgauge(&[
+        let output = shadowgauge([
             "run",
             config.to_str().unwrap(),
             "--out",
@@ -274,7 +274,7 @@ fn forces_outside_the_fitted_range_are_said_to_be_extrapolated() {
         "cpu",
         "--no-reference",
     ];
-    let output = shadowgauge(&[&arguments[..], &["--passes", "1"]].concat());
+    let output = shadowgauge([&arguments[..], &["--passes", "1"]].concat());
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(words.contains("the force law is extrapolated: feed 0.4"), "{words}");
 }

@@ -59,7 +59,7 @@ pub fn path(folder: &Path, name: &str) -> String {
 pub fn calibrate(folder: &Path, plan: &str) -> Output {
     let config = path(folder, "plan.toml");
     std::fs::write(&config, plan).unwrap();
-    shadowgauge(&[
+    shadowgauge([
         "calibrate",
         &config,
         "--out",
@@ -142,7 +142,7 @@ fn a_calibration_holds_for_its_edge_model_and_for_upright_frames() {
     let upright = upright(folder.path(), &level);
     let measure = |image: &str, more: &[&str]| {
         let fixed = ["measure", image, "--calibration", &calibration, "--as-of", "2026-12-01", "--json"];
-        shadowgauge(&[&fixed[..], more].concat())
+        shadowgauge([&fixed[..], more].concat())
     };
     // The offset holds for the Gaussian that was fitted to the masters.
     let learnt = measure(&level, &["--esf", "learnt"]);
@@ -156,8 +156,7 @@ fn a_calibration_holds_for_its_edge_model_and_for_upright_frames() {
     }
     // Rows that no window read lie between the edges.
     let wide = |more: &[&str]| {
-        let all =
-            json(&shadowgauge(&[&["measure", &level, "--um-per-px", "15.27", "--json"], more].concat()));
+        let all = json(&shadowgauge([&["measure", &level, "--um-per-px", "15.27", "--json"], more].concat()));
         all["frames"][0]["max_diameter_px"].as_f64().unwrap()
     };
     assert!((wide(&["--rows-between", "1000"]) - wide(&[]) - 1000.0).abs() < 1e-3);
@@ -177,7 +176,7 @@ fn a_calibration_is_made_and_used() {
     let as_of = ["--as-of", "2026-12-01"];
     let measure = |more: &[&str]| {
         shadowgauge(
-            &[&["measure", &input, "--calibration", &calibration, "--json"], &as_of[..], more].concat(),
+            [&["measure", &input, "--calibration", &calibration, "--json"], &as_of[..], more].concat(),
         )
     };
     let all = json(&measure(&["--budget", "--coverage-factor", "3"]));
@@ -246,7 +245,7 @@ fn tolerances_are_judged(input: &str, measure: &dyn Fn(&[&str]) -> Output) {
     let none = measure(&["--tolerance", "4.9999..5.0001"]);
     assert_eq!(none.status.code(), Some(1));
     assert!(text(&none.stderr).contains("leaves no acceptance zone"), "{}", text(&none.stderr));
-    let human = shadowgauge(&["measure", input, "--um-per-px", "15.27", "--tolerance", "4.9..5.1"]);
+    let human = shadowgauge(["measure", input, "--um-per-px", "15.27", "--tolerance", "4.9..5.1"]);
     let (said, warned) = (text(&human.stdout), text(&human.stderr));
     assert!(said.contains("mean diameters of 4 frames: mean ") && !said.contains('{'), "{said}");
     assert!(warned.contains("scale and edge offset are not calibrated"), "{warned}");
@@ -269,7 +268,7 @@ fn what_does_not_belong_to_a_calibration_is_refused() {
         .unwrap();
     let odd = odd.to_string_lossy().into_owned();
     let run = |input: &str, more: &[&str]| {
-        shadowgauge(&[&["measure", input, "--calibration", &calibration], more].concat())
+        shadowgauge([&["measure", input, "--calibration", &calibration], more].concat())
     };
     for (input, more, exit, word) in [
         (&input, &["--as-of", "2026-12-01", "--optics-id", "other lens"][..], 3, "optics"),
@@ -296,7 +295,7 @@ fn what_does_not_belong_to_a_calibration_is_refused() {
     let consent = run(&input, &["--as-of", "2028-01-01", "--accept-expired", "--optics-id", "small bench"]);
     assert_eq!(consent.status.code(), Some(0), "{}", text(&consent.stderr));
     assert!(text(&consent.stderr).contains("used with consent"));
-    let without = shadowgauge(&["measure", &input, "--budget"]);
+    let without = shadowgauge(["measure", &input, "--budget"]);
     assert_eq!(without.status.code(), Some(2));
     assert!(text(&without.stderr).contains("--budget needs millimetres"));
 }
@@ -327,15 +326,15 @@ fn a_wrong_plan_is_named() {
         assert!(!folder.path().join("calibration.json").exists());
     }
     let folder = tempfile::tempdir().unwrap();
-    let missing = shadowgauge(&["calibrate", "nowhere.toml", "--out", &path(folder.path(), "x.json")]);
+    let missing = shadowgauge(["calibrate", "nowhere.toml", "--out", &path(folder.path(), "x.json")]);
     assert_eq!(missing.status.code(), Some(2));
     // The report goes beside the calibration as .html and must not be overwritten by it.
     let config = path(folder.path(), "plan.toml");
     std::fs::write(&config, PLAN).unwrap();
-    let page = shadowgauge(&["calibrate", &config, "--out", &path(folder.path(), "x.html")]);
+    let page = shadowgauge(["calibrate", &config, "--out", &path(folder.path(), "x.html")]);
     assert_eq!(page.status.code(), Some(2));
     assert!(text(&page.stderr).contains("must end in .json"), "{}", text(&page.stderr));
-    let scenes = shadowgauge(&["study", "coverage", "--scenes", "0"]);
+    let scenes = shadowgauge(["study", "coverage", "--scenes", "0"]);
     assert_eq!(scenes.status.code(), Some(2), "{}", text(&scenes.stderr));
 }
 
@@ -350,7 +349,7 @@ fn a_calibration_without_a_check_pin_is_not_called_accepted() {
     assert!(json(&made)["accepted"].is_null());
     let config = path(folder.path(), "plan.toml");
     let out = path(folder.path(), "calibration.json");
-    let human = text(&shadowgauge(&["calibrate", &config, "--out", &out, "--backend", "cpu"]).stdout);
+    let human = text(&shadowgauge(["calibrate", &config, "--out", &out, "--backend", "cpu"]).stdout);
     assert!(human.contains("no check pin") && !human.contains("middle master"), "{human}");
 }
 
@@ -409,7 +408,7 @@ fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
     assert_eq!(calibrate(folder.path(), PLAN).status.code(), Some(0));
     let calibration = path(folder.path(), "calibration.json");
     let input = path(folder.path(), "frames");
-    let output = shadowgauge(&[
+    let output = shadowgauge([
         "measure",
         &input,
         "--calibration",
@@ -449,10 +448,10 @@ fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
     // Half a turn takes the spindle as still: it tells nothing of its motion.
     let half: Vec<String> = (0..8).map(|i| format!("{input}/{i:06}.png")).collect();
     let files = ["measure", "--um-per-px", "15.27", "--turn", "--angle-step", "22.5", "--json"].into_iter();
-    let half = json(&shadowgauge(&files.chain(half.iter().map(String::as_str)).collect::<Vec<_>>()));
+    let half = json(&shadowgauge(files.chain(half.iter().map(String::as_str)).collect::<Vec<_>>()));
     let section = &half["turn"]["sections"][0];
     assert!(section["half_turn"] == true && section["harmonics"]["even_spindle"].is_null(), "{section}");
-    let human = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--turn"]);
+    let human = shadowgauge(["measure", &input, "--um-per-px", "15.27", "--turn"]);
     assert!(text(&human.stdout).contains("total run-out"), "{}", text(&human.stderr));
 }
 
@@ -467,7 +466,7 @@ fn a_ring_seen_end_on_has_its_keys() {
     })
     .save(&file)
     .unwrap();
-    let output = shadowgauge(&["measure", "--shape", "ring", "--json", "--um-per-px", "20", &file]);
+    let output = shadowgauge(["measure", "--shape", "ring", "--json", "--um-per-px", "20", &file]);
     let ring = json(&output)["frames"][0].clone();
     for key in [
         "outer_diameter_px",
@@ -488,6 +487,6 @@ fn a_ring_seen_end_on_has_its_keys() {
         assert!(ring[key].is_number(), "{key} in {ring}");
     }
     assert!((ring["outer_diameter_px"].as_f64().unwrap() - 280.0).abs() < 0.1, "{ring}");
-    let refused = shadowgauge(&["measure", "--shape", "ring", "--budget", "--um-per-px", "20", &file]);
+    let refused = shadowgauge(["measure", "--shape", "ring", "--budget", "--um-per-px", "20", &file]);
     assert_eq!(refused.status.code(), Some(2));
 }

@@ -82,7 +82,7 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
     std::fs::write(&config, COHERENT).unwrap();
     let out = path(folder.path(), "frames");
     let rendered =
-        shadowgauge(&["render", &config, "--out", &out, "--backend", "cpu", "--format", "f32", "--no-noise"]);
+        shadowgauge(["render", &config, "--out", &out, "--backend", "cpu", "--format", "f32", "--no-noise"]);
     assert_eq!(rendered.status.code(), Some(0), "{}", text(&rendered.stderr));
     let input = format!("{out}/frames");
     let truth = std::fs::read_to_string(format!("{out}/truth.csv")).unwrap();
@@ -103,7 +103,7 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
     std::fs::write(&file, table).unwrap();
     let measured = |esf: &str| {
         let edges = path(folder.path(), "edges.csv");
-        let done = shadowgauge(&[
+        let done = shadowgauge([
             "measure",
             &input,
             "--um-per-px",
@@ -127,7 +127,7 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
     assert!(gaussian.1.abs() > 0.02, "the middle of partially coherent light stands off the edge");
     assert!((of_config.1 - of_file.1).abs() < 2e-3 && learnt.0 < gaussian.0);
     let refused = |args: &[&str], code: i32, word: &str| {
-        let done = shadowgauge(&[&["measure", &input][..], args].concat());
+        let done = shadowgauge([&["measure", &input][..], args].concat());
         let said = text(&done.stderr);
         assert!(done.status.code() == Some(code) && said.contains(word), "{args:?}: {said}");
     };
@@ -158,7 +158,7 @@ fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     std::fs::write(folder.path().join("frames.csv"), table).unwrap();
     let input = path(folder.path(), "frames");
     let measure = |more: &[&str]| {
-        json(&shadowgauge(&[&["measure", &input, "--um-per-px", "15.27", "--json", "--turn"], more].concat()))
+        json(&shadowgauge([&["measure", &input, "--um-per-px", "15.27", "--json", "--turn"], more].concat()))
     };
     let all = measure(&["--station-mm", "1"]);
     let refused =
@@ -177,7 +177,7 @@ fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     assert_eq!(refused(&believed, 11), 0);
     println!("GG {} mm, with the collar believed {} mm", gg(&all), gg(&believed));
     assert!(gg(&believed) - gg(&all) > 0.004);
-    let without = shadowgauge(&["measure", &input, "--um-per-px", "15.27", "--turn-limit-um", "3"]);
+    let without = shadowgauge(["measure", &input, "--um-per-px", "15.27", "--turn-limit-um", "3"]);
     assert_eq!(without.status.code(), Some(2), "--turn-limit-um needs --turn");
 }
 
@@ -198,7 +198,7 @@ fn a_frame_out_of_focus_gives_no_diameter() {
     let input = path(folder.path(), "part");
     let measure = |more: &[&str]| {
         let all = ["measure", &input, "--calibration", &calibration, "--as-of", "2026-12-01", "--json"];
-        shadowgauge(&[&all[..], more].concat())
+        shadowgauge([&all[..], more].concat())
     };
     let all = json(&measure(&[]));
     let (good, bad) = (&all["frames"][0], &all["frames"][1]);
@@ -217,7 +217,7 @@ fn a_frame_out_of_focus_gives_no_diameter() {
     let edges = std::fs::read_to_string(edges).unwrap();
     assert_eq!(edges.lines().filter(|l| l.starts_with("b,") && l.ends_with(",,,,,blurred")).count(), 320);
     let alone = path(folder.path(), "part/b.png");
-    let none = shadowgauge(&["measure", &alone, "--calibration", &calibration, "--as-of", "2026-12-01"]);
+    let none = shadowgauge(["measure", &alone, "--calibration", &calibration, "--as-of", "2026-12-01"]);
     assert_eq!(none.status.code(), Some(3), "{}", text(&none.stderr));
     // What was not measured is not proven good.
     assert_eq!(measure(&["--tolerance", "4.9..5.1"]).status.code(), Some(1));
