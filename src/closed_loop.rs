@@ -28,7 +28,7 @@ pub use scan::{FrameReading, Progress, Sample};
 use crate::control::{self, Controller, NextPass, PartEvent, PartStart, PassContext};
 use crate::gauge::axis_line::AxisLine;
 use crate::gauge::diameter::sections::PartForm;
-use crate::gauge::{FrameEdges, Gauge, MisfitLesson, SettledStream};
+use crate::gauge::{FrameEdges, Gauge, ResidualAccumulator, SettledStream};
 use crate::job::{Job, ScanWhen};
 use crate::nc;
 use crate::plan::{Decision, DiameterOffset, HeldReason, PassPlan};
@@ -327,7 +327,7 @@ impl<'a> ClosedLoop<'a> {
         if frames == 0 {
             return Ok(None);
         }
-        let (pin_frames, mut lesson) = (masters::pin_frames, MisfitLesson::default());
+        let (pin_frames, mut lesson) = (masters::pin_frames, ResidualAccumulator::default());
         let (seen, _) = pin_frames(self.job, self.cell.as_mut(), &self.gauge, (0, frames), &mut lesson)?;
         let mean =
             |edges: &FrameEdges| camera.diameters(edges).mean(0..edges.columns()).value().map(|d| d.d_mm);

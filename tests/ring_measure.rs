@@ -12,7 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::calibration::{
-    Adjusted, BenchCalibration, Conditions, CovariancePart, LensModel, Validity,
+    Adjusted, SetupCalibration, Conditions, CovariancePart, LensModel, Validity,
 };
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};
 use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
@@ -351,8 +351,8 @@ fn calibrations(lens: LensModel) -> (Calibration, Calibration) {
         residuals: Vec::new(),
     };
     let validity = Validity { date: "2026-01-01".parse().unwrap(), valid_days: 365 };
-    let bench = BenchCalibration::new(&adjusted, SIZE, validity, RING.sigma);
-    let full = Calibration::of_bench(&adjusted, plain.masters.clone(), bench);
+    let setup = SetupCalibration::new(&adjusted, SIZE, validity, RING.sigma);
+    let full = Calibration::of_setup(&adjusted, plain.masters.clone(), setup);
     (plain, full)
 }
 

@@ -6,7 +6,7 @@ use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
 use crate::process::FollowedPass;
-use crate::render::{FrameRequest, OpticalBench, RenderError, Scene};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Scene};
 
 /// A pass of the simulated cell under way.
 pub(super) struct SimulatedCut<'c, 'r> {
@@ -14,7 +14,7 @@ pub(super) struct SimulatedCut<'c, 'r> {
     plan: PassPlan,
     follow: FollowPlan,
     /// The bench with spindle and carriage in motion.
-    bench: OpticalBench,
+    setup: OpticalSetup,
     pass: FollowedPass,
     next: usize,
     begun_ns: u64,
@@ -30,12 +30,12 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         let pass = cell.process.followed(plan)?;
         cell.begin_pass(plan.pass);
         cell.followed = follow.rest.field_z_mm.iter().map(|z_mm| SeenBurst::clear(*z_mm)).collect();
-        let mut bench = cell.bench.clone();
-        bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
-        bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
+        let mut setup = cell.setup.clone();
+        setup.nominal.motion.spindle_rpm = follow.spindle_rpm;
+        setup.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
         let begun_ns = cell.clock_ns;
         let (plan, follow) = (plan.clone(), follow.clone());
-        Ok(Self { cell, plan, follow, bench, pass, next: 0, begun_ns, spare: None })
+        Ok(Self { cell, plan, follow, setup, pass, next: 0, begun_ns, spare: None })
     }
 
     fn time_ns(&self, turns: f64) -> u64 {
@@ -51,8 +51,8 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
         if let Some(burst) = self.cell.followed.last_mut() {
             burst.add(at.field_z_mm, &shaft.deflection);
         }
-        let scene = Scene::new(&self.bench, shaft)?;
-        let camera = &self.bench.nominal.camera;
+        let scene = Scene::new(&self.setup, shaft)?;
+        let camera = &self.setup.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: self.cell.frame_id,

@@ -2,7 +2,7 @@
 
 use super::in_process::SimulatedCut;
 use super::seen_burst::axis_seen;
-use super::simulated::{Batch, Film, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
+use super::simulated::{Batch, Acquisition, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
 use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
 use crate::control::{PartAndTool, PartEvent};
@@ -28,10 +28,10 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(&self.bench, self.process.as_scanned(&self.part))?;
+        let scene = Scene::new(&self.setup, self.process.as_scanned(&self.part))?;
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
-        Ok(self.film(vec![scene], stops, Film::Part))
+        Ok(self.acquire(vec![scene], stops, Acquisition::Part))
     }
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
@@ -43,12 +43,12 @@ impl TurningCell for SimulatedCell<'_> {
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
             .map(|pose| {
-                Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
+                Scene::new(&self.setup, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
             })
             .collect();
         self.masters.frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
-        Ok(self.film(scenes?, stops, Film::Master))
+        Ok(self.acquire(scenes?, stops, Acquisition::Master))
     }
 
     fn touch(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {

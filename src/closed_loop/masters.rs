@@ -4,7 +4,7 @@ use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::calibration::Conditions;
 use crate::gauge::{
-    Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson, SettledStream,
+    Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, ResidualAccumulator, SettledStream,
 };
 use crate::job::Job;
 
@@ -14,14 +14,14 @@ pub(super) fn calibrate(
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
 ) -> Result<Calibration, LoopError> {
-    let mut lesson = MisfitLesson::default();
-    let mut measurements = masters(job, cell, gauge, &mut lesson)?;
-    let misfit = lesson.finish();
-    if misfit.is_some() {
-        let gauge = gauge.clone().expecting(misfit.as_ref());
-        measurements = masters(job, cell, &gauge, &mut MisfitLesson::default())?;
+    let mut residuals = ResidualAccumulator::default();
+    let mut measurements = masters(job, cell, gauge, &mut residuals)?;
+    let systematic_residual = residuals.finish();
+    if systematic_residual.is_some() {
+        let gauge = gauge.clone().with_systematic_residual(systematic_residual.as_ref());
+        measurements = masters(job, cell, &gauge, &mut ResidualAccumulator::default())?;
     }
-    let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit);
+    let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_systematic_residual(systematic_residual);
     // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the process' own.
     Ok(calibration.with_edge_model(&gauge.settings().esf).with_conditions(Conditions::default()))
 }
@@ -31,11 +31,11 @@ fn masters(
     job: &Job,
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
-    lesson: &mut MisfitLesson,
+    residuals: &mut ResidualAccumulator,
 ) -> Result<Vec<MasterMeasurement>, LoopError> {
     let mut measurements = Vec::new();
     for (index, pin) in job.masters.pins.iter().enumerate() {
-        let (frames, why) = pin_frames(job, cell, gauge, (index, job.masters.frames_each), lesson)?;
+        let (frames, why) = pin_frames(job, cell, gauge, (index, job.masters.frames_each), residuals)?;
         if frames.is_empty() {
             return Err(LoopError::Master { pin: index + 1, why });
         }
@@ -56,7 +56,7 @@ pub(super) fn pin_frames(
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
     (pin, frames): (usize, usize),
-    lesson: &mut MisfitLesson,
+    residuals: &mut ResidualAccumulator,
 ) -> Result<(Vec<FrameEdges>, String), LoopError> {
     let mut source = cell.scan_master(pin, frames)?;
     let (mut stream, mut found) = (SettledStream::new(gauge.stream()), FrameEdges::default());
@@ -67,7 +67,7 @@ pub(super) fn pin_frames(
             stream = SettledStream::new(gauge.stream());
         }
         match stream.measure(&frame.view(), &mut found, (), |(), settled| edges.push(settled.clone())) {
-            Ok(()) => stream.teach(lesson, &found),
+            Ok(()) => stream.accumulate(residuals, &found),
             Err(refused) => why = refused.to_string(),
         }
         source.recycle(frame);

@@ -1,6 +1,6 @@
 //! What a user sets about camera, optics, light and sensor: the nominal bench.
 //!
-//! The true bench differs from it by seeded amounts ([`Departures`]) that only `truth` knows; the gauge gets frames
+//! The true bench differs from it by seeded amounts ([`SetupDeviations`]) that only `truth` knows; the gauge gets frames
 //! and has to calibrate. Levels are grey values in counts, electrons follow from them by the sensor's gain.
 
 use schemars::JsonSchema;
@@ -183,7 +183,7 @@ impl Light {
 /// How far the true bench may lie from the nominal one: standard deviations of the seeded draws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct Departures {
+pub struct SetupDeviations {
     /// Relative standard deviation of the magnification.
     pub magnification_rel: f64,
     /// Relative standard deviation of the blur.
@@ -192,13 +192,13 @@ pub struct Departures {
     pub gain_rel: f64,
 }
 
-impl Default for Departures {
+impl Default for SetupDeviations {
     fn default() -> Self {
         Self { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 }
     }
 }
 
-impl Departures {
+impl SetupDeviations {
     /// A bench exactly as its nominal values say.
     pub fn none() -> Self {
         Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
@@ -218,7 +218,7 @@ impl Departures {
 /// Everything a user sets about the bench.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct BenchSettings {
+pub struct SetupSettings {
     /// The pixel matrix.
     pub camera: Camera,
     /// Lens and edge spread.
@@ -232,10 +232,10 @@ pub struct BenchSettings {
     /// What soils the view.
     pub contamination: Contamination,
     /// Distance of the true bench from the nominal one.
-    pub departures: Departures,
+    pub departures: SetupDeviations,
 }
 
-impl BenchSettings {
+impl SetupSettings {
     /// Checks every part.
     ///
     /// # Errors

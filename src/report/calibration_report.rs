@@ -4,8 +4,8 @@ use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use crate::gauge::EdgeMisfit;
-use crate::gauge::calibration::{BenchCalibration, Residual};
+use crate::gauge::SystematicResidual;
+use crate::gauge::calibration::{SetupCalibration, Residual};
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 
@@ -16,42 +16,42 @@ use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, 
 pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Result<String, ReportError> {
     let calibration = &calibrated.calibration;
     let mut page = Page::new(format!("Calibration of {}", plan.optics_id));
-    let Some(bench) = &calibration.bench else { return Ok(page.finish()) };
+    let Some(setup) = &calibration.setup else { return Ok(page.finish()) };
     page.text(&format!(
         "Made on {}, valid until {}. Frames of {} rows x {} columns. Masters at {} ± {} °C.{}",
-        bench.validity.date,
-        bench.validity.expires(),
-        bench.rows,
-        bench.columns,
+        setup.validity.date,
+        setup.validity.expires(),
+        setup.rows,
+        setup.columns,
         plan.thermometer.temperature_c,
         plan.thermometer.limit_temperature_k,
         if plan.simulate.is_some() { " The frames were rendered, not recorded." } else { "" }
     ));
-    verdict(&mut page, bench);
+    verdict(&mut page, setup);
     let rows: Vec<Vec<String>> = parameter_table(calibration).into_iter().map(Vec::from).collect();
     page.heading("Bench").table(&["parameter", "value", "standard uncertainty"], &rows).text(&format!(
         "√(χ²/ν) = {:.3}: {}",
-        bench.birge_ratio,
-        if bench.birge_ratio > 1.0 {
+        setup.birge_ratio,
+        if setup.birge_ratio > 1.0 {
             "the edges' own uncertainties were multiplied by it."
         } else {
             "the residuals scatter no more than the edges' own uncertainties say."
         }
     ));
-    residuals(&mut page, plan, &bench.residuals)?;
+    residuals(&mut page, plan, &setup.residuals)?;
     page.heading("Edge model").text(&format!("{}.", edge_model_line(calibrated)));
-    misfit(&mut page, calibration.misfit())?;
+    systematic_residual(&mut page, calibration.systematic_residual())?;
     if let Some(budget) = &calibrated.example {
         page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm))
             .text(&budget_words(budget, budget.factor_or(None)));
         page.table(&BUDGET_HEADER, &budget_rows(budget));
     }
-    sensor(&mut page, bench)?;
+    sensor(&mut page, setup)?;
     Ok(page.finish())
 }
 
-fn verdict(page: &mut Page, bench: &BenchCalibration) {
-    let Some(check) = bench.check else {
+fn verdict(page: &mut Page, setup: &SetupCalibration) {
+    let Some(check) = setup.check else {
         page.text(
             "No check pin was measured: nothing but the masters themselves speaks for this calibration.",
         );
@@ -113,8 +113,8 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
 }
 
 /// What the masters' edges leave of the edge model.
-fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportError> {
-    let Some(misfit) = misfit else {
+fn systematic_residual(page: &mut Page, systematic_residual: Option<&SystematicResidual>) -> Result<(), ReportError> {
+    let Some(systematic_residual) = systematic_residual else {
         page.text("The edge model fits the masters' edges as well as their noise lets it be told.");
         return Ok(());
     };
@@ -122,15 +122,15 @@ fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportErro
         "The edge model misfits the masters' edges: χ² is {:.2} times what noise explains, with {:.2} and {:.2} % of the contrast (root sum square over the \
          pixels) above and below. The edge offset has swallowed what that moves edges by. A part whose edges leave the same is measured as if the model \
          fitted; what departs from it widens its u or is refused. An edge-spread function (gauge.esf) would remove it.",
-        misfit.chi2,
-        1e2 * misfit.norm(0),
-        1e2 * misfit.norm(1)
+        systematic_residual.chi2,
+        1e2 * systematic_residual.norm(0),
+        1e2 * systematic_residual.norm(1)
     ));
     let series = [("upper edges", 0), ("lower edges", 1)].map(|(name, side)| {
-        let values = &misfit.residual[side];
+        let values = &systematic_residual.residual[side];
         let middle = (values.len() / 2) as f64;
         let points =
-            values.iter().enumerate().map(|(k, r)| ((k as f64 - middle) * misfit.step_px, 1e2 * r)).collect();
+            values.iter().enumerate().map(|(k, r)| ((k as f64 - middle) * systematic_residual.step_px, 1e2 * r)).collect();
         Series::new(name, Mark::Line, side, points)
     });
     let chart = Chart {
@@ -143,12 +143,12 @@ fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportErro
     Ok(())
 }
 
-fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> {
-    if bench.flat_field.is_none() && bench.sensor.is_none() {
+fn sensor(page: &mut Page, setup: &SetupCalibration) -> Result<(), ReportError> {
+    if setup.flat_field.is_none() && setup.sensor.is_none() {
         return Ok(());
     }
     page.heading("Sensor and light");
-    if let Some(field) = &bench.flat_field {
+    if let Some(field) = &setup.flat_field {
         page.text(&format!(
             "{} defective pixels; the light falls by {:.2} % over the field ({}); PRNU {:.3} %, DSNU {:.2} counts, black {:.2} counts. \
              Pixel-to-pixel response is not divided out: over columns it averages as noise does.",
@@ -160,7 +160,7 @@ fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> 
             field.black_counts
         ));
     }
-    let Some(sensor) = &bench.sensor else { return Ok(()) };
+    let Some(sensor) = &setup.sensor else { return Ok(()) };
     page.text(&format!(
         "Photon transfer (EMVA 1288): {:.4} electrons a count (± {:.2} %), read noise {:.2} e, PRNU {:.3} %, linearity error {:.2} %.",
         1.0 / sensor.gain_counts_per_electron,

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
+use super::dirty_frames::{Bump, COLUMNS, DrawError, Contaminant, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
 use crate::gauge::{FrameEdges, Gauge, GaugeSettings, Rejection, StationColumns};
 
@@ -20,7 +20,7 @@ const ALLOWED_UM: f64 = 1.0;
 #[derive(Clone, Debug, Serialize)]
 pub struct KindResult {
     /// The kind.
-    pub matter: Matter,
+    pub contaminant: Contaminant,
     /// Frames drawn.
     pub frames: usize,
     /// Frames where a station would be off by more than 5 µm.
@@ -173,12 +173,12 @@ fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
     outcome
 }
 
-fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
+fn kind(pair: &Pair, contaminant: Contaminant, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
     let outcomes: Vec<Outcome> = (0..frames as u64)
         .into_par_iter()
         .map(|i| {
             let piece = Piece::draw(seed + i);
-            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(matter)?))
+            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(contaminant)?))
         })
         .collect::<Result<_, DrawError>>()?;
     let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
@@ -187,7 +187,7 @@ fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindRes
     let kept: usize = harmful.iter().map(|o| o.kept).sum();
     let all: usize = harmful.iter().map(|o| o.kept + o.gaps).sum();
     Ok(KindResult {
-        matter,
+        contaminant,
         frames,
         harmful: harmful.len(),
         mishandled: mishandled_seeds.len(),
@@ -246,10 +246,10 @@ pub fn run(
     seed: u64,
 ) -> Result<ContaminationStudy, StudyError> {
     let pair = Pair::new(settings)?;
-    let kinds = Matter::KINDS
+    let kinds = Contaminant::KINDS
         .iter()
         .enumerate()
-        .map(|(k, matter)| kind(&pair, *matter, frames, seed + ((k as u64) << 32)))
+        .map(|(k, contaminant)| kind(&pair, *contaminant, frames, seed + ((k as u64) << 32)))
         .collect::<Result<_, _>>()?;
     let (clean_lost, clean_worst_share) = clean(&pair, clean_frames, seed + (100 << 32))?;
     let few = (frames / 20).max(4);

@@ -14,7 +14,7 @@ use crate::frame::{Frame, FrameView, PixelFormat, Pixels};
 use crate::gauge::{EdgeStream, FrameEdges, Gauge, GaugeSettings};
 use crate::job::Job;
 use crate::render::form::form_shaft;
-use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::setting::SettingError;
 use crate::shaft::{Pose, ProfileKnot};
 use crate::truth;
@@ -132,14 +132,14 @@ pub fn check(job: &Job) -> Result<(), SettingError> {
 /// # Errors
 /// Where nothing can be drawn or measured.
 pub fn run(job: &Job, readings: usize, renderer: &Renderer) -> Result<Vec<LineCameraRow>, LineCameraError> {
-    let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
-    let step_mm = bench.pixel_mm / PLACES as f64;
-    let scenes = (0..PLACES).map(|k| scene_at(job, &bench, step_mm * k as f64));
+    let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
+    let step_mm = setup.pixel_mm / PLACES as f64;
+    let scenes = (0..PLACES).map(|k| scene_at(job, &setup, step_mm * k as f64));
     let scenes = scenes.collect::<Result<Vec<Scene>, RenderError>>()?;
     let truth: Vec<f64> = scenes.iter().map(|scene| true_width_px(job, scene)).collect::<Result<_, _>>()?;
     let mut variance = 0.0;
     for place in 0..PLACES {
-        variance += bound_variance_px2(job, &bench, renderer, step_mm * place as f64)? / PLACES as f64;
+        variance += bound_variance_px2(job, &setup, renderer, step_mm * place as f64)? / PLACES as f64;
     }
     let settings = job.gauge_settings()?;
     let beside = GaugeSettings { outlier_px: 1e3, max_slope: MOST_STEP_PX, ..settings.clone() };
@@ -169,7 +169,7 @@ pub fn run(job: &Job, readings: usize, renderer: &Renderer) -> Result<Vec<LineCa
         blocks.push(&frame, k, &truth, &mut in_blocks)?;
         spare = Some(frame);
     }
-    let scale = (1e3 * bench.pixel_mm, variance.sqrt());
+    let scale = (1e3 * setup.pixel_mm, variance.sqrt());
     let rows: Vec<LineCameraRow> = [("one_by_one", &one_by_one), ("blocks", &in_blocks)]
         .into_iter()
         .filter_map(|(way, s)| s.row(way, scale))
@@ -235,12 +235,12 @@ fn wide(format: PixelFormat) -> PixelFormat {
 }
 
 /// The finished part, moved across the line.
-fn scene_at(job: &Job, bench: &OpticalBench, x_mm: f64) -> Result<Scene, RenderError> {
+fn scene_at(job: &Job, setup: &OpticalSetup, x_mm: f64) -> Result<Scene, RenderError> {
     let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
     let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
     let mut shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed)?;
     shaft.pose = Pose { x_mm: shaft.pose.x_mm + x_mm, ..shaft.pose };
-    Scene::new(bench, shaft)
+    Scene::new(setup, shaft)
 }
 
 fn request(job: &Job, noise: bool) -> FrameRequest {
@@ -255,12 +255,12 @@ fn true_width_px(job: &Job, scene: &Scene) -> Result<f64, RenderError> {
 /// Variance of a width below which no unbiased estimate comes, px²: 1/I of both edges, each from its half of the line.
 fn bound_variance_px2(
     job: &Job,
-    bench: &OpticalBench,
+    setup: &OpticalSetup,
     renderer: &Renderer,
     x_mm: f64,
 ) -> Result<f64, RenderError> {
     let line = |by_px: f64| -> Result<(Vec<f64>, f64), RenderError> {
-        let scene = scene_at(job, bench, x_mm + by_px * bench.pixel_mm)?;
+        let scene = scene_at(job, setup, x_mm + by_px * setup.pixel_mm)?;
         let request = FrameRequest { format: Some(PixelFormat::F32), ..request(job, false) };
         let edges = truth::true_edges(&scene, &request)?;
         let frame = renderer.render(&scene, &request, None)?;
@@ -271,8 +271,8 @@ fn bound_variance_px2(
         }
     };
     let ((up, middle), (down, _)) = (line(STEP_PX)?, line(-STEP_PX)?);
-    let sensor = &bench.nominal.sensor;
-    let per_count = bench.electrons_per_count;
+    let sensor = &setup.nominal.sensor;
+    let per_count = setup.electrons_per_count;
     let rounding = if sensor.format == PixelFormat::F32 { 0.0 } else { 1.0 / 12.0 };
     let mut information = [0.0; 2];
     for (row, (a, b)) in up.iter().zip(&down).enumerate() {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
-use crate::gauge::calibration::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
+use crate::gauge::calibration::{Adjustment, ColumnSpread, Conditions, LensModel, PARAMETERS, Solver};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, StopRule, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
@@ -31,7 +31,7 @@ impl PartView {
         calibration: &Calibration,
         conditions: &Conditions,
     ) -> Option<Self> {
-        let lens = &calibration.bench.as_ref()?.lens;
+        let lens = &calibration.setup.as_ref()?.lens;
         let middle = lens.centre_row_px;
         let at = |half_px: f64| WidthReading {
             column_px: lens.centre_column_px,
@@ -132,7 +132,7 @@ impl Model<'_> {
         let p = &x[self.deviations..self.deviations + OF_PART];
         let r = &self.reading;
         let along =
-            Along { mean_px: r.column_px - lens.centre_column_px, variance_px2: r.column_variance_px2 };
+            ColumnSpread { mean_px: r.column_px - lens.centre_column_px, variance_px2: r.column_variance_px2 };
         let (top, bottom) = (r.rows_px.0 - lens.centre_row_px, r.rows_px.1 - lens.centre_row_px);
         let width = lens.ideal_mean(along, bottom) - lens.ideal_mean(along, top);
         let added: f64 = x[self.deviations + OF_PART..].iter().sum();
@@ -173,7 +173,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     }
     // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it stands.
     let calibrated =
-        |source: &str| calibration.bench.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
+        |source: &str| calibration.setup.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
     let others = part.budget.contributions.iter();
     for row in others.filter(|r| !calibrated(&r.source) && !OF_CONDITIONS.contains(&r.source.as_str())) {
         all.push(input(row.source.clone(), 0.0, row.distribution()));
@@ -198,10 +198,10 @@ pub fn uncertainty(
     conditions: &Conditions,
     Draws { trials, seed }: Draws,
 ) -> Option<Uncertainty> {
-    let bench = calibration.bench.as_ref()?;
+    let setup = calibration.setup.as_ref()?;
     let model = Model {
         solver: adjustment.solver()?,
-        perfect: LensModel::perfect(bench.rows, bench.columns),
+        perfect: LensModel::perfect(setup.rows, setup.columns),
         reading: part.reading.clone(),
         deviations: adjustment.inputs(),
     };

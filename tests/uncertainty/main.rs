@@ -1,7 +1,7 @@
 //! Calibration of a bench, its budget, Monte Carlo and coverage.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-mod bench;
+mod setup;
 mod cli;
 mod coverage;
 mod jcgm_101;

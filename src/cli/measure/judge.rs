@@ -166,7 +166,7 @@ pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditio
 
 /// Whether all there is is a scale: no masters, no uncertainty.
 fn is_uncalibrated(calibration: &Calibration) -> bool {
-    calibration.bench.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
+    calibration.setup.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
 }
 
 /// A frame's largest diameter.
@@ -197,7 +197,7 @@ struct FollowedTurn {
 }
 
 /// Follows the frames of one command.
-pub struct Follower<'a> {
+pub struct InspectionReport<'a> {
     args: &'a JudgeArgs,
     calibration: &'a Calibration,
     conditions: Conditions,
@@ -212,7 +212,7 @@ pub struct Follower<'a> {
     no_zone_told: bool,
 }
 
-impl<'a> Follower<'a> {
+impl<'a> InspectionReport<'a> {
     /// Checks the arguments.
     ///
     /// # Errors
@@ -333,8 +333,8 @@ impl<'a> Follower<'a> {
 
     /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
     fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
-        let bench = self.calibration.bench.as_ref();
-        if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+        let setup = self.calibration.setup.as_ref();
+        if let Some(Err(error)) = setup.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
             tracing::warn!("frame {}: {error}", meta.frame_id);
             add_warning(out, &error.to_string());
         }

@@ -30,7 +30,7 @@ use self::choice::ChoiceArgs;
 use self::crests::CrestStream;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{Follower, JudgeArgs, stated_budget};
+use self::judge::{InspectionReport, JudgeArgs, stated_budget};
 use self::table::{print_series, print_table};
 use self::words::place;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
@@ -161,7 +161,7 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     }
     let gauge = Gauge::new(settings).map_err(Failure::refuse)?;
-    let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
+    let gauge = gauge.with_systematic_residual(calibration.as_ref().and_then(Calibration::systematic_residual));
     if args.shape == Shape::Ring {
         return rings(args, calibration.as_ref(), &conditions, paths);
     }
@@ -334,7 +334,7 @@ fn measure_each(
 fn add_follower(
     args: &MeasureArgs,
     measured: &Measured,
-    follower: &mut Option<Follower<'_>>,
+    follower: &mut Option<InspectionReport<'_>>,
     row: &mut Value,
 ) {
     let edges = measured.result.as_ref().ok();
@@ -381,7 +381,7 @@ fn measure_all(
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
         timing::bench(gauge, &views, count)
     });
-    let mut follower = calibration.map(|c| Follower::new(&args.judge, c, conditions)).transpose()?;
+    let mut follower = calibration.map(|c| InspectionReport::new(&args.judge, c, conditions)).transpose()?;
     let mut out = serde_json::Map::new();
     let mut figures = Vec::new();
     for measured in &results {
@@ -458,7 +458,7 @@ fn measure_one(
 
 /// Warns where an edge-spread function was to be learnt and could not be.
 fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
-    let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.unknown_place_px == [0.0; 2]);
+    let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
     let count = results.iter().filter(unlearnt).count();
     if gauge.settings().esf == (EsfModel::Learnt {}) && count > 0 {
         tracing::warn!(

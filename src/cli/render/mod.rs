@@ -98,7 +98,7 @@ struct Series<'a> {
 impl Series<'_> {
     fn write(&self, renderer: &Renderer, folder: &OutputFolder) -> Result<(), Failure> {
         let Self { args, job, scene, count } = *self;
-        let um_per_px = job.bench_settings().nominal_pixel_mm() * 1e3;
+        let um_per_px = job.setup_settings().nominal_pixel_mm() * 1e3;
         let mut frames_csv = String::from(FRAMES_HEADER);
         let mut truth_csv = String::from("frame,column,top_px,bottom_px\n");
         let mut spare = None;
@@ -122,12 +122,12 @@ impl Series<'_> {
         }
         put(folder, "frames.csv", Ok(frames_csv.into_bytes()))?;
         put(folder, "truth.csv", Ok(truth_csv.into_bytes()))?;
-        put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
+        put(folder, "truth.json", Ok(true_setup(scene).into_bytes()))
     }
 }
 
 /// The true bench: what only truth may know.
-fn true_bench(scene: &Scene) -> String {
+fn true_setup(scene: &Scene) -> String {
     let bench = scene.bench();
     let json = serde_json::json!({
         "um_per_px": bench.pixel_mm * 1e3,

@@ -16,10 +16,10 @@ use super::axis_zero::AxisZero;
 use super::conditions::Conditions;
 use super::error::{CALIBRATION_VERSION, CalibrationError, LEAST_SPREAD_PX};
 use super::masters::{MasterFigure, MasterMeasurement};
-use super::optical_setup::BenchCalibration;
+use super::optical_setup::SetupCalibration;
 use crate::frame::Encoding;
 use crate::gauge::edge::model::edge_table::EdgeTable;
-use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
+use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::FrameFigures;
 use crate::gauge::settings::EsfModel;
 
@@ -49,10 +49,10 @@ pub struct Calibration {
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bench: Option<Box<BenchCalibration>>,
+    pub setup: Option<Box<SetupCalibration>>,
     /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub misfit: Option<Box<EdgeMisfit>>,
+    pub systematic_residual: Option<Box<SystematicResidual>>,
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_table: Option<Box<EdgeTable>>,
@@ -101,27 +101,27 @@ impl Calibration {
     }
 
     /// From a bench's adjustment.
-    pub fn of_bench(adjusted: &Adjusted, masters: Vec<MasterFigure>, bench: BenchCalibration) -> Self {
-        let sum = |i: usize, j: usize| bench.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
+    pub fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
+        let sum = |i: usize, j: usize| setup.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {
             scale_mm_per_px: adjusted.parameters[0],
             offset_mm: adjusted.parameters[1],
             covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
             masters,
-            bench: Some(Box::new(bench)),
+            setup: Some(Box::new(setup)),
             ..Self::from_scale(1.0)
         }
     }
 
     /// Keeps what the masters' edges left of the edge model.
     #[must_use]
-    pub fn with_misfit(self, misfit: Option<EdgeMisfit>) -> Self {
-        Self { misfit: misfit.map(Box::new), ..self }
+    pub fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
+        Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
     /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::expecting`].
-    pub fn misfit(&self) -> Option<&EdgeMisfit> {
-        self.misfit.as_deref()
+    pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
+        self.systematic_residual.as_deref()
     }
 
     /// Keeps the edge-spread function that was fitted to the masters' edges.
@@ -177,7 +177,7 @@ impl Calibration {
     pub fn check_encoding(&self, found: Encoding) -> Result<(), CalibrationError> {
         let calibrated = match &self.encoding {
             Some(own) if own.is_same(&found) => return Ok(()),
-            None if found.is_linear() || (self.masters.is_empty() && self.bench.is_none()) => return Ok(()),
+            None if found.is_linear() || (self.masters.is_empty() && self.setup.is_none()) => return Ok(()),
             Some(own) => format!("was {own}"),
             None => "is not known (a calibration of an earlier version)".to_owned(),
         };
@@ -186,8 +186,8 @@ impl Calibration {
 
     /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
     /// the other way round.
-    pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
-        if self.is_learnt() { figures.unlearnt_place_px() / 3.0_f64.sqrt() } else { figures.u_place_px() }
+    pub(crate) fn u_position_px(&self, figures: &FrameFigures) -> f64 {
+        if self.is_learnt() { figures.unlearnt_position_px() / 3.0_f64.sqrt() } else { figures.u_position_px() }
     }
 
     /// Whether the masters' edges were fitted by an edge-spread function learnt from their own frames.
@@ -210,8 +210,8 @@ impl Calibration {
             offset_mm: 0.0,
             covariance: [0.0; 3],
             masters: Vec::new(),
-            bench: None,
-            misfit: None,
+            setup: None,
+            systematic_residual: None,
             edge_model: None,
             edge_table: None,
             conditions: None,
@@ -253,13 +253,13 @@ impl Calibration {
             let right = "shares of light from 0 to 1 that grow";
             return Err(CalibrationError::Value { key: "encoding.light_at_quarters", value, right });
         }
-        let misfit = calibration.misfit.as_ref().and_then(|m| m.impossible());
+        let systematic_residual = calibration.systematic_residual.as_ref().and_then(|m| m.impossible());
         let table = calibration.edge_table.as_ref().and_then(|t| t.impossible());
-        if let Some((key, value, right)) = misfit.or(table) {
+        if let Some((key, value, right)) = systematic_residual.or(table) {
             return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_masters()?;
-        calibration.check_bench()?;
+        calibration.check_setup()?;
         Ok(calibration)
     }
 
@@ -279,8 +279,8 @@ impl Calibration {
         if self.masters.is_empty() { Ok(()) } else { check_spread(&self.masters) }
     }
 
-    fn check_bench(&self) -> Result<(), CalibrationError> {
-        if let Some((key, value, right)) = self.bench.as_ref().and_then(|b| b.impossible()) {
+    fn check_setup(&self) -> Result<(), CalibrationError> {
+        if let Some((key, value, right)) = self.setup.as_ref().and_then(|b| b.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
         self.conditions().validate().map_err(|e| CalibrationError::Setting(e.to_string()))
@@ -304,7 +304,7 @@ impl Calibration {
     /// The calibration of the same bench for frames read column by column (a vertical shaft).
     #[must_use]
     pub fn transposed(&self) -> Self {
-        Self { bench: self.bench.as_ref().map(|bench| Box::new(bench.transposed())), ..self.clone() }
+        Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
     }
 
     /// Diameter of a width across the axis, mm.
@@ -320,7 +320,7 @@ impl Calibration {
 
     /// What the heights of an axis count from: the middle between the first and the last of `rows` rows, or the axis of the lens.
     pub fn axis_zero(&self, rows: f64) -> AxisZero {
-        let height_mm = match self.bench {
+        let height_mm = match self.setup {
             Some(_) => 0.0,
             None => -0.5 * (rows - 1.0) * self.scale_mm_per_px,
         };
@@ -335,8 +335,8 @@ impl Calibration {
 
     /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
     pub fn conditions(&self) -> Conditions {
-        match (&self.bench, &self.conditions) {
-            (Some(bench), _) => bench.conditions,
+        match (&self.setup, &self.conditions) {
+            (Some(setup), _) => setup.conditions,
             (None, Some(known)) => **known,
             (None, None) => Conditions::default(),
         }
@@ -350,7 +350,7 @@ impl Calibration {
 
     /// Whether it was made on masters and says nothing of the conditions of use.
     pub fn leaves_conditions_open(&self) -> bool {
-        self.bench.is_none() && self.conditions.is_none() && !self.masters.is_empty()
+        self.setup.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 
@@ -426,10 +426,10 @@ mod tests {
         let read = Calibration::read(text.as_bytes()).unwrap();
         assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);
         assert!((read.u_common_mm(1200.0) - good.u_common_mm(1200.0)).abs() < 1e-12);
-        assert!(!text.contains("misfit") && read.misfit().is_none());
-        let left = EdgeMisfit { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
-        let with = serde_json::to_string(&good.clone().with_misfit(Some(left.clone()))).unwrap();
-        assert_eq!(Calibration::read(with.as_bytes()).unwrap().misfit(), Some(&left));
+        assert!(!text.contains("misfit") && read.systematic_residual().is_none());
+        let left = SystematicResidual { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
+        let with = serde_json::to_string(&good.clone().with_systematic_residual(Some(left.clone()))).unwrap();
+        assert_eq!(Calibration::read(with.as_bytes()).unwrap().systematic_residual(), Some(&left));
         let loud = with.replace("-0.02", "-2.0");
         assert!(matches!(
             Calibration::read(loud.as_bytes()),

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::adjustment::{Adjusted, CovariancePart, Residual};
 use super::conditions::Conditions;
 use super::date::Date;
-use super::imaging_model::{Along, LensModel, PARAMETERS};
+use super::imaging_model::{ColumnSpread, LensModel, PARAMETERS};
 use super::verification::CheckResult;
 use crate::gauge::sensor::FlatField;
 use crate::gauge::sensor::photon_transfer::PhotonTransfer;
@@ -85,7 +85,7 @@ pub const FOCUS: f64 = 0.223;
 /// The bench behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BenchCalibration {
+pub struct SetupCalibration {
     /// Rows of the frames calibrated.
     pub rows: usize,
     /// Columns of the frames calibrated.
@@ -123,7 +123,7 @@ pub struct BenchCalibration {
 #[derive(Clone, Copy, Debug)]
 pub struct ReadWidth {
     /// Columns of the frame.
-    pub columns: Along,
+    pub columns: ColumnSpread,
     /// Mean rows of the upper and the lower edge.
     pub rows_px: (f64, f64),
     /// Chord factor χ: width square to the axis over the width along the rows.
@@ -132,7 +132,7 @@ pub struct ReadWidth {
     pub axis_y_mm: f64,
 }
 
-impl BenchCalibration {
+impl SetupCalibration {
     /// A bench from its adjustment.
     pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
         Self {
@@ -224,7 +224,7 @@ impl BenchCalibration {
     pub fn diameter_by(&self, scale: f64, read: &ReadWidth) -> [f64; PARAMETERS] {
         let ReadWidth { columns, rows_px, chord, axis_y_mm } = *read;
         let lens = &self.lens;
-        let u = Along { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
+        let u = ColumnSpread { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
         let (top, bottom) = (rows_px.0 - lens.centre_row_px, rows_px.1 - lens.centre_row_px);
         let near = 1.0 + lens.telecentricity_per_mm * axis_y_mm;
         let width = (lens.ideal_mean(u, bottom) - lens.ideal_mean(u, top)) * chord;

@@ -158,7 +158,7 @@ impl StationAverager {
         if let Some((pooled, _)) = pooled {
             for (fit, sums) in fits.iter_mut().zip(&self.sums) {
                 let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > FAR * pooled);
-                if let Some(better) = far.then(|| self.without_matter(sums, pooled)).flatten() {
+                if let Some(better) = far.then(|| self.without_outlying_angle(sums, pooled)).flatten() {
                     *fit = Ok(better);
                 }
             }
@@ -206,15 +206,15 @@ impl StationAverager {
     }
 
     /// The fit without the one angle that lies above what the others say, where that explains the station's scatter.
-    fn without_matter(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
+    fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
         let mut best: Option<AngleFit> = None;
         for (angle, s) in self.angles(sums, None) {
             let Ok(fit) = self.fit(sums, Some(angle)) else { continue };
             let above = s.seen.mean().mean - fit.lobes.at(radians(angle));
             let explains = fit.lobes.freedom >= 2.0 && fit.lobes.residual <= FAR * pooled;
-            let matter = above > 5.0 * pooled.sqrt();
+            let outlying = above > 5.0 * pooled.sqrt();
             let better = best.as_ref().is_none_or(|b| fit.lobes.residual < b.lobes.residual);
-            if explains && matter && better {
+            if explains && outlying && better {
                 best = Some(fit);
             }
         }

@@ -10,7 +10,7 @@
 use super::refusals::explain::refused;
 use super::stream::AreaStream;
 use crate::frame::{FrameView, PixelFormat, Pixels};
-use crate::gauge::edge::estimation::model_bias::MisfitLesson;
+use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::numerics::robust::MEDIAN_TO_SD;
@@ -296,10 +296,10 @@ impl Narrow {
     }
 
     /// Adds what the readings just measured leave of the edge model, where no lesson has seen any of them.
-    pub(crate) fn teach(&mut self, lesson: &mut MisfitLesson) {
+    pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator) {
         if self.untaught >= self.count && self.count >= LEAST {
             self.untaught = 0;
-            self.pooled.teach(lesson, &self.edges);
+            self.pooled.accumulate(residuals, &self.edges);
         }
     }
 }

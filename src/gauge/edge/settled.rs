@@ -5,7 +5,7 @@
 //! full, are measured anew in it, and count like those that follow. An area camera's frames wait for nothing.
 
 use super::edge_stream::EdgeStream;
-use super::estimation::model_bias::MisfitLesson;
+use super::estimation::model_bias::ResidualAccumulator;
 use crate::frame::FrameView;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::GaugeSettings;
@@ -95,7 +95,7 @@ impl<T> SettledStream<T> {
     }
 
     /// As [`EdgeStream::teach`], for the frame measured last; of a line camera once for every picture of readings, so that no reading counts twice.
-    pub fn teach(&mut self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+    pub fn teach(&mut self, lesson: &mut ResidualAccumulator, measured: &FrameEdges) {
         self.stream.teach(lesson, measured);
     }
 }

@@ -14,7 +14,7 @@ pub(super) const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 /// What the frame states of the side beside its edges.
 #[derive(Clone, Debug)]
 pub(crate) struct SideFigures {
-    pub(crate) misfit: f64,
+    pub(crate) reduced_chi2: f64,
     pub(crate) survey: Survey,
     /// Largest step between neighbouring edges, px; infinite with gaps.
     pub(crate) jump: f64,
@@ -29,7 +29,7 @@ pub(crate) struct SideFigures {
 impl Default for SideFigures {
     fn default() -> Self {
         Self {
-            misfit: 1.0,
+            reduced_chi2: 1.0,
             survey: Survey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),

@@ -10,7 +10,7 @@ use super::budget_conditions::{self, Row};
 pub use super::form_scatter::{Block, Scatter};
 use super::stated::stated;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel, ReadWidth};
+use crate::gauge::calibration::{ColumnSpread, Conditions, CovariancePart, LensModel, ReadWidth};
 use crate::gauge::edges::{FrameEdges, FrameFigures};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
@@ -239,22 +239,22 @@ impl WidthReading {
     /// The diameter at 20 °C and its budget.
     pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
         let scale = calibration.scale_mm_per_px;
-        let (width_px, by) = match &calibration.bench {
-            Some(bench) => {
-                let columns = Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
+        let (width_px, by) = match &calibration.setup {
+            Some(setup) => {
+                let columns = ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
                 let (rows_px, chord, axis_y_mm) = (self.rows_px, self.chord, conditions.axis_y_mm);
-                let by = bench.diameter_by(scale, &ReadWidth { columns, rows_px, chord, axis_y_mm });
+                let by = setup.diameter_by(scale, &ReadWidth { columns, rows_px, chord, axis_y_mm });
                 (by[0], Some(by))
             }
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
         };
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_edges(&mut budget, scale * self.chord, calibration.bench.as_ref().map(|b| &b.lens));
+        self.add_edges(&mut budget, scale * self.chord, calibration.setup.as_ref().map(|b| &b.lens));
         budget.push(self.place(calibration));
-        match (&calibration.bench, by) {
-            (Some(bench), Some(by)) => {
-                for part in &bench.parts {
+        match (&calibration.setup, by) {
+            (Some(setup), Some(by)) => {
+                for part in &setup.parts {
                     budget.push(common(part, &by));
                 }
             }
@@ -267,9 +267,9 @@ impl WidthReading {
     /// The row of edges whose place is unknown because their edge-spread function was learnt and the masters' was not, or the other
     /// way round.
     fn place(&self, calibration: &Calibration) -> Contribution {
-        let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        let limit = self.figures.position_ambiguity_px[0] + self.figures.position_ambiguity_px[1];
         let (source, input) = if calibration.is_learnt() {
-            let limit = self.figures.unlearnt_place_px();
+            let limit = self.figures.unlearnt_position_px();
             ("place of edges not learnt, as the masters' were", format!("± {limit:.3} px of width"))
         } else {
             ("place of learnt edges, no masters", format!("0 to {limit:.3} px of width less"))
@@ -280,7 +280,7 @@ impl WidthReading {
             shape: Shape::Rectangular,
             share: Share::Common,
             freedom: None,
-            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_place_px(&self.figures),
+            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_position_px(&self.figures),
         }
     }
 

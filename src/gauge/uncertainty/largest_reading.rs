@@ -11,9 +11,9 @@ impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`crate::gauge::largest_caliper`] finds it, behind the
     /// lens of a calibration.
     pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
-        let largest = match &calibration.bench {
-            Some(bench) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
-                let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
+        let largest = match &calibration.setup {
+            Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
+                let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
                 row(bottom_px) - row(top_px)
             }),
             None => largest_caliper_over(edges, least_columns),
@@ -41,7 +41,7 @@ impl WidthReading {
         };
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
-        let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
+        let misfit = mean(&|c| edges.model_variance(c)).min(shared);
         let clipped = edges.clipped_variance().min(shared - misfit);
         let rounding = edges.figures.rounding_variance().min(shared - misfit - clipped);
         // A shaft's scatter is read from all of its columns' fourth differences, three to a degree of freedom.

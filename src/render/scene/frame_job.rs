@@ -1,7 +1,7 @@
 //! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles, contamination, parameters.
 
 use super::column_profiles::Profiles;
-use super::contamination_layer::{self, Seen};
+use super::contamination_layer::{self, WindowView};
 use super::exposure::{self, Instant};
 use super::request::FrameRequest;
 use super::scene::Scene;
@@ -14,7 +14,7 @@ use crate::render::kernel::light_map::LightMap;
 use crate::render::kernel::params::{
     EdgeParams, FlatParams, FrameKeys, Params, Window, Windows, pixels_per_word,
 };
-use crate::render::kernel::shadowgraph::shaped;
+use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
 impl Scene {
@@ -79,9 +79,9 @@ impl Scene {
         let bands = bands(&columns, pixels_per_word(format) as usize, esf);
         let rises = instants.last().map_or(&[][..], |i| &i.rises);
         let (edges, rises) = (within_halo(&stacked, halo), within_halo(rises, halo));
-        let seen = Seen { edges, rises, blur_px: self.esf.blur_px, dark: bands.dark.clone() };
+        let seen = WindowView { edges, rises, blur_px: self.esf.blur_px, dark: bands.dark.clone() };
         let contamination =
-            contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
+            contamination_layer::contamination(&self.setup, request, windows, &seen, with_mask)?;
         let levels = self.levels(format);
         let mut params = Params::new(windows, format, &levels, request.noise, self.keys(request));
         params.flat = flat_noise(&params);
@@ -115,7 +115,7 @@ impl Scene {
             for instant in &mut instants {
                 let edges = &mut instant.edges;
                 instant.rises = contamination_layer::raise_edges(
-                    &self.bench,
+                    &self.setup,
                     self.outline.shaft(),
                     request,
                     window,
@@ -127,22 +127,22 @@ impl Scene {
     }
 
     fn keys(&self, request: &FrameRequest) -> FrameKeys {
-        FrameKeys { seed: request.seed, frame_id: request.frame_id, pattern_seed: self.bench.pattern_seed }
+        FrameKeys { seed: request.seed, frame_id: request.frame_id, pattern_seed: self.setup.pattern_seed }
     }
 
     fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
         params.light.kind = match contamination {
             Some(map) if !map.words.is_empty() => 2,
-            _ => u32::from(!self.bench.nominal.light.field.is_even()),
+            _ => u32::from(!self.setup.nominal.light.field.is_even()),
         };
-        let light = &self.bench.nominal.light.field;
+        let light = &self.setup.nominal.light.field;
         params.field.polynomial =
             [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
                 .map(|k| k as f32);
         params.field.sag = light.sag as f32;
         params.field.half_diagonals =
-            (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
-        params.field.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
+            (2.0 / (self.setup.rows() as f64).hypot(self.setup.columns() as f64)) as f32;
+        params.field.axis = [self.setup.centre_column() as f32, self.setup.centre_row() as f32];
     }
 
     /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
@@ -152,7 +152,7 @@ impl Scene {
         }
         let view = self.view(instant.field_z_mm);
         (window.column..window.column + window.columns)
-            .map(|c| self.bench.column_z_mm(instant.field_z_mm, f64::from(c)))
+            .map(|c| self.setup.column_z_mm(instant.field_z_mm, f64::from(c)))
             .map(|z| Depth {
                 y_mm: instant.turned.axis_depth_mm(z, &view),
                 radius_mm: self.outline.mean_radius_mm(z),
@@ -170,8 +170,8 @@ impl Scene {
     /// Takes a frame's contamination back for its memory and gives out its mask.
     pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
         let mask = std::mem::take(&mut map.mask);
-        if let Some(soiling) = &self.bench.soiling {
-            soiling.recycle(map);
+        if let Some(contamination) = &self.setup.contamination {
+            contamination.recycle(map);
         }
         mask
     }
@@ -185,8 +185,8 @@ fn within_halo<T>(all: &[T], halo: usize) -> &[T] {
 
 fn flat_noise(params: &Params) -> FlatParams {
     FlatParams {
-        bright: shaped(params, params.signal.shadow + params.signal.contrast),
-        shadow: shaped(params, params.signal.shadow),
+        bright: noise_polynomial(params, params.signal.shadow + params.signal.contrast),
+        shadow: noise_polynomial(params, params.signal.shadow),
     }
 }
 

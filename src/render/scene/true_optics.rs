@@ -6,10 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use crate::render::contamination::{FieldGeometry, Soiling};
+use crate::render::contamination::{FieldGeometry, ContaminationModel};
 use crate::render::error::RenderError;
 use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
-use crate::render::settings::{BenchSettings, Esf, Optics};
+use crate::render::settings::{SetupSettings, Esf, Optics};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
@@ -18,16 +18,16 @@ const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
 const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
 
 /// Stream of the contamination.
-const SOIL_STREAM: u64 = 0x0000_0000_736f_696c;
+const CONTAMINATION_STREAM: u64 = 0x0000_0000_736f_696c;
 
 /// Draws are cut here, so that no seed gives an absurd lens.
 const LARGEST_DRAW: f64 = 2.5;
 
 /// Camera, lens, light and sensor as they are.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OpticalBench {
+pub struct OpticalSetup {
     /// The nominal settings it was drawn from.
-    pub nominal: BenchSettings,
+    pub nominal: SetupSettings,
     /// True size of a pixel on the object, mm.
     pub pixel_mm: f64,
     /// True edge spread, in image pixels.
@@ -39,15 +39,15 @@ pub struct OpticalBench {
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
     /// What soils the view, where anything does.
-    pub soiling: Option<Arc<Soiling>>,
+    pub contamination: Option<Arc<ContaminationModel>>,
 }
 
-impl OpticalBench {
+impl OpticalSetup {
     /// Draws the true bench; the same settings and seed give the same bench.
     ///
     /// # Errors
     /// Refuses settings outside their ranges, naming the key.
-    pub fn resolve(settings: &BenchSettings, seed: u64) -> Result<Self, RenderError> {
+    pub fn resolve(settings: &SetupSettings, seed: u64) -> Result<Self, RenderError> {
         settings.check()?;
         let mut random = Pcg64::seed_from_u64(seed ^ DEPARTURE_STREAM);
         let mut factor = |relative: f64| {
@@ -60,13 +60,13 @@ impl OpticalBench {
         let gain = factor(departures.gain_rel);
         let pixel_mm = settings.camera.pixel_um * 1e-3 / magnification;
         let esf = scaled_blur(&settings.optics.esf, blur);
-        let soiling = soiling(settings, &esf, pixel_mm, seed)?;
+        let contamination = contamination(settings, &esf, pixel_mm, seed)?;
         Ok(Self {
             nominal: settings.clone(),
             tables: TableCache::default(),
             pixel_mm,
             esf,
-            soiling: soiling.map(Arc::new),
+            contamination: contamination.map(Arc::new),
             electrons_per_count: settings.sensor.electrons_per_count * gain,
             pattern_seed: seed ^ PATTERN_STREAM,
         })
@@ -104,12 +104,12 @@ impl OpticalBench {
 }
 
 /// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
-fn soiling(
-    settings: &BenchSettings,
+fn contamination(
+    settings: &SetupSettings,
     esf: &Esf,
     pixel_mm: f64,
     seed: u64,
-) -> Result<Option<Soiling>, RenderError> {
+) -> Result<Option<ContaminationModel>, RenderError> {
     if settings.contamination.is_clean() {
         return Ok(None);
     }
@@ -126,7 +126,7 @@ fn soiling(
         effective_na,
         sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
     };
-    Soiling::new(&settings.contamination, geometry, seed ^ SOIL_STREAM)
+    ContaminationModel::new(&settings.contamination, geometry, seed ^ CONTAMINATION_STREAM)
 }
 
 fn scaled_blur(esf: &Esf, factor: f64) -> Esf {

@@ -14,20 +14,20 @@ pub use error::CalibrateError;
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, Position, SimulatedPlan};
 pub use recordings::Recordings;
-pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
+pub use simulated::{Draws, Laid, SimulatedSetup, SimulatedRecordings};
 pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Frame, FrameView};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::calibration::{
-    Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
+    Adjustment, SetupCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
     Thermometer, Validity, observe, shared_source,
 };
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
-    Calibration, CalibrationError, Edge, EdgeMisfit, EsfModel, FrameEdges, Gauge, GaugeSettings,
-    LEAST_TRAVEL, MasterFigure, MisfitLesson, SettledStream,
+    Calibration, CalibrationError, Edge, SystematicResidual, EsfModel, FrameEdges, Gauge, GaugeSettings,
+    LEAST_TRAVEL, MasterFigure, ResidualAccumulator, SettledStream,
 };
 
 /// Edges of a pin's frames with where they were taken.
@@ -51,7 +51,7 @@ pub fn calibrate(
     let gauge = Gauge::new(plan.gauge.clone())?;
     let mut recordings = OneEncoding::new(recordings);
     let (flat_field, sensor) = fields(plan, &mut recordings)?;
-    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
+    let (pins, systematic_residual) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
         if seen.size != size {
@@ -63,14 +63,14 @@ pub fn calibrate(
     let adjusted = adjustment.fit()?;
     let (sigma_px, defocus_px_per_mm) = blur(&pins[..masters]);
     let validity = Validity { date: plan.date, valid_days: plan.valid_days };
-    let mut bench = BenchCalibration::new(&adjusted, size, validity, sigma_px);
-    bench.defocus_px_per_mm = defocus_px_per_mm;
-    bench.conditions = plan.conditions;
-    bench.sensor = sensor;
-    bench.flat_field = flat_field;
-    let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
+    let mut setup = SetupCalibration::new(&adjusted, size, validity, sigma_px);
+    setup.defocus_px_per_mm = defocus_px_per_mm;
+    setup.conditions = plan.conditions;
+    setup.sensor = sensor;
+    setup.flat_field = flat_field;
+    let mut calibration = Calibration::of_setup(&adjusted, figures, setup)
         .with_optics_id(&plan.optics_id)
-        .with_misfit(misfit)
+        .with_systematic_residual(systematic_residual)
         .with_edge_model(&plan.gauge.esf)
         .with_encoding(recordings.encoding.unwrap_or_default());
     let check = plan
@@ -78,8 +78,8 @@ pub fn calibrate(
         .as_ref()
         .zip(pins.get(masters))
         .and_then(|(pin, seen)| judge(plan, pin, seen, &calibration));
-    if let Some(bench) = &mut calibration.bench {
-        bench.check = check;
+    if let Some(setup) = &mut calibration.setup {
+        setup.check = check;
     }
     let first = pins[masters / 2].edges.first();
     let reading = first.and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()));
@@ -207,21 +207,21 @@ fn all_pins(
     gauge: &Gauge,
     flat_field: Option<&FlatField>,
     recordings: &mut dyn Recordings,
-) -> Result<(Vec<PinEdges>, Option<EdgeMisfit>), CalibrateError> {
-    let mut look = |gauge: &Gauge, lesson: &mut MisfitLesson| -> Result<Vec<PinEdges>, CalibrateError> {
+) -> Result<(Vec<PinEdges>, Option<SystematicResidual>), CalibrateError> {
+    let mut look = |gauge: &Gauge, residuals: &mut ResidualAccumulator| -> Result<Vec<PinEdges>, CalibrateError> {
         let mut stream = SettledStream::new(gauge.stream());
         let mut pins = Vec::new();
         for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
-            let lesson = (index < plan.masters.len()).then_some(&mut *lesson);
-            pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, lesson)?);
+            let residuals = (index < plan.masters.len()).then_some(&mut *residuals);
+            pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, residuals)?);
         }
         Ok(pins)
     };
-    let mut lesson = MisfitLesson::default();
-    let pins = look(gauge, &mut lesson)?;
-    let Some(misfit) = lesson.finish() else { return Ok((pins, None)) };
-    let pins = look(&gauge.clone().expecting(Some(&misfit)), &mut MisfitLesson::default())?;
-    Ok((pins, Some(misfit)))
+    let mut residuals = ResidualAccumulator::default();
+    let pins = look(gauge, &mut residuals)?;
+    let Some(systematic_residual) = residuals.finish() else { return Ok((pins, None)) };
+    let pins = look(&gauge.clone().with_systematic_residual(Some(&systematic_residual)), &mut ResidualAccumulator::default())?;
+    Ok((pins, Some(systematic_residual)))
 }
 
 fn pin_edges(
@@ -229,7 +229,7 @@ fn pin_edges(
     flat_field: Option<&FlatField>,
     (index, pin): (usize, &PinPlan),
     recordings: &mut dyn Recordings,
-    mut lesson: Option<&mut MisfitLesson>,
+    mut residuals: Option<&mut ResidualAccumulator>,
 ) -> Result<PinEdges, CalibrateError> {
     let learns = stream.settings().esf == (EsfModel::Learnt {});
     let (mut edges, mut size, mut unlearnt) = (Vec::new(), None, Vec::new());
@@ -253,8 +253,8 @@ fn pin_edges(
             }
             let mut seen = FrameEdges::default();
             match stream.measure(&view, &mut seen, position.y_mm, &mut keep) {
-                Ok(()) => match &mut lesson {
-                    Some(lesson) if !is_lost(&seen) => stream.teach(lesson, &seen),
+                Ok(()) => match &mut residuals {
+                    Some(residuals) if !is_lost(&seen) => stream.accumulate(residuals, &seen),
                     _ => {}
                 },
                 Err(refused) => why = refused.to_string(),

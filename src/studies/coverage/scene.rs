@@ -10,11 +10,11 @@ use crate::gauge::{
 };
 use crate::render::form::form_shaft;
 use crate::render::optics::edge_spread::PartiallyCoherentEdge;
-use crate::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
-use crate::render::{OpticalBench, RenderError, Renderer};
+use crate::render::settings::{SetupSettings, SetupDeviations, Esf, GaussianEsf};
+use crate::render::{OpticalSetup, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
-    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedBench, SimulatedPlan,
+    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedSetup, SimulatedPlan,
     SimulatedRecordings, calibrate,
 };
 use crate::truth;
@@ -61,8 +61,8 @@ struct Drawn {
 /// An edge as the gauge is given it, for the nominal pixel.
 fn samples(edge: &PartiallyCoherentEdge, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
     let table = edge.edge_spread()?;
-    let nominal = BenchSettings { departures: Departures::none(), ..simulate.bench() };
-    let pixel_um = 1e3 * OpticalBench::resolve(&nominal, 0)?.pixel_mm;
+    let nominal = SetupSettings { departures: SetupDeviations::none(), ..simulate.setup() };
+    let pixel_um = 1e3 * OpticalSetup::resolve(&nominal, 0)?.pixel_mm;
     let distance_px: Vec<f64> = (-240..=240).map(|i| f64::from(i) / 20.0).collect();
     let light = distance_px.iter().map(|d| table.value(d * pixel_um)).collect();
     Ok(EsfSamples { distance_px, light })
@@ -241,21 +241,21 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     let drawn = draw(class, seed, &mut draws)?;
     let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
     let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
-    let mut bench = recordings.into_bench();
+    let mut setup = recordings.into_setup();
     if class == Class::OtherLight {
-        bench = in_other_light(&drawn, seed, renderer)?;
+        setup = in_other_light(&drawn, seed, renderer)?;
     }
     if class == Class::Clipped {
         let times = 1.2 + 0.3 * draws.even();
         let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
-        bench = changed(&drawn, seed, renderer, light)?;
+        setup = changed(&drawn, seed, renderer, light)?;
     }
     let d20_mm = 5.3 + 1.5 * draws.even();
     let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
     if matches!(class, Class::Form | Class::Lobes) {
-        return measure_stations(&drawn, &calibration, &mut bench, (&laid, d20_mm));
+        return measure_stations(&drawn, &calibration, &mut setup, (&laid, d20_mm));
     }
-    let frame = expose(&drawn, &mut bench, &laid)?;
+    let frame = expose(&drawn, &mut setup, &laid)?;
     Ok(judge(&drawn, &calibration, &frame, d20_mm))
 }
 
@@ -264,7 +264,7 @@ fn in_other_light<'a>(
     drawn: &Drawn,
     seed: u64,
     renderer: &'a Renderer,
-) -> Result<SimulatedBench<'a>, CalibrateError> {
+) -> Result<SimulatedSetup<'a>, CalibrateError> {
     changed(drawn, seed, renderer, |simulate| {
         simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
     })
@@ -276,14 +276,14 @@ fn changed<'a>(
     seed: u64,
     renderer: &'a Renderer,
     change: impl FnOnce(&mut SimulatedPlan),
-) -> Result<SimulatedBench<'a>, CalibrateError> {
+) -> Result<SimulatedSetup<'a>, CalibrateError> {
     let mut plan = drawn.plan.clone();
     if let Some(simulate) = &mut plan.simulate {
         change(simulate);
     }
-    let other = SimulatedRecordings::new(&plan, renderer)?.into_bench();
+    let other = SimulatedRecordings::new(&plan, renderer)?.into_setup();
     // Noise of its own, not that of the first master's frames.
-    Ok(SimulatedBench::new(renderer, other.bench().clone(), other.telecentricity_per_mm, !seed))
+    Ok(SimulatedSetup::new(renderer, other.setup().clone(), other.telecentricity_per_mm, !seed))
 }
 
 /// The part as it really lies, drawn from the conditions; what lies outside them, for the classes that are.
@@ -345,23 +345,23 @@ fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid,
 }
 
 /// The frame, with what goes wrong during the exposure.
-fn expose(drawn: &Drawn, bench: &mut SimulatedBench<'_>, laid: &Laid) -> Result<Frame, RenderError> {
+fn expose(drawn: &Drawn, setup: &mut SimulatedSetup<'_>, laid: &Laid) -> Result<Frame, RenderError> {
     match drawn.class {
         Class::Vibration => {
             // Two places 3 px apart within one exposure.
-            let shift = 1.5 * bench.bench().pixel_mm;
-            let one = bench.frame(&Laid { height_mm: laid.height_mm + shift, ..laid.clone() })?;
-            let two = bench.frame(&Laid { height_mm: laid.height_mm - shift, ..laid.clone() })?;
+            let shift = 1.5 * setup.setup().pixel_mm;
+            let one = setup.frame(&Laid { height_mm: laid.height_mm + shift, ..laid.clone() })?;
+            let two = setup.frame(&Laid { height_mm: laid.height_mm - shift, ..laid.clone() })?;
             Ok(mean_of(one, &two))
         }
         Class::Overexposed => {
-            let mut frame = bench.frame(laid)?;
+            let mut frame = setup.frame(laid)?;
             if let crate::frame::PixelsMut::U16(pixels) = frame.pixels_mut() {
                 pixels.iter_mut().for_each(|p| *p = p.saturating_mul(3).min(4095));
             }
             Ok(frame)
         }
-        _ => bench.frame(laid),
+        _ => setup.frame(laid),
     }
 }
 
@@ -398,10 +398,10 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
     if usable < 0.97 || impaired > edges.columns() / 2 {
         return format!("columns refused or impaired: {}", most_common(edges));
     }
-    if edges.figures.misfit > 1.5 {
+    if edges.figures.systematic_residual > 1.5 {
         return "residual".to_owned();
     }
-    match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
+    match calibration.setup.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
         Some(Err(_)) => "blur".to_owned(),
         _ => String::new(),
     }
@@ -409,7 +409,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
 
 fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) -> Outcome {
     let Ok(gauge) = Gauge::new(drawn.plan.gauge.clone()) else { return refused("settings".to_owned()) };
-    let gauge = gauge.expecting(calibration.misfit());
+    let gauge = gauge.with_systematic_residual(calibration.systematic_residual());
     let edges = match gauge.edges(&frame.view()) {
         Ok(edges) => edges,
         Err(e) => return refused(e.reason.to_string()),
@@ -439,16 +439,16 @@ fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
 fn measure_stations(
     drawn: &Drawn,
     calibration: &Calibration,
-    bench: &mut SimulatedBench<'_>,
+    setup: &mut SimulatedSetup<'_>,
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
-    let gauge = Gauge::new(drawn.plan.gauge.clone())?.expecting(calibration.misfit());
+    let gauge = Gauge::new(drawn.plan.gauge.clone())?.with_systematic_residual(calibration.systematic_residual());
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
     let (mut common, mut flags) = (None, Vec::new());
     for k in 0..ANGLES {
         let angle_deg = laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
-        let frame = bench.frame(&Laid { angle_deg, ..laid.clone() })?;
+        let frame = setup.frame(&Laid { angle_deg, ..laid.clone() })?;
         let edges = match gauge.edges(&frame.view()) {
             Ok(edges) => edges,
             Err(e) => return Ok(refused(e.reason.to_string())),

@@ -195,7 +195,7 @@ mod tests {
     use crate::gauge::edge::estimation::scoring_table::{FINE, Tabulation};
     use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::image::window_layout::{half, window_width};
-    use crate::gauge::edge::model::edge_spread::EdgeShape;
+    use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
     use crate::gauge::edge::model::gaussian::EdgeSample;
     use crate::gauge::settings::Noise;
 
@@ -205,7 +205,7 @@ mod tests {
     fn scene(sigma: f64, noise: f64, seed: u64) -> Windows {
         let mut rng = Pcg64::seed_from_u64(seed);
         let (normal, place) = (Normal::new(0.0, noise).unwrap(), Uniform::new(-0.7, 0.7).unwrap());
-        let shape = EdgeShape::Gaussian;
+        let shape = EdgeSpreadFunction::Gaussian;
         let mut windows = Windows::new(Side::Bottom);
         windows.prepare(&shape, sigma, window_width(&shape, sigma), COLUMNS);
         windows.centre = vec![Ok(500); COLUMNS];
@@ -254,7 +254,7 @@ mod tests {
         {
             let windows = scene(sigma, sd, seed as u64);
             let of = Tabulation { sigma, kappa: 0.0, width: windows.width, free_levels: false, per_px: FINE };
-            let table = Table::new(&EdgeShape::Gaussian, of);
+            let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
             let noise = Noise::PhotonTransfer {
                 gain_counts_per_electron: 0.0,
                 read_noise_counts: sd,

@@ -12,7 +12,7 @@
 //! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
 use crate::gauge::edge::image::window_layout::{MOST_WIDTH, PHASE_REACH, core_width, half};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
@@ -149,7 +149,7 @@ impl Table {
     }
 
     /// Tabulates the weights.
-    pub(crate) fn new(shape: &EdgeShape, of: Tabulation) -> Self {
+    pub(crate) fn new(shape: &EdgeSpreadFunction, of: Tabulation) -> Self {
         let mut table = Self::empty();
         table.fill(shape, of);
         table.fill_core();
@@ -187,7 +187,7 @@ impl Table {
     }
 
     /// Fills all but the core, which only the placing of edges needs.
-    pub(crate) fn fill(&mut self, shape: &EdgeShape, of: Tabulation) {
+    pub(crate) fn fill(&mut self, shape: &EdgeSpreadFunction, of: Tabulation) {
         let Tabulation { sigma, kappa, width, free_levels, per_px } = of;
         let steps = (PHASE_REACH * per_px as f32) as usize;
         let count = 2 * steps + 1;
@@ -359,12 +359,12 @@ mod tests {
     #[test]
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
-            let width = window_width(&EdgeShape::Gaussian, 0.8);
+            let width = window_width(&EdgeSpreadFunction::Gaussian, 0.8);
             let of = Tabulation { sigma: 0.8, kappa: 1.2, width, free_levels: free, per_px: FINE };
-            let table = Table::new(&EdgeShape::Gaussian, of);
+            let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
-                EdgeShape::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
+                EdgeSpreadFunction::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
                 let phase = table.phase(x0 as f32);
                 let step: f64 =
                     samples.iter().zip(phase.weights).map(|(s, w)| f64::from(*w) * s.value).sum::<f64>()
@@ -382,7 +382,7 @@ mod tests {
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
         let of = Tabulation { sigma, kappa: 0.0, width: 32, free_levels: false, per_px: FINE };
-        let table = Table::new(&EdgeShape::Gaussian, of);
+        let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");
