@@ -204,11 +204,11 @@ fn the_absolute_form_is_refused_with_its_limit_and_built_where_insisted_on() {
     println!("{refused}");
     assert!(matches!(&refused, ControlError::Unstable { spectral_radius, .. } if *spectral_radius > 1.0));
     assert!(refused.to_string().contains("insist_on_unstable"));
-    absolute.insist_on_unstable = true;
+    absolute.allow_unstable = true;
     let passes = run_job(&absolute);
     println!("{passes:.5?}");
     assert!(passes[1].0 < 0.01 && passes[2].0 > 0.03, "corrected, then not: the absolute form oscillates");
-    absolute.insist_on_unstable = false;
+    absolute.allow_unstable = false;
     absolute.plant_gain = 0.8;
     assert!(build(&absolute, &[1.0, 2.0]).is_ok());
 }

@@ -6,7 +6,7 @@ mod linuxcnc;
 mod qualification;
 
 use linuxcnc::interpret;
-use shadowgauge::nc::replay::{self, Deed, Event, Point, Scene, Surface};
+use shadowgauge::nc::replay::{self, Deed, Event, Point, Surface, WorkingSpace};
 use shadowgauge::nc::{
     Chuck, Dialect, GeometryOffset, MacroProgram, NcError, NcProbe, NcSettings, ProbingProgram, Spindle,
     Tailstock, TurningProgram, WearX, Workpiece, fit_line,
@@ -57,9 +57,9 @@ fn before() -> Vec<(f64, f64)> {
     (0..=600).map(|i| 0.5 * f64::from(i)).map(|z| (z, BEFORE + paper(z))).collect()
 }
 
-fn run(text: &str, scene: &Scene<'_>) -> Vec<Event> {
-    let start = Point { x: scene.change.x_mm, z: scene.change.z_mm };
-    replay::run(text, &scene.control(start)).unwrap_or_else(|e| panic!("{e:?}\n{text}"))
+fn run(text: &str, working_space: &WorkingSpace<'_>) -> Vec<Event> {
+    let start = Point { x: working_space.change.x_mm, z: working_space.change.z_mm };
+    replay::run(text, &working_space.control(start)).unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }
 
 fn feeds(events: &[Event]) -> Vec<Point> {
@@ -97,8 +97,8 @@ fn what_is_probed_is_fitted_and_its_inverse_cut() {
         let (text, places) = (written.text, written.cut);
         // clear of nc.least_z_mm, the nose's fillet and the ball: .5 + .8 + 3
         assert_eq!(places, [250.0, 200.0, 150.0, 100.0, 50.0, 4.3], "{dialect:?}");
-        let scene = program.scene(dialect, before()).expect("a scene");
-        let events = run(&text, &scene);
+        let working_space = program.working_space(dialect, before()).expect("a scene");
+        let events = run(&text, &working_space);
         assert_eq!(touches(&events).len(), 12, "six before and six after the cut");
         assert!(!events.iter().any(|e| matches!(e.deed, Deed::Alarm(_))), "{text}");
         let x: Vec<f64> = places.iter().map(|z| (LENGTH - z) / LENGTH).collect();
@@ -133,10 +133,11 @@ fn the_papers_table_gives_the_papers_line() {
 fn alarms_stop_what_must_not_go_on() {
     let settings = settings();
     let program = program(&settings);
-    let last = |text: &str, scene: &Scene<'_>| run(text, scene).pop().expect("events").deed;
+    let last =
+        |text: &str, working_space: &WorkingSpace<'_>| run(text, working_space).pop().expect("events").deed;
     for dialect in Dialect::ALL {
         let text = program.write(dialect).expect("a program").text;
-        let mut scene = program.scene(dialect, before()).expect("a scene");
+        let mut working_space = program.working_space(dialect, before()).expect("a scene");
         let surface = |before: f64, after: f64| {
             Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() })
         };
@@ -151,16 +152,16 @@ fn alarms_stop_what_must_not_go_on() {
             (BEFORE, 23.188, true, true),
             (BEFORE, 15.0, true, true),
         ] {
-            scene.surface = surface(before, after);
-            let events = run(&text, &scene);
-            let rings = matches!(last(&text, &scene), Deed::Alarm(_));
+            working_space.surface = surface(before, after);
+            let events = run(&text, &working_space);
+            let rings = matches!(last(&text, &working_space), Deed::Alarm(_));
             assert_eq!(rings, alarm, "{dialect:?} {before} {after}");
             assert_eq!(!feeds(&events).is_empty(), cuts, "{dialect:?} {before} {after}");
         }
         // the part's pass was cut before
-        scene.surface = surface(BEFORE, NOMINAL);
-        scene.variables = vec![(820, 103.0)];
-        let events = run(&text, &scene);
+        working_space.surface = surface(BEFORE, NOMINAL);
+        working_space.variables = vec![(820, 103.0)];
+        let events = run(&text, &working_space);
         assert!(matches!(&events[..], [Event { deed: Deed::Alarm(_), .. }]), "{events:?}");
     }
 }
@@ -178,16 +179,17 @@ fn a_probe_that_may_hit_something_is_refused() {
     let program = program(&settings);
     for dialect in Dialect::ALL {
         let text = program.write(dialect).expect("a program").text;
-        let scene = program.scene(dialect, before()).expect("a scene");
+        let working_space = program.working_space(dialect, before()).expect("a scene");
         let refused = |change: &dyn Fn(&str) -> String, word: &str| {
-            let said = replay::check(&changed(&text, change), &scene).expect_err("refused").to_string();
+            let said =
+                replay::check(&changed(&text, change), &working_space).expect_err("refused").to_string();
             assert!(said.contains(word), "{dialect:?}, {word}: {said}");
         };
         let code = if dialect == Dialect::Linuxcnc { "G38.2" } else { "G31" };
         // the second touch: what the first left could be read again
         let second = text.match_indices(code).nth(1).expect("two touches").0;
         let rapid = format!("{}G00{}", &text[..second], text[second + code.len()..].replacen(" F50.", "", 1));
-        let said = replay::check(&rapid, &scene).expect_err("refused").to_string();
+        let said = replay::check(&rapid, &working_space).expect_err("refused").to_string();
         assert!(said.contains("in rapid the tool touches the stock"), "{dialect:?}: {said}");
         let feed = |l: &str| if l.starts_with(code) { l.replace(code, "G01") } else { l.to_owned() };
         refused(&feed, "the probe in the carrier");
@@ -206,7 +208,7 @@ fn a_probe_that_may_hit_something_is_refused() {
         let turning = format!("{}{}", &text[..second], &text[second + off.len() + 1..]);
         if dialect != Dialect::Linuxcnc {
             // LinuxCNC's M6 stops the spindle itself
-            let said = replay::check(&turning, &scene).expect_err("refused").to_string();
+            let said = replay::check(&turning, &working_space).expect_err("refused").to_string();
             assert!(said.contains("while the spindle turns"), "{said}");
         }
     }
@@ -328,17 +330,17 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
     settings.tailstock = Some(Tailstock::Absent);
     let program = program(&settings);
     let text = program.write(Dialect::Linuxcnc)?.text;
-    let scene = program.scene(Dialect::Linuxcnc, before())?;
-    let simulated = |scene: &Scene<'_>| {
-        let mut touched = touches(&run(&text, scene)).into_iter();
+    let working_space = program.working_space(Dialect::Linuxcnc, before())?;
+    let simulated = |working_space: &WorkingSpace<'_>| {
+        let mut touched = touches(&run(&text, working_space)).into_iter();
         changed(&text, |l| match l.starts_with("G38.2 X") {
             true => touched.next().map_or(l.to_owned(), |(to, _)| format!("G38.2 X{:.7} F50.", to.x)),
             false => l.to_owned(),
         })
     };
-    let Some((moves, printed)) = interpret(&simulated(&scene)) else { return Ok(()) };
+    let Some((moves, printed)) = interpret(&simulated(&working_space)) else { return Ok(()) };
     assert!(printed.contains("PROGRAM_END") && printed.matches("STRAIGHT_PROBE(").count() == 12, "{printed}");
-    let events = run(&text, &scene);
+    let events = run(&text, &working_space);
     let ours: Vec<((f64, f64), bool)> = events
         .iter()
         .filter_map(|e| match e.deed {
@@ -348,7 +350,7 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
         })
         .collect();
     // rs274 starts at the origin, ours at the change position; a move to where the tool is already is none
-    let mut at = (0.5 * scene.change.x_mm, scene.change.z_mm);
+    let mut at = (0.5 * working_space.change.x_mm, working_space.change.z_mm);
     let theirs: Vec<((f64, f64), bool)> =
         moves.into_iter().skip(2).filter(|m| std::mem::replace(&mut at, m.0) != m.0).collect();
     assert_eq!(theirs.len(), ours.len(), "{printed}");
@@ -362,7 +364,7 @@ fn linuxcnc_runs_it_with_simulated_results() -> Result<(), NcError> {
         (BEFORE, 23.214, "PART OVERSIZE"),
         (BEFORE, 23.186, "PART UNDERSIZE"),
     ] {
-        let mut wrong = scene.clone();
+        let mut wrong = working_space.clone();
         wrong.surface =
             Some(Surface { before: vec![(0.0, before)], after: vec![(0.0, after)], ..Surface::default() });
         let (_, printed) = interpret(&simulated(&wrong)).expect("it ran before");

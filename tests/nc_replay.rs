@@ -55,7 +55,7 @@ impl Case {
     }
 
     fn change(&self) -> ChangePosition {
-        self.program().scene(Dialect::Linuxcnc).expect("a scene").change
+        self.program().working_space(Dialect::Linuxcnc).expect("a scene").change
     }
 
     /// Radius that solids take up at `z`; with the stock, where a rapid moves.
@@ -312,8 +312,8 @@ fn refusal(case: &Case, dialect: Dialect, change: impl Fn(&str) -> String) -> St
     let changed: Vec<String> = text.lines().map(change).filter(|l| l != "-").collect();
     let changed = changed.join("\n") + "\n";
     assert_ne!(changed, text, "nothing was changed");
-    let scene = case.program().scene(dialect).expect("a scene");
-    replay::check(&changed, &scene).expect_err("refused").to_string()
+    let working_space = case.program().working_space(dialect).expect("a scene");
+    replay::check(&changed, &working_space).expect_err("refused").to_string()
 }
 
 #[test]
@@ -385,8 +385,8 @@ fn a_cut_that_is_short_too_deep_or_in_the_jaws_is_refused() {
     let text = other.program().write(Dialect::Fanuc).expect("a program").text;
     let mut taken = other.clone();
     taken.settings.wear_x = Some(WearX::Diameter);
-    let scene = taken.program().scene(Dialect::Fanuc).expect("a scene");
-    let said = replay::check(&text, &scene).expect_err("half the correction is missing").to_string();
+    let working_space = taken.program().working_space(Dialect::Fanuc).expect("a scene");
+    let said = replay::check(&text, &working_space).expect_err("half the correction is missing").to_string();
     assert!(said.contains("not cut to size"), "{said}");
     let line = |t: &str| t.lines().find(|l| l.starts_with("G10 P16 X-")).expect("the register").to_owned();
     let value = |t: &str| line(t)[9..].parse::<f64>().expect("a number");
@@ -506,7 +506,7 @@ fn loops_and_jumps_of_custom_macro_b_are_followed() {
     assert_eq!(ends("GOTO 7\nG00 Z1.\nN7\nG00 Z2.\n"), [2.0]);
     assert_eq!(ends("IF[#1 EQ 3.]THEN #2=8.\nG00 Z#2\n"), [8.0]);
     let endless = "N1\nGOTO 1\n";
-    let control = case.program().scene(Dialect::Fanuc).expect("a scene");
+    let control = case.program().working_space(Dialect::Fanuc).expect("a scene");
     let control = control.control(Point { x: 90.0, z: 90.0 });
     let said = replay::run(&format!("{head}{endless}M30\n"), &control).expect_err("endless").1;
     assert!(said.contains("goes on"), "{said}");

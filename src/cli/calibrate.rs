@@ -142,7 +142,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
                 "check": bench.check,
                 "edge_model": calibration.edge_model,
                 "unlearnt_frames": calibrated.unlearnt_frames,
-                "misfit_chi2": calibration.misfit().map(|m| m.chi2),
+                "misfit_chi2": calibration.systematic_residual().map(|m| m.chi2),
                 "expires": bench.validity.expires(),
                 "sensor": bench.sensor.as_ref().map(|s| json!({
                     "gain_counts_per_electron": s.gain_counts_per_electron,
@@ -163,12 +163,12 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
         say_line!("{name:<42} {value:>14} {u:>12}");
     }
     say_line!("{}", edge_model_line(calibrated));
-    if let Some(misfit) = calibration.misfit() {
+    if let Some(systematic_residual) = calibration.systematic_residual() {
         say_line!(
             "edge model misfits the masters' edges: chi2 {:.2} times the noise, {:.2} and {:.2} % of the contrast left; absorbed by the offset",
-            misfit.chi2,
-            1e2 * misfit.norm(0),
-            1e2 * misfit.norm(1)
+            systematic_residual.chi2,
+            1e2 * systematic_residual.norm(0),
+            1e2 * systematic_residual.norm(1)
         );
     }
     say_line!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());

@@ -59,7 +59,9 @@ pub(super) fn instrument(
         (None, None) => masters::calibrate(job, cell, &gauge)?.into(),
     };
     match (&calibration, &job.probe) {
-        (Calibrated::Camera(camera), None) => Ok((gauge.expecting(camera.misfit()), calibration)),
+        (Calibrated::Camera(camera), None) => {
+            Ok((gauge.with_systematic_residual(camera.systematic_residual()), calibration))
+        }
         (Calibrated::Probe(_), Some(_)) => Ok((gauge, calibration)),
         (_, None) => Err(LoopError::OtherInstrument("the camera")),
         (_, Some(_)) => Err(LoopError::OtherInstrument("the probe")),

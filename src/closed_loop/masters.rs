@@ -3,7 +3,9 @@
 use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::calibration::Conditions;
-use crate::gauge::{Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, MisfitLesson};
+use crate::gauge::{
+    Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, ResidualAccumulator,
+};
 use crate::job::Job;
 
 /// Calibrates on the masters; where their edges leave more of the edge model than noise does, they are scanned again, expecting it.
@@ -12,14 +14,16 @@ pub(super) fn calibrate(
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
 ) -> Result<Calibration, LoopError> {
-    let mut lesson = MisfitLesson::default();
-    let mut measurements = masters(job, cell, gauge, &mut lesson)?;
-    let misfit = lesson.finish();
-    if misfit.is_some() {
-        let gauge = gauge.clone().expecting(misfit.as_ref());
-        measurements = masters(job, cell, &gauge, &mut MisfitLesson::default())?;
+    let mut residuals = ResidualAccumulator::default();
+    let mut measurements = masters(job, cell, gauge, &mut residuals)?;
+    let systematic_residual = residuals.finish();
+    if systematic_residual.is_some() {
+        let gauge = gauge.clone().with_systematic_residual(systematic_residual.as_ref());
+        measurements = masters(job, cell, &gauge, &mut ResidualAccumulator::default())?;
     }
-    let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_misfit(misfit);
+    let calibration = Calibration::fit(&measurements)?
+        .with_optics_id(&job.name)
+        .with_systematic_residual(systematic_residual);
     // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the process' own.
     Ok(calibration.with_edge_model(&gauge.settings().esf).with_conditions(Conditions::default()))
 }
@@ -29,7 +33,7 @@ fn masters(
     job: &Job,
     cell: &mut dyn TurningCell,
     gauge: &Gauge,
-    lesson: &mut MisfitLesson,
+    residuals: &mut ResidualAccumulator,
 ) -> Result<Vec<MasterMeasurement>, LoopError> {
     let mut measurements = Vec::new();
     for (index, pin) in job.masters.pins.iter().enumerate() {
@@ -40,7 +44,7 @@ fn masters(
             let (mut stream, mut found) = (gauge.stream(), FrameEdges::default());
             match stream.measure(&frame.view(), &mut found) {
                 Ok(()) => {
-                    stream.teach(lesson, &found);
+                    stream.accumulate(residuals, &found);
                     edges.push(found);
                 }
                 Err(refused) => why = refused.to_string(),

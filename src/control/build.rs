@@ -1,6 +1,6 @@
 //! From settings to a controller, and what its loop is worth.
 
-use super::compensator::{Compensator, Off};
+use super::compensator::{Compensator, NoCompensation};
 use super::controller::Controller;
 use super::controller_name::ControllerName;
 use super::error::ControlError;
@@ -19,7 +19,7 @@ const REFERENCE_CUT: (f64, CuttingData) = (0.25, CuttingData { speed_m_per_min: 
 ///
 /// # Errors
 /// A setting out of range, stations that do not ascend or are too few for the shapes, and a loop that is unstable at
-/// `plant_gain` with error copying, unless `insist_on_unstable` is set.
+/// `plant_gain` with error copying, unless `allow_unstable` is set.
 pub fn build(
     settings: &ControlSettings,
     station_z_mm: &[f64],
@@ -29,7 +29,7 @@ pub fn build(
     refuse_unstable(settings)?;
     let z = station_z_mm;
     Ok(match settings.controller {
-        ControllerName::None => Box::new(Off),
+        ControllerName::None => Box::new(NoCompensation),
         ControllerName::Pid => guarded(settings, PidLaw::new(&settings.pid, z)?),
         ControllerName::Lsq => guarded(settings, LsqLaw::new(&settings.lsq, z)?),
         ControllerName::Ewma => guarded(settings, EwmaLaw::new(&settings.ewma, z.len())),
@@ -103,7 +103,7 @@ fn refuse_unstable(settings: &ControlSettings) -> Result<(), ControlError> {
         return Ok(());
     }
     let range = report.range_text();
-    if settings.insist_on_unstable {
+    if settings.allow_unstable {
         tracing::warn!(
             controller = report.controller,
             plant_gain = settings.plant_gain,

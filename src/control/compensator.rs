@@ -5,8 +5,8 @@
 
 use super::context::{PartStart, PassContext};
 use super::controller::Controller;
-use super::guards::{self, Guarded, Memory, Refusal};
-use super::law::{Feedforward, Law, Seen};
+use super::guards::{self, GuardState, Guarded, Refusal};
+use super::law::{Feedforward, Law, Observation};
 use super::parts::PartLoop;
 use super::readings::{self, Errors};
 use super::settings::ControlSettings;
@@ -21,7 +21,7 @@ pub(crate) struct Compensator<L> {
     settings: ControlSettings,
     law: L,
     parts: PartLoop,
-    history: Vec<Memory>,
+    history: Vec<GuardState>,
     used_scan: Option<u64>,
     notes: Vec<String>,
     alarm: Option<String>,
@@ -56,7 +56,7 @@ impl<L: Law> Compensator<L> {
         }
         let (outcome, alarm) = self.consider(plan, &errors, context);
         self.alarm = alarm;
-        self.history.push(Memory { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
+        self.history.push(GuardState { pass: plan.pass, e_mm: errors.e_mm, o_mm: plan.offset.o_mm.clone() });
         let (o_mm, law) = outcome?;
         self.law = law;
         Ok(DiameterOffset { o_mm })
@@ -81,7 +81,7 @@ impl<L: Law> Compensator<L> {
         let mut law = self.law.clone();
         let outcome = guards::check_measured(&guarded).and_then(|()| {
             parts.record(plan.pass, &plan.offset.o_mm, &errors.e_mm, settings.plant_gain);
-            let proposal = law.propose(&Seen { plan, errors, next: context.next });
+            let proposal = law.propose(&Observation { plan, errors, next: context.next });
             notes.extend(proposal.notes);
             let mut offsets = proposal.o_mm;
             add_earlier_parts(parts, plan.pass, law.feedforward(), &mut offsets);
@@ -166,7 +166,8 @@ impl<L: Law> Controller for Compensator<L> {
         let Ok(errors) = readings::errors(plan, measured, &self.settings.gaps) else {
             return false;
         };
-        let proposed = self.law.clone().propose(&Seen { plan, errors: &errors, next: context.next }).o_mm;
+        let proposed =
+            self.law.clone().propose(&Observation { plan, errors: &errors, next: context.next }).o_mm;
         let steps = proposed.iter().zip(&plan.offset.o_mm).map(|(new, old)| (new - old).abs());
         steps.fold(0.0, f64::max) > self.settings.guards.confirm_above_mm
     }
@@ -181,9 +182,9 @@ impl<L: Law> Controller for Compensator<L> {
 }
 
 /// Never measures, never corrects: the offsets of a controller that is switched off stay as they are.
-pub(crate) struct Off;
+pub(crate) struct NoCompensation;
 
-impl Controller for Off {
+impl Controller for NoCompensation {
     fn name(&self) -> &str {
         crate::control::controller_name::ControllerName::None.as_str()
     }

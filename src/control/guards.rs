@@ -15,7 +15,7 @@ const OUTLIER_SCATTERS: f64 = 5.0;
 
 /// What a pass left behind for the guards of the next.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Memory {
+pub(crate) struct GuardState {
     pub pass: u32,
     pub e_mm: Vec<f64>,
     pub o_mm: Vec<f64>,
@@ -46,7 +46,7 @@ pub(crate) struct Guarded<'a> {
     pub context: &'a PassContext<'a>,
     pub errors: &'a Errors,
     /// Passes of this part that were measured and belonged here, oldest first.
-    pub history: &'a [Memory],
+    pub history: &'a [GuardState],
     pub plant_gain: f64,
 }
 
@@ -152,7 +152,7 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
 /// Observed over commanded change, about g. Radius for diameter gives 2 or ½ of it, a wrong sign the negative, an offset
 /// that went elsewhere 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
-    let alike = |m: &&Memory| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
+    let alike = |m: &&GuardState| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
     let Some(last) = g.history.last().filter(alike) else {
         return Ok(());
     };

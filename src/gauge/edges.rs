@@ -71,7 +71,8 @@ pub struct FrameFigures {
     pub sigma_px: [f64; 2],
     /// How far into the shadow of the place stated the geometric edge may lie because its edge-spread function was learnt from the frame
     /// itself, px; 0 with any other. Masters measured in the same way take it out.
-    pub unknown_place_px: [f64; 2],
+    #[serde(rename = "unknown_place_px")]
+    pub position_ambiguity_px: [f64; 2],
     /// Mean dark level at the upper and lower edge, counts.
     pub dark: [f64; 2],
     /// Mean light level at the upper and lower edge, counts.
@@ -82,7 +83,8 @@ pub struct FrameFigures {
     pub snr: f64,
     /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe the frame, or where the edges leave what the
     /// calibration's masters left. Uncertainties are multiplied by its root where it exceeds 1.2.
-    pub misfit: f64,
+    #[serde(rename = "misfit")]
+    pub reduced_chi2: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,
     /// Standard uncertainty of the upper and lower edge by rounding that repeats in neighbouring columns and in every frame, px: noise below
@@ -94,8 +96,8 @@ pub struct FrameFigures {
 
 impl FrameFigures {
     /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie inwards by anything up to the limits.
-    pub fn u_place_px(&self) -> f64 {
-        (self.unknown_place_px[0] + self.unknown_place_px[1]) / 3.0_f64.sqrt()
+    pub fn u_position_px(&self) -> f64 {
+        (self.position_ambiguity_px[0] + self.position_ambiguity_px[1]) / 3.0_f64.sqrt()
     }
 
     /// Variance of a width by rounding that repeats, px².
@@ -105,21 +107,21 @@ impl FrameFigures {
 
     /// Limit of a width's error where edges that could not be learnt were fitted by the Gaussian and the masters' were learnt, px: the
     /// distance from a quarter of the light to half of it, 0.6745 σ, at each such edge.
-    pub fn unlearnt_place_px(&self) -> f64 {
+    pub fn unlearnt_position_px(&self) -> f64 {
         let of = |side: usize| {
-            if self.unknown_place_px[side] == 0.0 { QUARTER_TO_HALF * self.sigma_px[side] } else { 0.0 }
+            if self.position_ambiguity_px[side] == 0.0 { QUARTER_TO_HALF * self.sigma_px[side] } else { 0.0 }
         };
         of(0) + of(1)
     }
 
     /// Whether both edges were fitted by an edge-spread function learnt from the frame.
     pub fn is_learnt(&self) -> bool {
-        self.unknown_place_px.iter().all(|p| *p > 0.0)
+        self.position_ambiguity_px.iter().all(|p| *p > 0.0)
     }
 }
 
 /// Columns over which residuals are averaged to tell a misfit that neighbours share.
-pub(crate) const MISFIT_BLOCK: usize = 128;
+pub(crate) const RESIDUAL_BLOCK: usize = 128;
 
 /// Both edges of every column of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,8 +132,8 @@ pub struct FrameEdges {
     pub bottom: Vec<Edge>,
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
-    /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`MISFIT_BLOCK`] columns of the upper and lower edge.
-    pub misfit_px: [Vec<f32>; 2],
+    /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
+    pub model_uncertainty_px: [Vec<f32>; 2],
     /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower edge states, px, √2 for their common lens
     /// included; 0 where nothing is clipped.
     pub clipped_px: [f64; 2],
@@ -162,9 +164,9 @@ impl FrameEdges {
     }
 
     /// Variance of a column's width by what a misfit of the edge model states at both edges, px².
-    pub(crate) fn misfit_variance(&self, column: usize) -> f64 {
-        let side = |side: &Vec<f32>| side.get(column / MISFIT_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
-        self.misfit_px.iter().map(side).sum()
+    pub(crate) fn model_variance(&self, column: usize) -> f64 {
+        let side = |side: &Vec<f32>| side.get(column / RESIDUAL_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
+        self.model_uncertainty_px.iter().map(side).sum()
     }
 
     /// Variance of a width by what is clipped of both edges' shapes, px².
@@ -175,7 +177,7 @@ impl FrameEdges {
     /// Variance of a column's width by what neither columns nor frames average: a misfit of the edge model, what is clipped of the edges'
     /// shapes, and rounding that repeats, px².
     pub(crate) fn repeated_variance(&self, column: usize) -> f64 {
-        self.misfit_variance(column) + self.clipped_variance() + self.figures.rounding_variance()
+        self.model_variance(column) + self.clipped_variance() + self.figures.rounding_variance()
     }
 
     /// Shadow width (bottom − top) of a column, px, where both edges are usable.

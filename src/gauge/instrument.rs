@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use super::edge::edge_stream::EdgeStream;
-use super::edge::model::systematic_residual::EdgeMisfit;
+use super::edge::model::systematic_residual::SystematicResidual;
 use super::edge::parallel::Lanes;
 use super::edges::{FrameEdges, FrameRefused};
 use super::settings::{EsfModel, GaugeSettings, GaugeSettingsError};
@@ -28,7 +28,7 @@ use crate::frame::FrameView;
 #[derive(Clone, Debug)]
 pub struct Gauge {
     settings: GaugeSettings,
-    misfit: Option<EdgeMisfit>,
+    systematic_residual: Option<SystematicResidual>,
 }
 
 impl Gauge {
@@ -42,15 +42,15 @@ impl Gauge {
             let right = "the table of a job's optics; a gauge by itself has none";
             return Err(GaugeSettingsError { key: "esf.optics", value: f64::NAN, right });
         }
-        Ok(Self { settings, misfit: None })
+        Ok(Self { settings, systematic_residual: None })
     }
 
-    /// Expects of every edge the residual that a calibration's masters left ([`super::Calibration::misfit`]): what they share with it
+    /// Expects of every edge the residual that a calibration's masters left ([`super::Calibration::systematic_residual`]): what they share with it
     /// the calibration has absorbed, and only what departs from it widens u or is flagged. The same model must be fitted as
     /// when they were measured; another one shows as a misfit.
     #[must_use]
-    pub fn expecting(self, misfit: Option<&EdgeMisfit>) -> Self {
-        Self { misfit: misfit.cloned(), ..self }
+    pub fn with_systematic_residual(self, systematic_residual: Option<&SystematicResidual>) -> Self {
+        Self { systematic_residual: systematic_residual.cloned(), ..self }
     }
 
     /// The settings.
@@ -70,7 +70,7 @@ impl Gauge {
 
     /// A stream for many frames of one camera: keeps tables and buffers.
     pub fn stream(&self) -> EdgeStream {
-        EdgeStream::new(self.settings.clone()).expecting(self.misfit.as_ref())
+        EdgeStream::new(self.settings.clone()).with_systematic_residual(self.systematic_residual.as_ref())
     }
 }
 

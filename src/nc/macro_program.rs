@@ -112,9 +112,9 @@ impl MacroProgram<'_> {
         lines.extend(skeleton.after(nominal)?);
         let text = lines.join("\n") + "\n";
         let ends = [0.0, self.piece.length_mm].map(|z| (z, self.cone_mm(z)));
-        let mut scene = skeleton.scene(ends.to_vec());
-        scene.surface = skeleton.surface(nominal);
-        replay::check(&text, &scene)?;
+        let mut working_space = skeleton.working_space(ends.to_vec());
+        working_space.surface = skeleton.surface(nominal);
+        replay::check(&text, &working_space)?;
         Ok(Written { text, cut: v, uncut: skeleton.uncut() })
     }
 

@@ -18,7 +18,7 @@ use super::line::{LineFit, fit_line};
 use super::macro_program::MacroProgram;
 use super::probe::{AFTER, BEFORE, Cycle};
 use super::probe_settings::NcProbe;
-use super::replay::{self, Scene, Surface};
+use super::replay::{self, Surface, WorkingSpace};
 use super::route::Workpiece;
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -69,10 +69,14 @@ impl ProbingProgram<'_> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn scene(&self, dialect: Dialect, before: Vec<(f64, f64)>) -> Result<Scene<'_>, NcError> {
+    pub fn working_space(
+        &self,
+        dialect: Dialect,
+        before: Vec<(f64, f64)>,
+    ) -> Result<WorkingSpace<'_>, NcError> {
         let (skeleton, probe) = self.prepare(dialect)?;
         let places = skeleton.places(&probe)?;
-        self.scene_of(&skeleton, &places, before)
+        self.working_space_of(&skeleton, &places, before)
     }
 
     fn prepare(&self, dialect: Dialect) -> Result<(Skeleton<'_>, NcProbe), NcError> {
@@ -181,12 +185,12 @@ impl ProbingProgram<'_> {
         lines
     }
 
-    fn scene_of<'s>(
+    fn working_space_of<'s>(
         &self,
         skeleton: &Skeleton<'s>,
         places: &[f64],
         before: Vec<(f64, f64)>,
-    ) -> Result<Scene<'s>, NcError> {
+    ) -> Result<WorkingSpace<'s>, NcError> {
         let surface = Surface { before, ..Surface::default() };
         let aimed = skeleton.surface(self.nominal_mm).unwrap_or_default();
         let x: Vec<f64> = places.iter().map(|z| self.share(*z)).collect();
@@ -195,9 +199,9 @@ impl ProbingProgram<'_> {
             fit_line(&x, &errors).ok_or_else(|| NcError::Plan("two places or more are needed".into()))?;
         let cone = self.cone(line);
         let ends = [0.0, self.piece.length_mm].map(|z| (z, cone.cone_mm(z)));
-        let mut scene = skeleton.scene(ends.to_vec());
-        scene.surface = Some(Surface { after: aimed.after, ..surface });
-        Ok(scene)
+        let mut working_space = skeleton.working_space(ends.to_vec());
+        working_space.surface = Some(Surface { after: aimed.after, ..surface });
+        Ok(working_space)
     }
 
     fn replay(
@@ -210,13 +214,17 @@ impl ProbingProgram<'_> {
         let (length, limit) = (self.piece.length_mm, self.settings.correction_limit_mm);
         let part = |[free, middle, chuck]: [f64; 3], scale: f64| {
             let at = |z: f64, share: f64| (z, self.piece.before_mm + scale * share);
-            self.scene_of(skeleton, places, vec![at(0.0, chuck), at(0.5 * length, middle), at(length, free)])
+            self.working_space_of(
+                skeleton,
+                places,
+                vec![at(0.0, chuck), at(0.5 * length, middle), at(length, free)],
+            )
         };
         replay::check(text, &part(ERRORS[0], limit)?)?;
         for errors in &ERRORS[1..] {
             replay::check_once(text, &part(*errors, limit)?)?;
         }
-        let alarm = |scene: &Scene<'_>| replay::must_alarm(text, scene);
+        let alarm = |working_space: &WorkingSpace<'_>| replay::must_alarm(text, working_space);
         if probe.stored_correction {
             alarm(&part(ERRORS[0], limit)?.unqualified())?;
         }
@@ -224,11 +232,11 @@ impl ProbingProgram<'_> {
         alarm(&part([-(2.0 * probe.reach_mm + 1.0); 3], 1.0)?)?;
         if let Some((low, high)) = self.limits_mm {
             for wrong in [low - 0.1 * limit, high + 0.1 * limit] {
-                let mut scene = part(ERRORS[0], limit)?;
-                if let Some(surface) = &mut scene.surface {
+                let mut working_space = part(ERRORS[0], limit)?;
+                if let Some(surface) = &mut working_space.surface {
                     surface.after = vec![(0.0, wrong)];
                 }
-                alarm(&scene)?;
+                alarm(&working_space)?;
             }
         }
         Ok(())

@@ -19,7 +19,7 @@ use super::dialect::{Dialect, number};
 use super::error::NcError;
 use super::probe::{BALL, CORRECTION, DEVIATION, QUALIFIED, RUN_OUT, signed};
 use super::probe_settings::{NcProbe, ProbeReference};
-use super::replay::{self, Scene, Surface};
+use super::replay::{self, Surface, WorkingSpace};
 use super::route::Workpiece;
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -79,13 +79,13 @@ impl<'a> Qualification<'a> {
         self.reaches()?;
         let text = self.text(&skeleton);
         let limit = self.settings.correction_limit_mm;
-        replay::check(&text, &self.scene_of(&skeleton, Surface::default()))?;
+        replay::check(&text, &self.working_space_of(&skeleton, Surface::default()))?;
         let eccentric = Surface { run_out_mm: 0.5 * limit, ..Surface::default() };
-        replay::check_once(&text, &self.scene_of(&skeleton, eccentric))?;
+        replay::check_once(&text, &self.working_space_of(&skeleton, eccentric))?;
         for off in [2.0 * limit, -(2.0 * self.probe.reach_mm + 1.0)] {
             let surface =
                 Surface { before: vec![(0.0, self.reference.diameter_mm + off)], ..Surface::default() };
-            replay::must_alarm(&text, &self.scene_of(&skeleton, surface))?;
+            replay::must_alarm(&text, &self.working_space_of(&skeleton, surface))?;
         }
         let z_mm = self.reference.z_mm();
         let touches = self.reference.touches * self.sides();
@@ -98,9 +98,9 @@ impl<'a> Qualification<'a> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn scene(&self, dialect: Dialect, surface: Surface) -> Result<Scene<'_>, NcError> {
+    pub fn working_space(&self, dialect: Dialect, surface: Surface) -> Result<WorkingSpace<'_>, NcError> {
         let skeleton = self.skeleton(dialect)?;
-        Ok(self.scene_of(&skeleton, surface))
+        Ok(self.working_space_of(&skeleton, surface))
     }
 
     fn skeleton(&self, dialect: Dialect) -> Result<Skeleton<'_>, NcError> {
@@ -137,17 +137,17 @@ impl<'a> Qualification<'a> {
         )))
     }
 
-    fn scene_of<'s>(&self, skeleton: &Skeleton<'s>, surface: Surface) -> Scene<'s> {
-        let mut scene = skeleton.scene(vec![(0.0, self.reference.diameter_mm)]);
+    fn working_space_of<'s>(&self, skeleton: &Skeleton<'s>, surface: Surface) -> WorkingSpace<'s> {
+        let mut working_space = skeleton.working_space(vec![(0.0, self.reference.diameter_mm)]);
         // nothing is cut: any feed but the probe's is too deep, and no length must be covered
-        scene.commanded.clear();
-        scene.cut_between = (0.0, 0.0);
+        working_space.commanded.clear();
+        working_space.cut_between = (0.0, 0.0);
         let before = match &surface.before[..] {
             [] => vec![(0.0, self.reference.diameter_mm)],
             given => given.to_vec(),
         };
-        scene.surface = Some(Surface { before, ..surface });
-        scene
+        working_space.surface = Some(Surface { before, ..surface });
+        working_space
     }
 
     fn text(&self, skeleton: &Skeleton<'_>) -> String {

@@ -6,7 +6,7 @@
 
 use super::machine::{Centre, Direction, Tailstock};
 use super::probe::{CORRECTION, QUALIFIED};
-use super::replay::{Convex, Scene, Solid};
+use super::replay::{Convex, Solid, WorkingSpace};
 use super::route::{QUILL_MM, Route, Workpiece};
 use super::skeleton::{RAN_LAST, Skeleton};
 
@@ -58,7 +58,7 @@ pub(super) fn tool(
 
 impl<'a> Skeleton<'a> {
     /// The solids, the stock and the tool for a replay of this program; `commanded` are (Z, X), Z ascending.
-    pub(super) fn scene(&self, commanded: Vec<(f64, f64)>) -> Scene<'a> {
+    pub(super) fn working_space(&self, commanded: Vec<(f64, f64)>) -> WorkingSpace<'a> {
         let (s, piece, route) = (self.settings, self.piece, &self.route);
         let smallest = commanded.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
         let mut solids = self.chuck();
@@ -89,7 +89,7 @@ impl<'a> Skeleton<'a> {
         if let (Some(r), Some((low, high))) = (s.remeasure, self.limits_mm) {
             variables.extend([r.smallest_variable, r.largest_variable].map(|v| (v, 0.5 * (low + high))));
         }
-        Scene {
+        WorkingSpace {
             dialect: self.dialect,
             settings: s,
             solids,

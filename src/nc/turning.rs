@@ -53,7 +53,7 @@ impl<'a> TurningProgram<'a> {
         lines.extend(skeleton.cut(&points(&skeleton, &path)));
         lines.extend(skeleton.after(self.plan.nominal_mm)?);
         let text = lines.join("\n") + "\n";
-        replay::check(&text, &self.scene_of(&skeleton))?;
+        replay::check(&text, &self.working_space_of(&skeleton))?;
         Ok(Written { text, cut: path, uncut: skeleton.uncut() })
     }
 
@@ -61,14 +61,14 @@ impl<'a> TurningProgram<'a> {
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn scene(&self, dialect: Dialect) -> Result<replay::Scene<'a>, NcError> {
-        self.prepare(dialect).map(|(_, skeleton)| self.scene_of(&skeleton))
+    pub fn working_space(&self, dialect: Dialect) -> Result<replay::WorkingSpace<'a>, NcError> {
+        self.prepare(dialect).map(|(_, skeleton)| self.working_space_of(&skeleton))
     }
 
-    fn scene_of(&self, skeleton: &Skeleton<'a>) -> replay::Scene<'a> {
-        let mut scene = skeleton.scene(self.commanded());
-        scene.surface = skeleton.surface(self.plan.nominal_mm);
-        scene
+    fn working_space_of(&self, skeleton: &Skeleton<'a>) -> replay::WorkingSpace<'a> {
+        let mut working_space = skeleton.working_space(self.commanded());
+        working_space.surface = skeleton.surface(self.plan.nominal_mm);
+        working_space
     }
 
     fn commanded(&self) -> Vec<(f64, f64)> {

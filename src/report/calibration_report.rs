@@ -4,7 +4,7 @@ use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
 use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
-use crate::gauge::EdgeMisfit;
+use crate::gauge::SystematicResidual;
 use crate::gauge::calibration::{BenchCalibration, Residual};
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
@@ -40,7 +40,7 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
     ));
     residuals(&mut page, plan, &bench.residuals)?;
     page.heading("Edge model").text(&format!("{}.", edge_model_line(calibrated)));
-    misfit(&mut page, calibration.misfit())?;
+    systematic_residual(&mut page, calibration.systematic_residual())?;
     if let Some(budget) = &calibrated.example {
         page.heading(&format!("Budget of a part like the master of {:.3} mm", budget.diameter_mm))
             .text(&budget_words(budget, budget.factor_or(None)));
@@ -113,8 +113,11 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
 }
 
 /// What the masters' edges leave of the edge model.
-fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportError> {
-    let Some(misfit) = misfit else {
+fn systematic_residual(
+    page: &mut Page,
+    systematic_residual: Option<&SystematicResidual>,
+) -> Result<(), ReportError> {
+    let Some(systematic_residual) = systematic_residual else {
         page.text("The edge model fits the masters' edges as well as their noise lets it be told.");
         return Ok(());
     };
@@ -122,15 +125,18 @@ fn misfit(page: &mut Page, misfit: Option<&EdgeMisfit>) -> Result<(), ReportErro
         "The edge model misfits the masters' edges: χ² is {:.2} times what noise explains, with {:.2} and {:.2} % of the contrast (root sum square over the \
          pixels) above and below. The edge offset has swallowed what that moves edges by. A part whose edges leave the same is measured as if the model \
          fitted; what departs from it widens its u or is refused. An edge-spread function (gauge.esf) would remove it.",
-        misfit.chi2,
-        1e2 * misfit.norm(0),
-        1e2 * misfit.norm(1)
+        systematic_residual.chi2,
+        1e2 * systematic_residual.norm(0),
+        1e2 * systematic_residual.norm(1)
     ));
     let series = [("upper edges", 0), ("lower edges", 1)].map(|(name, side)| {
-        let values = &misfit.residual[side];
+        let values = &systematic_residual.residual[side];
         let middle = (values.len() / 2) as f64;
-        let points =
-            values.iter().enumerate().map(|(k, r)| ((k as f64 - middle) * misfit.step_px, 1e2 * r)).collect();
+        let points = values
+            .iter()
+            .enumerate()
+            .map(|(k, r)| ((k as f64 - middle) * systematic_residual.step_px, 1e2 * r))
+            .collect();
         Series::new(name, Mark::Line, side, points)
     });
     let chart = Chart {

@@ -7,7 +7,7 @@ use image::{GrayImage, ImageFormat, Luma};
 
 use super::html::{Page, base64, escape};
 use crate::frame::FrameView;
-use crate::gauge::ring::{EdgeCircle, Seen};
+use crate::gauge::ring::{EdgeCircle, PointOrigin};
 use crate::studies::washers::{Comparison, MethodFigures, Outlier, Part, SIDES, WashersStudy};
 
 /// Width of a picture, px.
@@ -166,7 +166,7 @@ fn outline(edge: &EdgeCircle, scale: f64) -> String {
     for k in 0..n {
         let [x, y] = at(k);
         let _ = write!(line, "{x:.1},{y:.1} ");
-        if edge.outline.seen[k] != Seen::Fitted {
+        if edge.outline.seen[k] != PointOrigin::Fitted {
             let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\" fill=\"#d55e00\"/>");
         }
     }

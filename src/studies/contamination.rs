@@ -7,9 +7,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::dirty_frames::{Bump, COLUMNS, DrawError, Matter, PIXEL_UM, Piece, STATION};
+use super::dirty_frames::{Bump, COLUMNS, Contaminant, DrawError, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
-use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, Seen};
+use crate::gauge::{FrameEdges, Gauge, GaugeSettings, GaugeSettingsError, Rejection, StationColumns};
 
 /// A station counts as harmed from here, µm.
 const HARMED_UM: f64 = 5.0;
@@ -20,7 +20,8 @@ const ALLOWED_UM: f64 = 1.0;
 #[derive(Clone, Debug, Serialize)]
 pub struct KindResult {
     /// The kind.
-    pub matter: Matter,
+    #[serde(rename = "matter")]
+    pub contaminant: Contaminant,
     /// Frames drawn.
     pub frames: usize,
     /// Frames where a station would be off by more than 5 µm.
@@ -122,7 +123,7 @@ fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -
     let length = columns.len() as f64;
     let middle = 0.5 * (columns.start + columns.end - 1) as f64;
     let (mut sum, mut own, mut shared, mut count) = (0.0, 0.0, 0.0, 0.0);
-    let mut seen = Seen::default();
+    let mut seen = StationColumns::default();
     for column in columns {
         if let Some(width) = edges.width_px(column) {
             let (top, bottom) = (&edges.top[column], &edges.bottom[column]);
@@ -133,7 +134,7 @@ fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -
             count += 1.0;
         }
     }
-    let u = (own / (count * count) + shared / count + seen.u_of_the_rest().powi(2)).sqrt();
+    let u = (own / (count * count) + shared / count + seen.u_unobserved().powi(2)).sqrt();
     (count >= (min_fill * length).max(1.0)).then(|| (sum / count * PIXEL_UM, 2.0 * u * PIXEL_UM))
 }
 
@@ -173,12 +174,12 @@ fn judge(pair: &Pair, clean: &Frame, dirty: &Frame) -> Outcome {
     outcome
 }
 
-fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
+fn kind(pair: &Pair, contaminant: Contaminant, frames: usize, seed: u64) -> Result<KindResult, DrawError> {
     let outcomes: Vec<Outcome> = (0..frames as u64)
         .into_par_iter()
         .map(|i| {
             let piece = Piece::draw(seed + i);
-            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(matter)?))
+            Ok(judge(pair, &piece.frame(None)?, &piece.dirty(contaminant)?))
         })
         .collect::<Result<_, DrawError>>()?;
     let harmful: Vec<&Outcome> = outcomes.iter().filter(|o| o.harmful).collect();
@@ -187,7 +188,7 @@ fn kind(pair: &Pair, matter: Matter, frames: usize, seed: u64) -> Result<KindRes
     let kept: usize = harmful.iter().map(|o| o.kept).sum();
     let all: usize = harmful.iter().map(|o| o.kept + o.gaps).sum();
     Ok(KindResult {
-        matter,
+        contaminant,
         frames,
         harmful: harmful.len(),
         mishandled: mishandled_seeds.len(),
@@ -246,10 +247,10 @@ pub fn run(
     seed: u64,
 ) -> Result<ContaminationStudy, StudyError> {
     let pair = Pair::new(settings)?;
-    let kinds = Matter::KINDS
+    let kinds = Contaminant::KINDS
         .iter()
         .enumerate()
-        .map(|(k, matter)| kind(&pair, *matter, frames, seed + ((k as u64) << 32)))
+        .map(|(k, contaminant)| kind(&pair, *contaminant, frames, seed + ((k as u64) << 32)))
         .collect::<Result<_, _>>()?;
     let (clean_lost, clean_worst_share) = clean(&pair, clean_frames, seed + (100 << 32))?;
     let few = (frames / 20).max(4);

@@ -35,7 +35,7 @@ const TEXTURE_UM: (f64, f64) = (0.35, 1500.0);
 /// Kinds of matter, each by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Matter {
+pub enum Contaminant {
     /// Droplets on the protective window, which stay.
     WindowDroplets,
     /// Droplets in flight.
@@ -54,7 +54,7 @@ pub enum Matter {
     All,
 }
 
-impl Matter {
+impl Contaminant {
     /// All kinds.
     pub const KINDS: [Self; 8] = [
         Self::WindowDroplets,
@@ -201,9 +201,9 @@ impl Piece {
     ///
     /// # Errors
     /// Where the matter cannot be drawn.
-    pub fn dirty(&self, matter: Matter) -> Result<Frame, DrawError> {
-        let settings = matter.settings();
-        if matter == Matter::Films {
+    pub fn dirty(&self, contaminant: Contaminant) -> Result<Frame, DrawError> {
+        let settings = contaminant.settings();
+        if contaminant == Contaminant::Films {
             return self.with_bumps(&self.short_films()).frame(None);
         }
         let geometry = FieldGeometry {
@@ -215,7 +215,7 @@ impl Piece {
         };
         let field = ContaminationField::new(&settings, geometry, self.seed ^ 0x0064_6972_7479)?;
         let map = field.frame(self.seed, 0, 0, ROWS, COLUMNS)?;
-        let bumps = if matter == Matter::All { self.short_films() } else { Vec::new() };
+        let bumps = if contaminant == Contaminant::All { self.short_films() } else { Vec::new() };
         self.with_bumps(&bumps).frame(Some(&map))
     }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::gauge::Calibration;
 use crate::gauge::budget::{Budget, OF_CONDITIONS, Shape, WidthReading, is_rectangular};
-use crate::gauge::calibration::{Adjustment, Along, Conditions, LensModel, PARAMETERS, Solver};
+use crate::gauge::calibration::{Adjustment, ColumnSpread, Conditions, LensModel, PARAMETERS, Solver};
 use crate::gauge::monte_carlo::{
     Distribution, Input, LawOfPropagation, Propagated, Validation, law_of_propagation, monte_carlo,
     monte_carlo_adaptive, validate,
@@ -131,8 +131,10 @@ impl Model<'_> {
         };
         let p = &x[self.deviations..self.deviations + OF_PART];
         let r = &self.reading;
-        let along =
-            Along { mean_px: r.column_px - lens.centre_column_px, variance_px2: r.column_variance_px2 };
+        let along = ColumnSpread {
+            mean_px: r.column_px - lens.centre_column_px,
+            variance_px2: r.column_variance_px2,
+        };
         let (top, bottom) = (r.rows_px.0 - lens.centre_row_px, r.rows_px.1 - lens.centre_row_px);
         let width = lens.ideal_mean(along, bottom) - lens.ideal_mean(along, top);
         let added: f64 = x[self.deviations + OF_PART..].iter().sum();

@@ -82,9 +82,9 @@ fn a_given_diffraction_edge_is_placed_without_phase_bias() {
         assert!(worst <= 1e-3, "S {coherence}: {worst}");
         assert!(by_phase <= 2e-3, "S {coherence}: {by_phase}");
         // What a learnt function cannot know of its place is stated: width of both edges, standard uncertainty of a rectangle.
-        let stated = learnt.figures.u_place_px();
+        let stated = learnt.figures.u_position_px();
         assert!(2.0 * learnt_mean < 2.0 * stated && stated < 0.5, "S {coherence}: {learnt_mean} {stated}");
-        assert_eq!(given.figures.u_place_px() + plain.figures.u_place_px(), 0.0);
+        assert_eq!(given.figures.u_position_px() + plain.figures.u_position_px(), 0.0);
     }
 }
 
@@ -118,7 +118,7 @@ fn a_learnt_edge_is_as_good_as_a_given_one_in_noise() {
             .collect();
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>();
-        (errors.len(), (square / errors.len() as f64).sqrt(), edges.figures.misfit)
+        (errors.len(), (square / errors.len() as f64).sqrt(), edges.figures.reduced_chi2)
     };
     let (given, learnt) = (scatter(given(&spread, pixel_um)), scatter(gauge(EsfModel::Learnt {})));
     let gaussian = scatter(gauge(EsfModel::Gaussian {}));

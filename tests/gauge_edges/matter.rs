@@ -61,5 +61,5 @@ fn a_frame_that_no_edge_spread_explains_is_refused() {
     assert_eq!(refused.reason, Reason::Residual, "{refused}");
     let settings = GaugeSettings { max_residual_rel: 1.0, ..GaugeSettings::default() };
     let edges = Gauge::new(settings).unwrap().edges(&shaded(0.02).view()).unwrap();
-    assert!(edges.figures.misfit > 20.0, "{}", edges.figures.misfit);
+    assert!(edges.figures.reduced_chi2 > 20.0, "{}", edges.figures.reduced_chi2);
 }

@@ -1,6 +1,6 @@
 //! The probe qualified on a reference, and the spindle held at an angle while it touches.
 
-use shadowgauge::nc::replay::{self, Deed, Scene, Surface};
+use shadowgauge::nc::replay::{self, Deed, Surface, WorkingSpace};
 use shadowgauge::nc::{
     Dialect, NcError, NcProbe, NcSettings, ProbeReference, Qualification, SpindleOrientation, Tailstock,
 };
@@ -40,9 +40,9 @@ fn met(settings: &NcSettings, run_out_mm: f64) -> Surface {
     }
 }
 
-fn left(text: &str, scene: &Scene<'_>) -> impl Fn(u32) -> f64 {
-    let start = replay::Point { x: scene.change.x_mm, z: scene.change.z_mm };
-    let variables = replay::variables(text, &scene.control(start)).expect("it runs");
+fn left(text: &str, working_space: &WorkingSpace<'_>) -> impl Fn(u32) -> f64 {
+    let start = replay::Point { x: working_space.change.x_mm, z: working_space.change.z_mm };
+    let variables = replay::variables(text, &working_space.control(start)).expect("it runs");
     move |number| *variables.get(&number).unwrap_or_else(|| panic!("#{number} is not set"))
 }
 
@@ -66,12 +66,13 @@ fn the_correction_the_ball_and_the_scatter_are_left_in_variables() {
             assert_eq!((written.cut.z_mm, written.cut.touches), (30.0, 5 * sides), "{dialect:?}");
             // 12 µm of indicated run-out, which the angle of 30° meets at .87 of it
             let run_out = if held { 0.012 } else { 0.0 };
-            let scene = qualification.scene(dialect, met(&settings, run_out)).expect("a scene");
-            let events = run(&text, &scene);
+            let working_space =
+                qualification.working_space(dialect, met(&settings, run_out)).expect("a scene");
+            let events = run(&text, &working_space);
             let touched = touches(&events);
             assert_eq!(touched.len(), 5 * sides as usize);
             assert!(touched.iter().all(|(to, _)| to.z == 30.0));
-            let left = left(&text, &scene);
+            let left = left(&text, &working_space);
             // on both sides the same scatter: the run-out cancels
             let correction = probe.correction_mm + DRIFT + mean;
             let near = |found: f64, wanted: f64| (found - wanted).abs() < 2e-9;
@@ -107,10 +108,10 @@ fn a_probe_that_scatters_or_touches_elsewhere_is_not_qualified() {
             let far = Surface { before: vec![(0.0, 40.4)], ..good.clone() };
             let missing = Surface { before: vec![(0.0, 30.0)], ..good.clone() };
             for (surface, alarm) in [(good, false), (wild, true), (far, true), (missing, true)] {
-                let scene = qualification.scene(dialect, surface).expect("a scene");
-                let rings = matches!(run(&text, &scene).pop().expect("events").deed, Deed::Alarm(_));
-                assert_eq!(rings, alarm, "{dialect:?} {:?}", scene.surface);
-                let set = left(&text, &scene)(884);
+                let working_space = qualification.working_space(dialect, surface).expect("a scene");
+                let rings = matches!(run(&text, &working_space).pop().expect("events").deed, Deed::Alarm(_));
+                assert_eq!(rings, alarm, "{dialect:?} {:?}", working_space.surface);
+                let set = left(&text, &working_space)(884);
                 assert_eq!(set, if alarm { 0.0 } else { 5.0 }, "no qualification is left by an alarm");
             }
         }
@@ -127,23 +128,23 @@ fn programs_take_the_correction_that_the_qualification_left() {
         let text = program.write(dialect).expect("a program").text;
         assert!(text.contains("-#880]") && !text.contains("+0.0124]\n"), "{text}");
         assert!(text.contains("READ LESS 880 OF ITS QUALIFICATION"), "{text}");
-        let mut scene = program.scene(dialect, vec![(0.0, BEFORE)]).expect("a scene");
+        let mut working_space = program.working_space(dialect, vec![(0.0, BEFORE)]).expect("a scene");
         let surface =
             |at: f64| Surface { before: vec![(0.0, at)], after: vec![(0.0, NOMINAL)], ..Surface::default() };
-        scene.surface = Some(surface(BEFORE + 0.05));
-        let stored = |scene: &mut Scene<'_>, correction: f64, tool: f64| {
-            scene.variables = vec![(820, 0.0), (880, correction), (884, tool)];
+        working_space.surface = Some(surface(BEFORE + 0.05));
+        let stored = |working_space: &mut WorkingSpace<'_>, correction: f64, tool: f64| {
+            working_space.variables = vec![(820, 0.0), (880, correction), (884, tool)];
         };
         // the probe reads .0124 too little; with a correction that is off by 20 µm the found diameters are
         for off in [0.0, 0.02] {
-            stored(&mut scene, -0.0124 + off, 5.0);
-            let left = left(&text, &scene);
+            stored(&mut working_space, -0.0124 + off, 5.0);
+            let left = left(&text, &working_space);
             assert!((left(841) - (BEFORE + 0.05 - off)).abs() < 1e-9, "{dialect:?} {off}");
         }
         // none; another probe's; one that is far from the probe's data
         for (correction, tool) in [(-0.0124, 0.0), (-0.0124, 7.0), (0.4, 5.0)] {
-            stored(&mut scene, correction, tool);
-            let events = run(&text, &scene);
+            stored(&mut working_space, correction, tool);
+            let events = run(&text, &working_space);
             assert!(
                 matches!(events.last().expect("events").deed, Deed::Alarm(_)) && touches(&events).is_empty(),
                 "{dialect:?} {correction} {tool}"
@@ -160,8 +161,8 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
         for dialect in Dialect::ALL {
             let text = program.write(dialect).expect("a program").text;
             // before and after the cut at the same angle
-            let scene = program.scene(dialect, vec![(0.0, BEFORE)]).expect("a scene");
-            let angles: Vec<Option<f64>> = run(&text, &scene)
+            let working_space = program.working_space(dialect, vec![(0.0, BEFORE)]).expect("a scene");
+            let angles: Vec<Option<f64>> = run(&text, &working_space)
                 .iter()
                 .filter_map(|e| match e.deed {
                     Deed::Probe { angle_deg, .. } => Some(angle_deg),
@@ -177,17 +178,17 @@ fn the_spindle_is_held_at_its_angle_or_the_header_says_that_it_is_not() {
             }
             // without the block, and after a block that lets go
             let gone = changed(&text, |l| if l.starts_with("M19") { "-".to_owned() } else { l.to_owned() });
-            let said = replay::check(&gone, &scene).expect_err("refused").to_string();
+            let said = replay::check(&gone, &working_space).expect_err("refused").to_string();
             assert!(said.contains("not held at its angle"), "{dialect:?}: {said}");
             let off = if dialect == Dialect::Linuxcnc { "M5" } else { "M05" };
             let loose = changed(&text, |l| match l.starts_with("M19") {
                 true => format!("{l}\n{off}"),
                 false => l.to_owned(),
             });
-            assert!(replay::check(&loose, &scene).is_err(), "{dialect:?}");
+            assert!(replay::check(&loose, &working_space).is_err(), "{dialect:?}");
             if dialect == Dialect::Linuxcnc {
                 let soon = changed(&text, |l| l.replace("M19 R30. Q10.", "M19 R30."));
-                let said = replay::check(&soon, &scene).expect_err("refused").to_string();
+                let said = replay::check(&soon, &working_space).expect_err("refused").to_string();
                 assert!(said.contains("Q is missing"), "{said}");
             }
         }
@@ -246,8 +247,8 @@ fn references_that_cannot_be_touched_are_named() {
 }
 
 /// A program whose probing moves end where the simulated surface is touched: rs274 ends each at its target.
-fn simulated(text: &str, scene: &Scene<'_>) -> String {
-    let mut touched = touches(&run(text, scene)).into_iter();
+fn simulated(text: &str, working_space: &WorkingSpace<'_>) -> String {
+    let mut touched = touches(&run(text, working_space)).into_iter();
     changed(text, |l| match l.starts_with("G38.2 X") {
         true => touched.next().map_or(l.to_owned(), |(to, _)| format!("G38.2 X{:.7} F50.", to.x)),
         // what it leaves, told at the end
@@ -262,8 +263,8 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
     settings.probe.iter_mut().for_each(|p| p.stored_correction = true);
     let qualification = Qualification::new(&settings)?;
     let text = qualification.write(Dialect::Linuxcnc)?.text;
-    let scene = qualification.scene(Dialect::Linuxcnc, met(&settings, 0.012))?;
-    let Some((_, printed)) = interpret(&simulated(&text, &scene)) else { return Ok(()) };
+    let working_space = qualification.working_space(Dialect::Linuxcnc, met(&settings, 0.012))?;
+    let Some((_, printed)) = interpret(&simulated(&text, &working_space)) else { return Ok(()) };
     assert!(printed.contains("PROGRAM_END") && printed.matches("STRAIGHT_PROBE(").count() == 10, "{printed}");
     assert!(printed.matches("ORIENT_SPINDLE(").count() == 2, "{printed}");
     let told = printed.lines().find_map(|l| l.split_once("LEFT ").map(|(_, rest)| rest)).expect("LEFT");
@@ -271,7 +272,7 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
         .split(|c: char| !(c.is_ascii_digit() || ".-".contains(c)))
         .filter_map(|n| n.parse().ok())
         .collect();
-    let left = left(&text, &scene);
+    let left = left(&text, &working_space);
     for (number, theirs) in (880..).zip(&numbers) {
         // DEBUG prints six decimals
         assert!((left(number) - theirs).abs() < 2e-6, "#{number}: {} {theirs}\n{printed}", left(number));
@@ -281,15 +282,15 @@ fn linuxcnc_qualifies_and_measures_with_simulated_touches() -> Result<(), NcErro
     let wild = Surface { scatter_mm: SCATTER.map(|s| 1.4 * s).to_vec(), ..met(&settings, 0.0) };
     let far = Surface { before: vec![(0.0, 40.4)], ..Surface::default() };
     for (surface, word) in [(far, "PROBE RESULT OUT OF RANGE"), (wild, "PROBE SCATTERS BEYOND U")] {
-        let scene = qualification.scene(Dialect::Linuxcnc, surface)?;
-        let (_, printed) = interpret(&simulated(&text, &scene)).expect("it ran before");
+        let working_space = qualification.working_space(Dialect::Linuxcnc, surface)?;
+        let (_, printed) = interpret(&simulated(&text, &working_space)).expect("it ran before");
         assert!(printed.contains(word) && !printed.contains("PROGRAM_END"), "{word}: {printed}");
     }
     // the whole program with what was stored: it runs, and stops without it
     let program = program(&settings);
     let text = program.write(Dialect::Linuxcnc)?.text;
-    let scene = program.scene(Dialect::Linuxcnc, vec![(0.0, BEFORE + 0.02)])?;
-    let stored = simulated(&text, &scene).replacen("\nG7 ", "\n#880=-0.0124\n#884=5.\nG7 ", 1);
+    let working_space = program.working_space(Dialect::Linuxcnc, vec![(0.0, BEFORE + 0.02)])?;
+    let stored = simulated(&text, &working_space).replacen("\nG7 ", "\n#880=-0.0124\n#884=5.\nG7 ", 1);
     let (_, printed) = interpret(&stored).expect("it ran before");
     assert!(printed.contains("PROGRAM_END") && printed.matches("STRAIGHT_PROBE(").count() == 12, "{printed}");
     let (_, printed) = interpret(&text).expect("it ran before");

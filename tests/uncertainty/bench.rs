@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use shadowgauge::gauge::calibration::{
-    Adjustment, Along, CertificateShare, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
+    Adjustment, CertificateShare, ColumnSpread, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
     Thermometer, Unstated,
 };
 use shadowgauge::gauge::{CalibrationError, MasterCertificate};
@@ -168,7 +168,7 @@ fn the_covariance_is_the_scatter_over_worlds_drawn_from_the_priors() {
         let d = |s: f64, o: f64, l: &LensModel| s * (l.ideal(u, bottom) - l.ideal(u, top)) + o;
         let error = d(found.parameters[0], found.parameters[1], &found.lens) - d(w.scale, w.offset, &w.lens);
         let l = &found.lens;
-        let by_lens = l.width_by(Along::at(u), top, bottom).map(|b| found.parameters[0] * b);
+        let by_lens = l.width_by(ColumnSpread::at(u), top, bottom).map(|b| found.parameters[0] * b);
         let by: [f64; PARAMETERS] =
             [l.ideal(u, bottom) - l.ideal(u, top), 1.0, by_lens[0], by_lens[1], by_lens[2], 0.0];
         stated += found.parts.iter().map(|p| p.variance(&by)).sum::<f64>() / f64::from(runs);

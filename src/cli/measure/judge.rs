@@ -190,7 +190,7 @@ struct Judged {
 }
 
 /// Follows the frames of one command.
-pub struct Follower<'a> {
+pub struct InspectionReport<'a> {
     args: &'a JudgeArgs,
     calibration: &'a Calibration,
     conditions: Conditions,
@@ -207,7 +207,7 @@ pub struct Follower<'a> {
     no_zone_told: bool,
 }
 
-impl<'a> Follower<'a> {
+impl<'a> InspectionReport<'a> {
     /// Checks the arguments.
     ///
     /// # Errors

@@ -30,7 +30,7 @@ use self::choice::ChoiceArgs;
 use self::crests::CrestStream;
 use self::esf_argument::esf_model;
 use self::frames::{FrameArgs, Frames, ScaleArgument, paths, scale_argument, scale_of_files};
-use self::judge::{Follower, JudgeArgs, stated_budget};
+use self::judge::{InspectionReport, JudgeArgs, stated_budget};
 use self::statistics::statistics_line;
 use self::table::print_table;
 use self::turn::turn_table;
@@ -163,7 +163,8 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     }
     let gauge = Gauge::new(settings).map_err(Failure::refuse)?;
-    let gauge = gauge.expecting(calibration.as_ref().and_then(Calibration::misfit));
+    let gauge =
+        gauge.with_systematic_residual(calibration.as_ref().and_then(Calibration::systematic_residual));
     if args.shape == Shape::Ring {
         return rings(args, calibration.as_ref(), &conditions, paths);
     }
@@ -345,7 +346,7 @@ fn measure_all(
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
         timing::bench(gauge, &views, count)
     });
-    let mut follower = calibration.map(|c| Follower::new(&args.judge, c, conditions)).transpose()?;
+    let mut follower = calibration.map(|c| InspectionReport::new(&args.judge, c, conditions)).transpose()?;
     let mut out = serde_json::Map::new();
     let mut figures = Vec::new();
     for measured in &results {
@@ -441,7 +442,8 @@ fn measure_one(
 
 /// Warns where an edge-spread function was to be learnt and could not be.
 fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
-    let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.unknown_place_px == [0.0; 2]);
+    let unlearnt =
+        |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
     let count = results.iter().filter(unlearnt).count();
     if gauge.settings().esf == (EsfModel::Learnt {}) && count > 0 {
         tracing::warn!(

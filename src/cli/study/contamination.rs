@@ -8,7 +8,7 @@ use crate::gauge::GaugeSettings;
 use crate::report::html::Page;
 use crate::report::plot::{Chart, Mark, Series};
 use crate::studies::contamination::{self, ContaminationStudy, CurvePoint, KindResult, StudyError};
-use crate::studies::dirty_frames::Matter;
+use crate::studies::dirty_frames::Contaminant;
 
 /// Arguments of `study contamination`.
 #[derive(Debug, clap::Args)]
@@ -56,22 +56,22 @@ pub fn run(args: &StudyContaminationArgs) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn name(matter: Matter) -> &'static str {
-    match matter {
-        Matter::WindowDroplets => "droplets on the window",
-        Matter::AirDroplets => "droplets in flight",
-        Matter::Chips => "chips in flight",
-        Matter::Mist => "mist",
-        Matter::Dirt => "specks on the window",
-        Matter::Scratches => "scratches",
-        Matter::Films => "short films on the shaft",
-        Matter::All => "a little of everything",
+fn name(contaminant: Contaminant) -> &'static str {
+    match contaminant {
+        Contaminant::WindowDroplets => "droplets on the window",
+        Contaminant::AirDroplets => "droplets in flight",
+        Contaminant::Chips => "chips in flight",
+        Contaminant::Mist => "mist",
+        Contaminant::Dirt => "specks on the window",
+        Contaminant::Scratches => "scratches",
+        Contaminant::Films => "short films on the shaft",
+        Contaminant::All => "a little of everything",
     }
 }
 
 fn cells(k: &KindResult) -> Vec<String> {
     vec![
-        name(k.matter).to_owned(),
+        name(k.contaminant).to_owned(),
         k.frames.to_string(),
         k.harmful.to_string(),
         k.mishandled.to_string(),
@@ -114,7 +114,7 @@ fn print(study: &ContaminationStudy) {
     for k in &study.kinds {
         say_line!(
             "{:<26} {:>7} {:>8} {:>11} {:>7} {:>14} {:>11.2}",
-            name(k.matter),
+            name(k.contaminant),
             k.frames,
             k.harmful,
             k.mishandled,
@@ -125,7 +125,7 @@ fn print(study: &ContaminationStudy) {
     }
     say_line!("{}", verdict(study));
     for k in study.kinds.iter().filter(|k| k.mishandled > 0) {
-        say_line!("mishandled, {}: seeds {:?}", name(k.matter), k.mishandled_seeds);
+        say_line!("mishandled, {}: seeds {:?}", name(k.contaminant), k.mishandled_seeds);
     }
     print_curve("film of half length 0.6 mm over its height / µm", &study.by_height);
     print_curve("film 8 µm high over its half length / mm", &study.by_length);

@@ -6,7 +6,7 @@
 //! constant disturbance d settles at (1 − Q) d instead of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne,
 //! IEEE Control Syst. Mag. 26(3) (2006) 96.
 
-use super::proposal::{Law, Proposal, Seen};
+use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::IlcSettings;
 use nalgebra::{DMatrix, DVector};
 
@@ -26,7 +26,7 @@ impl IlcLaw {
 impl Law for IlcLaw {
     fn begin(&mut self, _stock_mm: Option<Vec<f64>>) {}
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         let learnt = seen.in_force().iter().zip(&seen.errors.e_mm).map(|(o, e)| o + self.learning_gain * e);
         let learnt: Vec<f64> = learnt.collect();
         match &self.q {

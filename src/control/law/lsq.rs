@@ -1,6 +1,6 @@
 //! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the offsets in force.
 
-use super::proposal::{Law, Proposal, Seen, independent_u, y};
+use super::proposal::{Law, Observation, Proposal, independent_u, y};
 use crate::control::error::ControlError;
 use crate::control::fit::{self, Fit};
 use crate::control::settings::{ApplyTo, Estimator, LsqSettings};
@@ -19,7 +19,7 @@ impl LsqLaw {
         Ok(Self { settings: settings.clone(), design })
     }
 
-    fn fit(&self, seen: &Seen<'_>) -> Option<Fit> {
+    fn fit(&self, seen: &Observation<'_>) -> Option<Fit> {
         let u = if self.settings.weighted {
             independent_u(seen.errors)
         } else {
@@ -50,7 +50,7 @@ impl LsqLaw {
 impl Law for LsqLaw {
     fn begin(&mut self, _stock_mm: Option<Vec<f64>>) {}
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         let waits =
             self.settings.apply_to == ApplyTo::FinishingPass && !seen.next.is_some_and(|n| n.finishing);
         if waits {

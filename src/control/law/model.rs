@@ -18,7 +18,7 @@
 //! Valid while F is steep enough to be seen and the depth lies above minimum chip; one diameter is taken for the
 //! half-cut shaft, Euler-Bernoulli: both end up in s and c.
 
-use super::proposal::{Feedforward, Law, Proposal, Seen};
+use super::proposal::{Feedforward, Law, Observation, Proposal};
 use crate::control::settings::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
@@ -77,7 +77,7 @@ impl ModelLaw {
         Self { settings: settings.clone(), workpiece, z_mm, stock_mm: None, passes: Vec::new() }
     }
 
-    fn remember(&mut self, seen: &Seen<'_>) {
+    fn remember(&mut self, seen: &Observation<'_>) {
         let after_mm: Vec<f64> = seen.errors.e_mm.iter().map(|e| e + seen.plan.nominal_mm).collect();
         let index = (seen.plan.pass as usize).saturating_sub(1);
         let last = self.passes.last().filter(|p| p.index + 1 == index).map(|p| p.after_mm.clone());
@@ -108,7 +108,7 @@ impl Law for ModelLaw {
         self.passes.clear();
     }
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         self.remember(seen);
         let model = Model { settings: &self.settings, workpiece: self.workpiece, z_mm: &self.z_mm };
         let rough = model.estimate(&self.passes, 0.0);
@@ -142,20 +142,20 @@ impl Law for ModelLaw {
 
 impl ModelLaw {
     /// Where the pass before was not believed: this one took off as much as the next is to.
-    fn one_more(&self, seen: &Seen<'_>) -> f64 {
+    fn one_more(&self, seen: &Observation<'_>) -> f64 {
         match seen.next {
             Some(next) => 2.0 * seen.plan.nominal_mm - next.nominal_mm,
             None => self.same_before(seen),
         }
     }
 
-    fn same_before(&self, seen: &Seen<'_>) -> f64 {
+    fn same_before(&self, seen: &Observation<'_>) -> f64 {
         let passes = f64::from(seen.plan.pass.max(1));
         seen.plan.nominal_mm + (self.workpiece.stock_diameter_mm - seen.plan.nominal_mm) / passes
     }
 
     /// Where nothing is known of the next pass: it takes off as much as this one was to.
-    fn same_again(&self, seen: &Seen<'_>) -> f64 {
+    fn same_again(&self, seen: &Observation<'_>) -> f64 {
         2.0 * seen.plan.nominal_mm - self.same_before(seen)
     }
 }

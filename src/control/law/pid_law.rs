@@ -1,6 +1,6 @@
 //! PID per station or per shape.
 
-use super::proposal::{Feedforward, Law, Proposal, Seen, project};
+use super::proposal::{Feedforward, Law, Observation, Proposal, project};
 use crate::control::error::ControlError;
 use crate::control::pid::Pid;
 use crate::control::settings::{OffsetForm, PidSettings, Spatial};
@@ -25,7 +25,7 @@ impl PidLaw {
         Ok(Self { settings: settings.clone(), channels, pid: Pid::new(settings, channels), design })
     }
 
-    fn output(&mut self, seen: &Seen<'_>) -> Vec<f64> {
+    fn output(&mut self, seen: &Observation<'_>) -> Vec<f64> {
         let Some(design) = &self.design else {
             return self.pid.step(&seen.errors.e_mm);
         };
@@ -43,7 +43,7 @@ impl Law for PidLaw {
         self.pid = Pid::new(&self.settings, self.channels);
     }
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         let output = self.output(seen);
         match self.settings.form {
             OffsetForm::Absolute => output.into(),

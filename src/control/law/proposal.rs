@@ -7,7 +7,7 @@ use crate::plan::PassPlan;
 use nalgebra::{DMatrix, DVector};
 
 /// What a law sees of the pass measured.
-pub(crate) struct Seen<'a> {
+pub(crate) struct Observation<'a> {
     /// What was commanded, with the offsets in force.
     pub plan: &'a PassPlan,
     /// Errors of the pass.
@@ -16,7 +16,7 @@ pub(crate) struct Seen<'a> {
     pub next: Option<NextPass>,
 }
 
-impl Seen<'_> {
+impl Observation<'_> {
     /// Offsets in force, mm of diameter.
     pub(super) fn in_force(&self) -> &[f64] {
         &self.plan.offset.o_mm
@@ -54,7 +54,7 @@ pub(crate) trait Law: Clone {
     fn begin(&mut self, stock_mm: Option<Vec<f64>>);
 
     /// Offsets of the next pass.
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal;
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal;
 
     /// What is added from earlier parts.
     fn feedforward(&self) -> Feedforward {

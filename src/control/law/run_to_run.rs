@@ -11,7 +11,7 @@
 //! 193 (the predictor-corrector form, as in A. Chen, R.-S. Guo, ibid. 14 (2001) 11). Stable for 0 < λ b/b̂ < 2 with a
 //! constant disturbance, for the double form see `stability`.
 
-use super::proposal::{Law, Proposal, Seen};
+use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::{DoubleEwmaSettings, EwmaSettings};
 
 /// EWMA per station.
@@ -29,7 +29,7 @@ impl EwmaLaw {
 }
 
 /// m(k) per station.
-fn disturbance<'a>(seen: &'a Seen<'_>, gain: f64) -> impl Iterator<Item = f64> + 'a {
+fn disturbance<'a>(seen: &'a Observation<'_>, gain: f64) -> impl Iterator<Item = f64> + 'a {
     seen.errors.e_mm.iter().zip(seen.in_force()).map(move |(e, o)| e + gain * o)
 }
 
@@ -38,7 +38,7 @@ impl Law for EwmaLaw {
         *self = Self::new(&self.settings, self.level.len());
     }
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         self.passes += 1;
         let mean = if self.settings.mean_start { 1.0 / f64::from(self.passes) } else { 0.0 };
         let weight = self.settings.weight.max(mean);
@@ -71,7 +71,7 @@ impl Law for DoubleEwmaLaw {
         *self = Self::new(&self.settings, self.level.len());
     }
 
-    fn propose(&mut self, seen: &Seen<'_>) -> Proposal {
+    fn propose(&mut self, seen: &Observation<'_>) -> Proposal {
         let s = &self.settings;
         let gain = s.gain_estimate;
         let first = s.mean_start && !self.started;

@@ -26,7 +26,8 @@ pub struct ControlSettings {
     /// The controller in use.
     pub controller: ControllerName,
     /// Build a controller although its closed loop is unstable at `plant_gain`.
-    pub insist_on_unstable: bool,
+    #[serde(rename = "insist_on_unstable")]
+    pub allow_unstable: bool,
     /// Plant gain g for which stability is judged: change of diameter over change of command, 0 < g ≤ 2. A slender
     /// shaft between chuck and tailstock has .9-1 (1 would be a rigid one).
     pub plant_gain: f64,
@@ -57,7 +58,7 @@ impl Default for ControlSettings {
     fn default() -> Self {
         Self {
             controller: ControllerName::default(),
-            insist_on_unstable: false,
+            allow_unstable: false,
             plant_gain: 0.95,
             gaps: GapSettings::default(),
             pid: PidSettings::default(),

@@ -19,7 +19,7 @@ use super::masters::{MasterFigure, MasterMeasurement};
 use super::optical_setup::BenchCalibration;
 use crate::frame::Encoding;
 use crate::gauge::edge::model::edge_table::EdgeTable;
-use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
+use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::FrameFigures;
 use crate::gauge::settings::EsfModel;
 
@@ -51,8 +51,8 @@ pub struct Calibration {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bench: Option<Box<BenchCalibration>>,
     /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub misfit: Option<Box<EdgeMisfit>>,
+    #[serde(rename = "misfit", default, skip_serializing_if = "Option::is_none")]
+    pub systematic_residual: Option<Box<SystematicResidual>>,
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_table: Option<Box<EdgeTable>>,
@@ -99,7 +99,7 @@ impl Calibration {
             covariance: fit.covariance,
             masters: masters.to_vec(),
             bench: None,
-            misfit: None,
+            systematic_residual: None,
             edge_model: None,
             edge_table: None,
             conditions: None,
@@ -118,7 +118,7 @@ impl Calibration {
             covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
             masters,
             bench: Some(Box::new(bench)),
-            misfit: None,
+            systematic_residual: None,
             edge_model: None,
             edge_table: None,
             conditions: None,
@@ -128,13 +128,13 @@ impl Calibration {
 
     /// Keeps what the masters' edges left of the edge model.
     #[must_use]
-    pub fn with_misfit(self, misfit: Option<EdgeMisfit>) -> Self {
-        Self { misfit: misfit.map(Box::new), ..self }
+    pub fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
+        Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
     /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::expecting`].
-    pub fn misfit(&self) -> Option<&EdgeMisfit> {
-        self.misfit.as_deref()
+    pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
+        self.systematic_residual.as_deref()
     }
 
     /// Keeps the edge-spread function that was fitted to the masters' edges.
@@ -199,8 +199,12 @@ impl Calibration {
 
     /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
     /// the other way round.
-    pub(crate) fn u_place_px(&self, figures: &FrameFigures) -> f64 {
-        if self.is_learnt() { figures.unlearnt_place_px() / 3.0_f64.sqrt() } else { figures.u_place_px() }
+    pub(crate) fn u_position_px(&self, figures: &FrameFigures) -> f64 {
+        if self.is_learnt() {
+            figures.unlearnt_position_px() / 3.0_f64.sqrt()
+        } else {
+            figures.u_position_px()
+        }
     }
 
     /// Whether the masters' edges were fitted by an edge-spread function learnt from their own frames.
@@ -224,7 +228,7 @@ impl Calibration {
             covariance: [0.0; 3],
             masters: Vec::new(),
             bench: None,
-            misfit: None,
+            systematic_residual: None,
             edge_model: None,
             edge_table: None,
             conditions: None,
@@ -266,9 +270,9 @@ impl Calibration {
             let right = "shares of light from 0 to 1 that grow";
             return Err(CalibrationError::Value { key: "encoding.light_at_quarters", value, right });
         }
-        let misfit = calibration.misfit.as_ref().and_then(|m| m.impossible());
+        let systematic_residual = calibration.systematic_residual.as_ref().and_then(|m| m.impossible());
         let table = calibration.edge_table.as_ref().and_then(|t| t.impossible());
-        if let Some((key, value, right)) = misfit.or(table) {
+        if let Some((key, value, right)) = systematic_residual.or(table) {
             return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_masters()?;
@@ -439,10 +443,11 @@ mod tests {
         let read = Calibration::read(text.as_bytes()).unwrap();
         assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);
         assert!((read.u_common_mm(1200.0) - good.u_common_mm(1200.0)).abs() < 1e-12);
-        assert!(!text.contains("misfit") && read.misfit().is_none());
-        let left = EdgeMisfit { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
-        let with = serde_json::to_string(&good.clone().with_misfit(Some(left.clone()))).unwrap();
-        assert_eq!(Calibration::read(with.as_bytes()).unwrap().misfit(), Some(&left));
+        assert!(!text.contains("misfit") && read.systematic_residual().is_none());
+        let left =
+            SystematicResidual { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
+        let with = serde_json::to_string(&good.clone().with_systematic_residual(Some(left.clone()))).unwrap();
+        assert_eq!(Calibration::read(with.as_bytes()).unwrap().systematic_residual(), Some(&left));
         let loud = with.replace("-0.02", "-2.0");
         assert!(matches!(
             Calibration::read(loud.as_bytes()),

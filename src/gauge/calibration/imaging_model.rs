@@ -67,14 +67,14 @@ impl LensLimits {
 /// Columns from the frame's centre that a row is the mean of: r² averages with their variance, which over a whole frame is
 /// worth more than a distortion itself at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Along {
+pub struct ColumnSpread {
     /// Their mean, px.
     pub mean_px: f64,
     /// Their variance, px².
     pub variance_px2: f64,
 }
 
-impl Along {
+impl ColumnSpread {
     /// One column.
     pub fn at(column_px: f64) -> Self {
         Self { mean_px: column_px, variance_px2: 0.0 }
@@ -130,11 +130,11 @@ impl LensModel {
 
     /// Row from the centre that a perfect lens would have shown, f(u, v), px.
     pub fn ideal(&self, u: f64, v: f64) -> f64 {
-        self.ideal_mean(Along::at(u), v)
+        self.ideal_mean(ColumnSpread::at(u), v)
     }
 
     /// Mean of [`Self::ideal`] over columns where the mean row is v, px; for a row that hardly changes over them.
-    pub fn ideal_mean(&self, u: Along, v: f64) -> f64 {
+    pub fn ideal_mean(&self, u: ColumnSpread, v: f64) -> f64 {
         let rho = self.half_diagonal_px;
         let r2 = (u.mean_px * u.mean_px + u.variance_px2 + v * v) / (rho * rho);
         v * (1.0 + self.radial * r2) + (self.keystone_across * v + self.keystone_along * u.mean_px) * v / rho
@@ -154,7 +154,7 @@ impl LensModel {
     }
 
     /// Derivatives of the ideal width f(u, bottom) − f(u, top) by a, q, g, px.
-    pub fn width_by(&self, u: Along, top: f64, bottom: f64) -> [f64; 3] {
+    pub fn width_by(&self, u: ColumnSpread, top: f64, bottom: f64) -> [f64; 3] {
         let rho = self.half_diagonal_px;
         let square = u.mean_px * u.mean_px + u.variance_px2;
         let cubic = |v: f64| v * (square + v * v) / (rho * rho);
@@ -179,7 +179,7 @@ mod tests {
     fn derivatives_are_those_of_the_width() {
         let lens = distorting();
         let (u, top, bottom, h) = (77.0, -140.0, 120.5, 1e-5);
-        let u = Along { mean_px: u, variance_px2: 900.0 };
+        let u = ColumnSpread { mean_px: u, variance_px2: 900.0 };
         let width = |l: &LensModel| l.ideal_mean(u, bottom) - l.ideal_mean(u, top);
         let by = lens.width_by(u, top, bottom);
         let moved = [
@@ -216,7 +216,7 @@ mod tests {
         let n = columns.len() as f64;
         let mean = columns.iter().map(|u| lens.ideal(*u, 170.0)).sum::<f64>() / n;
         let variance_px2 = columns.iter().map(|u| u * u).sum::<f64>() / n;
-        let at_once = lens.ideal_mean(Along { mean_px: 0.0, variance_px2 }, 170.0);
+        let at_once = lens.ideal_mean(ColumnSpread { mean_px: 0.0, variance_px2 }, 170.0);
         assert!((at_once - mean).abs() < 1e-10, "{at_once} {mean}");
         assert!((lens.ideal(0.0, 170.0) - mean).abs() > 0.03);
     }

@@ -33,7 +33,7 @@ pub use date::Date;
 pub use error::{CALIBRATION_VERSION, CalibrationError};
 pub use finish::Finish;
 pub use gauge_calibration::Calibration;
-pub use imaging_model::{Along, LensLimits, LensModel, PARAMETERS};
+pub use imaging_model::{ColumnSpread, LensLimits, LensModel, PARAMETERS};
 pub use masters::{
     CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
 };

@@ -1,7 +1,7 @@
 //! From the edges of a master's frame to a few observations: mean edges of blocks of columns.
 
 use super::super::edges::FrameEdges;
-use super::imaging_model::{Along, LensModel};
+use super::imaging_model::{ColumnSpread, LensModel};
 use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::column_means::ColumnMeans;
 
@@ -37,8 +37,8 @@ pub struct Observation {
 
 impl Observation {
     /// Its columns from the frame's centre.
-    pub fn along(&self) -> Along {
-        Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 }
+    pub fn along(&self) -> ColumnSpread {
+        ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 }
     }
 }
 

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::adjustment::{Adjusted, CovariancePart, Residual};
 use super::conditions::Conditions;
 use super::date::Date;
-use super::imaging_model::{Along, LensModel, PARAMETERS};
+use super::imaging_model::{ColumnSpread, LensModel, PARAMETERS};
 use super::verification::CheckResult;
 use crate::gauge::sensor::FlatField;
 use crate::gauge::sensor::photon_transfer::PhotonTransfer;
@@ -211,13 +211,13 @@ impl BenchCalibration {
     pub fn diameter_by(
         &self,
         scale: f64,
-        columns: Along,
+        columns: ColumnSpread,
         rows_px: (f64, f64),
         chord: f64,
         axis_y_mm: f64,
     ) -> [f64; PARAMETERS] {
         let lens = &self.lens;
-        let u = Along { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
+        let u = ColumnSpread { mean_px: columns.mean_px - lens.centre_column_px, ..columns };
         let (top, bottom) = (rows_px.0 - lens.centre_row_px, rows_px.1 - lens.centre_row_px);
         let near = 1.0 + lens.telecentricity_per_mm * axis_y_mm;
         let width = (lens.ideal_mean(u, bottom) - lens.ideal_mean(u, top)) * chord;

@@ -8,7 +8,7 @@
 
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::gauge::calibration::{Along, Conditions, CovariancePart, PARAMETERS};
+use crate::gauge::calibration::{ColumnSpread, Conditions, CovariancePart, PARAMETERS};
 use crate::gauge::edges::{Edge, FrameEdges};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::{trend_factor, u_blur_px};
@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
         let scale = self.calibration.scale_mm_per_px;
         let by = bench.diameter_by(
             scale,
-            Along::at(column as f64),
+            ColumnSpread::at(column as f64),
             rows_px,
             self.slope.factor(column),
             self.conditions.axis_y_mm,
@@ -193,7 +193,7 @@ pub(crate) fn column_diameters(
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
     // All columns share the frame's blur; a stream takes it from every frame anew, so that frames average it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
-    let u_place_px = calibration.u_place_px(&edges.figures);
+    let u_position_px = calibration.u_position_px(&edges.figures);
     let scale = calibration.scale_mm_per_px * conditions.to_reference();
     let [bias_top, bias_bottom] = [
         curvature_bias(&edges.top, edges.figures.sigma_px[0]),
@@ -225,7 +225,7 @@ pub(crate) fn column_diameters(
             u_random_mm: random(top.u_px(), bottom.u_px()),
             u_common_mm: reader
                 .u_common_mm(column, rows_px, width_px)
-                .hypot(scale * repeated.sqrt().hypot(u_place_px)),
+                .hypot(scale * repeated.sqrt().hypot(u_position_px)),
         }));
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);

@@ -209,12 +209,12 @@ fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Sect
         Some(_) => of_half_turn(&widths[..seen.angles], cutoff.undulations(), u_width_mm),
         None => Some(of_whole_turn(&widths, u_width_mm)),
     };
-    let form = section_form(z_mm, &turn, &Seen { scatter, ..seen }, cutoff)?;
+    let form = section_form(z_mm, &turn, &SectionReadings { scatter, ..seen }, cutoff)?;
     Ok(Section { z_mm, turn, form })
 }
 
 /// A section's turn and what was seen of it, its scatter left open.
-fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, Seen), FormError> {
+fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, SectionReadings), FormError> {
     let good: Vec<(f64, &Sums)> = sums
         .iter()
         .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
@@ -231,11 +231,11 @@ fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, Seen), FormError> {
         / good.len() as f64;
     let stated_mm = (0.5 * variance).sqrt();
     let (turn, u_axis_mm) = turn_of(&readings, stated_mm)?;
-    Ok((turn, Seen { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))
+    Ok((turn, SectionReadings { angles: readings.len(), stated_mm, u_axis_mm, scatter: None }))
 }
 
 /// What was seen of a section.
-struct Seen {
+struct SectionReadings {
     angles: usize,
     /// Standard uncertainty of one edge by the edges' own statements, mm.
     stated_mm: f64,
@@ -265,7 +265,12 @@ fn turn_of(readings: &[[f64; 3]], u_edge_mm: f64) -> Result<(Turn, Option<f64>),
     }
 }
 
-fn section_form(z_mm: f64, turn: &Turn, seen: &Seen, cutoff: Cutoff) -> Result<SectionForm, FormError> {
+fn section_form(
+    z_mm: f64,
+    turn: &Turn,
+    seen: &SectionReadings,
+    cutoff: Cutoff,
+) -> Result<SectionForm, FormError> {
     let half_turn = seen.u_axis_mm.is_some();
     let scattered_mm = seen.scatter.map_or(0.0, |s| s.sd_width_mm * std::f64::consts::FRAC_1_SQRT_2);
     let u_edge_mm = seen.stated_mm.max(scattered_mm);

@@ -23,7 +23,7 @@ use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
 /// Where a station's columns lie and what they say, so that what is not seen of it can be told from what is.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Seen {
+pub(crate) struct StationColumns {
     n: f64,
     x: f64,
     xx: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Seen {
     xd: f64,
 }
 
-impl Seen {
+impl StationColumns {
     /// Adds a column at `x` from the station's middle.
     pub(crate) fn add(&mut self, x: f64, d: f64) {
         self.n += 1.0;
@@ -43,7 +43,7 @@ impl Seen {
 
     /// What the mean of the columns seen may be off the station's: their own slope times the distance of their centroid from its
     /// middle. The rest of the station was not seen; that it goes on like this is a guess, so the mean is left and its uncertainty takes it.
-    pub(crate) fn u_of_the_rest(&self) -> f64 {
+    pub(crate) fn u_unobserved(&self) -> f64 {
         let spread = self.xx - self.x * self.x / self.n;
         if self.n < 3.0 || !(spread > 0.0) {
             return 0.0;
@@ -55,7 +55,7 @@ impl Seen {
 /// Sums of one station at one angle.
 #[derive(Clone, Copy, Debug, Default)]
 struct AngleSums {
-    seen: Seen,
+    seen: StationColumns,
     columns: usize,
     gaps: usize,
     d_mm: f64,
@@ -75,7 +75,7 @@ impl AngleSums {
     /// Variance of the mean from the edges' own statements and from what was not seen of the station, mm².
     fn noise(&self) -> f64 {
         variance_of_mean(self.columns as f64, self.own, self.shared, self.length)
-            + self.seen.u_of_the_rest().powi(2)
+            + self.seen.u_unobserved().powi(2)
     }
 }
 
@@ -186,7 +186,7 @@ impl StationAverager {
         if let Some((pooled, _)) = pooled {
             for (fit, sums) in fits.iter_mut().zip(&self.sums) {
                 let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > FAR * pooled);
-                if let Some(better) = far.then(|| self.without_matter(sums, pooled)).flatten() {
+                if let Some(better) = far.then(|| self.without_outlying_angle(sums, pooled)).flatten() {
                     *fit = Ok(better);
                 }
             }
@@ -219,15 +219,15 @@ impl StationAverager {
     }
 
     /// The fit without the one angle that lies above what the others say, where that explains the station's scatter.
-    fn without_matter(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
+    fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
         let mut best: Option<AngleFit> = None;
         for (angle, s) in self.angles(sums, None) {
             let Ok(fit) = self.fit(sums, Some(angle)) else { continue };
             let above = s.mean_mm() - fit.lobes.at(radians(angle));
             let explains = fit.lobes.freedom >= 2.0 && fit.lobes.residual <= FAR * pooled;
-            let matter = above > 5.0 * pooled.sqrt();
+            let outlying = above > 5.0 * pooled.sqrt();
             let better = best.as_ref().is_none_or(|b| fit.lobes.residual < b.lobes.residual);
-            if explains && matter && better {
+            if explains && outlying && better {
                 best = Some(fit);
             }
         }
@@ -391,18 +391,18 @@ mod tests {
     #[test]
     fn what_was_not_seen_of_a_taper_is_stated() {
         let mean_and_u = |columns: std::ops::Range<i32>| {
-            let mut seen = Seen::default();
+            let mut seen = StationColumns::default();
             columns.for_each(|c| seen.add(f64::from(c) - 31.5, 25.0 + 1e-4 * f64::from(c)));
-            (seen.d / seen.n - 25.0 - 1e-4 * 31.5, seen.u_of_the_rest())
+            (seen.d / seen.n - 25.0 - 1e-4 * 31.5, seen.u_unobserved())
         };
         assert!(mean_and_u(0..64).1 < 1e-12);
         for part in [0..20, 40..64, 10..50] {
             let (off, u) = mean_and_u(part);
             assert!((off.abs() - u).abs() < 1e-9, "{off} {u}");
         }
-        let mut two = Seen::default();
+        let mut two = StationColumns::default();
         [1.0, 2.0].into_iter().for_each(|x| two.add(x, x));
-        assert_eq!(two.u_of_the_rest(), 0.0);
+        assert_eq!(two.u_unobserved(), 0.0);
     }
 
     #[test]

@@ -10,7 +10,7 @@ const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;
 /// χ² ratio above which the noise cannot be what keeps the model from fitting.
-const LEAST_MISFIT: f64 = 2.0;
+const LEAST_CHI2: f64 = 2.0;
 /// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
 const SHARP_PX: f64 = 0.4;
 
@@ -37,9 +37,9 @@ pub(crate) fn accept(
     if coherence < LEAST_COHERENT {
         return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
     }
-    let residual = out.figures.misfit.sqrt() / out.figures.snr;
+    let residual = out.figures.reduced_chi2.sqrt() / out.figures.snr;
     let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > SHARP_PX);
-    if blurred && out.figures.misfit > LEAST_MISFIT && residual > settings.max_residual_rel {
+    if blurred && out.figures.reduced_chi2 > LEAST_CHI2 && residual > settings.max_residual_rel {
         let (noise, most) = (out.figures.snr.recip(), settings.max_residual_rel);
         return Err(explain::no_fit(residual, noise, most));
     }

@@ -1,7 +1,7 @@
 //! Frames of one camera, whichever it is: an area camera's by themselves, a line camera's readings among those before them.
 
-use super::estimation::model_bias::MisfitLesson;
-use super::model::systematic_residual::EdgeMisfit;
+use super::estimation::model_bias::ResidualAccumulator;
+use super::model::systematic_residual::SystematicResidual;
 use super::narrow::Narrow;
 use super::stream::{AreaStream, LEAST_COLUMNS, check};
 use crate::frame::FrameView;
@@ -24,8 +24,8 @@ impl EdgeStream {
 
     /// Expects of every edge what a calibration's masters left of the edge model.
     #[must_use]
-    pub(crate) fn expecting(self, misfit: Option<&EdgeMisfit>) -> Self {
-        Self { area: self.area.expecting(misfit), ..self }
+    pub(crate) fn with_systematic_residual(self, residual: Option<&SystematicResidual>) -> Self {
+        Self { area: self.area.with_systematic_residual(residual), ..self }
     }
 
     /// Leaves a frame to the thread that it is given to: where whole frames are shared out, splitting them only costs.
@@ -40,10 +40,10 @@ impl EdgeStream {
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+    pub fn accumulate(&self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         match &self.narrow {
-            Some(narrow) => narrow.teach(lesson),
-            None => self.area.teach(lesson, measured),
+            Some(narrow) => narrow.accumulate(residuals),
+            None => self.area.accumulate(residuals, measured),
         }
     }
 

@@ -5,7 +5,7 @@
 //!
 //! From below: `model` (what an edge looks like) → `image` (where in the frame it is) → `estimation` (levels, noise, blur, the fit of
 //! every column) → `rejection` (edges that are none of the part's), `refusals` (frames refused, in words) → `wire` (both edges of a
-//! thin shadow), `side` (one side of a wide one) → `rounded_frame`, `rings`, `scene` (both sides) → `acceptance`, `stream` (a frame, and
+//! thin shadow), `side` (one side of a wide one) → `rounded_frame`, `rings`, `frame_survey` (both sides) → `acceptance`, `stream` (a frame, and
 //! the frames that follow it) → `narrow` (line cameras) → `edge_stream` (either camera) → `parallel` (frames shared out).
 //!
 //! One more step of a frame is a file in the room whose question it answers and one call in `stream` or `side`; it takes values
@@ -15,6 +15,7 @@ pub(crate) mod acceptance;
 pub(crate) mod both_sides;
 pub(crate) mod edge_stream;
 pub(crate) mod estimation;
+pub(crate) mod frame_survey;
 pub(crate) mod image;
 pub(crate) mod model;
 pub(crate) mod narrow;
@@ -23,7 +24,6 @@ mod refusals;
 pub(crate) mod rejection;
 pub(crate) mod rings;
 pub(crate) mod rounded_frame;
-pub(crate) mod scene;
 pub(crate) mod side;
 pub(crate) mod stream;
 pub(crate) mod wire;

@@ -10,7 +10,7 @@
 use super::refusals::explain::refused;
 use super::stream::AreaStream;
 use crate::frame::{FrameView, PixelFormat, Pixels};
-use crate::gauge::edge::estimation::model_bias::MisfitLesson;
+use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::numerics::robust::MEDIAN_TO_SD;
@@ -275,8 +275,8 @@ impl Narrow {
     }
 
     /// Adds what the readings just measured leave of the edge model.
-    pub(crate) fn teach(&self, lesson: &mut MisfitLesson) {
-        self.pooled.teach(lesson, &self.edges);
+    pub(crate) fn accumulate(&self, residuals: &mut ResidualAccumulator) {
+        self.pooled.accumulate(residuals, &self.edges);
     }
 }
 

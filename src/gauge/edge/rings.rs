@@ -11,7 +11,7 @@ use super::side::SideState;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edges::FrameRefused;
 use crate::profile::Reason;
 
@@ -37,12 +37,12 @@ const SAME_WIDTH: f64 = 2e-3;
 const RING_TO_RING: f32 = 4.0;
 
 /// Whether windows laid out for one width of a pattern do not serve another: flat ends that see rings see others then.
-pub(crate) fn differ(shape: &EdgeShape, one: f64, other: f64) -> bool {
+pub(crate) fn differ(shape: &EdgeSpreadFunction, one: f64, other: f64) -> bool {
     shape.is_ringed() && (one / other).ln().abs() > SAME_WIDTH
 }
 
 /// The contrast by which stuck rows are found.
-pub(crate) fn stuck_contrast(shape: &EdgeShape, contrast: f32) -> f32 {
+pub(crate) fn stuck_contrast(shape: &EdgeSpreadFunction, contrast: f32) -> f32 {
     if shape.is_ringed() { RING_TO_RING * contrast } else { contrast }
 }
 

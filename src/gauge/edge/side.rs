@@ -1,28 +1,28 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
 use super::estimation::censored_fit::side_fit::{self, ClippedStart};
-use super::estimation::survey::{Scale, Survey};
+use super::estimation::side_survey::{GreyScaleLimits, SideSurvey};
 use super::image::window_layout::{half, window_width};
-use super::model::systematic_residual::EdgeMisfit;
+use super::model::systematic_residual::SystematicResidual;
 use super::rejection::neighbour_test::{self, OutlierScratch};
 use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurScratch};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
 use crate::gauge::edge::estimation::grey_ends::{self, Elsewhere};
-use crate::gauge::edge::estimation::level_gradient::Falloff;
+use crate::gauge::edge::estimation::level_gradient::LevelGradient;
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
-use crate::gauge::edge::estimation::model_bias::{Expected, MisfitLesson, SideView};
+use crate::gauge::edge::estimation::model_bias::{Expected, ResidualAccumulator, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
 use crate::gauge::edge::estimation::scoring_table::{FINE, Table};
-use crate::gauge::edge::estimation::slanted_edge::{self, Lesson};
+use crate::gauge::edge::estimation::slanted_edge::{self, EsfSamples};
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::rejection::residual_test;
-use crate::gauge::edges::{Edge, MISFIT_BLOCK};
+use crate::gauge::edges::{Edge, RESIDUAL_BLOCK};
 use crate::gauge::settings::{Blur, GaugeSettings, Levels, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
@@ -45,15 +45,15 @@ pub(crate) struct SideState {
     pub(crate) blur: BlurEstimate,
     /// How the blur goes on from frame to frame.
     pub(crate) track: BlurTrack,
-    pub(crate) misfit: f64,
-    falloff: Falloff,
-    pub(crate) survey: Survey,
+    pub(crate) reduced_chi2: f64,
+    gradient: LevelGradient,
+    pub(crate) survey: SideSurvey,
     /// Largest step between neighbouring edges, px; infinite with gaps.
     pub(crate) jump: f64,
     /// Rows of the edges, where there are no gaps.
     pub(crate) rows: Vec<CoarseEdge>,
     /// What a misfit of the edge model states, px, one for every block of columns.
-    pub(crate) stated: Vec<f32>,
+    pub(crate) model_uncertainty_px: Vec<f32>,
     /// Standard uncertainty of an edge by what is clipped of its shape, px.
     pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
@@ -63,7 +63,7 @@ pub(crate) struct SideState {
     /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
     pub(crate) copies: bool,
     /// The edge-spread function fitted.
-    pub(crate) shape: EdgeShape,
+    pub(crate) shape: EdgeSpreadFunction,
     /// Blur for which the windows were laid out, px.
     laid_out: f64,
     tables: Vec<Table>,
@@ -86,17 +86,17 @@ impl SideState {
             light: LevelCurve::default(),
             blur: BlurEstimate::uniform(1.0),
             track: BlurTrack::default(),
-            misfit: 1.0,
-            falloff: Falloff::default(),
-            survey: Survey::default(),
+            reduced_chi2: 1.0,
+            gradient: LevelGradient::default(),
+            survey: SideSurvey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),
-            stated: Vec::new(),
+            model_uncertainty_px: Vec::new(),
             clipped_px: 0.0,
             expected: None,
             level_lines: false,
             copies: false,
-            shape: EdgeShape::Gaussian,
+            shape: EdgeSpreadFunction::Gaussian,
             laid_out: 1.0,
             tables: Vec::new(),
             most_table_bytes: TABLE_BYTES.0,
@@ -114,7 +114,7 @@ impl SideState {
     }
 
     /// Takes another edge-spread function.
-    pub(crate) fn set_shape(&mut self, shape: EdgeShape) {
+    pub(crate) fn set_shape(&mut self, shape: EdgeSpreadFunction) {
         if self.shape != shape {
             self.shape = shape;
             self.tables.clear();
@@ -122,16 +122,16 @@ impl SideState {
     }
 
     /// Expects what a calibration's masters left of the edge model at this side (0 above, 1 below).
-    pub(crate) fn expect(&mut self, misfit: Option<&EdgeMisfit>, side: usize) {
-        self.expected = misfit.map(|m| Expected::new(m, side));
+    pub(crate) fn expect(&mut self, residual: Option<&SystematicResidual>, side: usize) {
+        self.expected = residual.map(|m| Expected::new(m, side));
     }
 
     /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
-    pub(crate) fn teach(&self, lesson: &mut MisfitLesson, side: usize, line: &[Edge]) {
+    pub(crate) fn accumulate(&self, residuals: &mut ResidualAccumulator, side: usize, line: &[Edge]) {
         if self.survey.ends.is_none() {
             let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
             let view = SideView { windows, shape, dark: &self.dark, light: &self.light, slope };
-            lesson.add(side, &view, line, |column| self.sigma_at(column));
+            residuals.add(side, &view, line, |column| self.sigma_at(column));
         }
     }
 
@@ -141,21 +141,21 @@ impl SideState {
     }
 
     /// How far the geometric edge may lie from where a learnt edge-spread function puts it, px.
-    pub(crate) fn unknown_place(&self) -> f64 {
-        self.shape.unknown_place(self.blur.mean())
+    pub(crate) fn position_ambiguity(&self) -> f64 {
+        self.shape.position_ambiguity(self.blur.mean())
     }
 
     /// Learns the edge-spread function from the places in `line`; false where the frame does not tell it.
     pub(crate) fn learn(&mut self, line: &[Edge]) -> bool {
-        let lesson = Lesson {
+        let samples = EsfSamples {
             windows: &self.windows,
             dark: &self.dark,
             light: &self.light,
             slope: &self.slope,
             sigma: self.blur.mean(),
         };
-        let Some(table) = slanted_edge::learn(&lesson, line) else { return false };
-        self.set_shape(EdgeShape::Table(std::sync::Arc::new(table)));
+        let Some(table) = slanted_edge::learn(&samples, line) else { return false };
+        self.set_shape(EdgeSpreadFunction::Table(std::sync::Arc::new(table)));
         true
     }
 
@@ -170,7 +170,7 @@ impl SideState {
         windows.centre.clear();
         windows.centre.extend(blur::samples(centres.len()).map(|column| centres[column]));
         windows.centred = false;
-        let gaussian = EdgeShape::Gaussian;
+        let gaussian = EdgeSpreadFunction::Gaussian;
         windows.prepare(&gaussian, widest, window_width(&gaussian, widest), windows.centre.len());
         for (place, column) in blur::samples(centres.len()).enumerate() {
             windows.read_one(plane, column, place);
@@ -180,7 +180,7 @@ impl SideState {
     }
 
     /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
-    pub(crate) fn look<T: Sample>(
+    pub(crate) fn read_windows<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
         centres: &[CoarseEdge],
@@ -193,8 +193,9 @@ impl SideState {
         self.laid_out = sigma;
         self.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
         self.outliers.reserve(plane.columns);
-        self.stated.reserve(plane.columns.div_ceil(MISFIT_BLOCK).saturating_sub(self.stated.len()));
-        self.read_windows(plane, window_width(&self.shape, sigma));
+        self.model_uncertainty_px
+            .reserve(plane.columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(self.model_uncertainty_px.len()));
+        self.read_width(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
         if self.level_lines {
@@ -210,28 +211,28 @@ impl SideState {
     /// Reads the windows anew around the edges in `line`. Where windows were centred by the area of their light, a pixel of noise far out
     /// moved the window that it lies in, so that the flat ends, chosen after a look at them, are no fair sample of the levels. A fitted
     /// edge owes nothing to the flat ends: centred on it they are.
-    pub(crate) fn look_again<T: Sample>(&mut self, plane: &Plane<'_, T>, line: &[Edge]) {
+    pub(crate) fn recentre<T: Sample>(&mut self, plane: &Plane<'_, T>, line: &[Edge]) {
         for (centre, edge) in self.windows.centre.iter_mut().zip(line).filter(|(_, e)| e.is_usable()) {
             *centre = Ok((edge.row_px + 0.5).floor() as i32);
         }
         self.windows.centred = true;
-        self.read_windows(plane, self.windows.width);
+        self.read_width(plane, self.windows.width);
     }
 
     /// Reads windows of a width around their centres, and the light beyond them.
-    fn read_windows<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
+    fn read_width<T: Sample>(&mut self, plane: &Plane<'_, T>, width: usize) {
         self.windows.prepare(&self.shape, self.laid_out, width, plane.columns);
         self.windows.read(plane);
         // Rings are no light that falls off.
         if self.shape.is_ringed() {
-            self.falloff.clear();
+            self.gradient.clear();
         } else {
-            self.falloff.look(plane, &self.windows);
+            self.gradient.read(plane, &self.windows);
         }
     }
 
     /// What the windows say of levels and noise before the other side is known.
-    pub(crate) fn survey(&mut self, scale: Scale, estimate_noise: bool) {
+    pub(crate) fn survey(&mut self, scale: GreyScaleLimits, estimate_noise: bool) {
         let levels = self.windows.level_sums();
         let mut spread = [Spread::default(); 2];
         let least = scale.least((levels.light - levels.dark) / levels.count.max(1.0));
@@ -241,8 +242,8 @@ impl SideState {
         let ends =
             if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
         // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
-        if ends.is_none_or(|ends| !self.falloff.is_clipped(ends.low, ends.high)) {
-            self.falloff.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
+        if ends.is_none_or(|ends| !self.gradient.is_clipped(ends.low, ends.high)) {
+            self.gradient.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
         }
         match ends {
             // What is clipped does not scatter as it would.
@@ -250,7 +251,7 @@ impl SideState {
             Some(_) => spread[0] = Spread::default(),
             None => {}
         }
-        self.survey = Survey { levels, ends, spread };
+        self.survey = SideSurvey { levels, ends, spread };
     }
 
     fn spread(&mut self, in_light: bool, least: f32) -> Spread {
@@ -259,7 +260,13 @@ impl SideState {
     }
 
     /// Where the grey values of the side are clipped.
-    fn ends(&mut self, scale: Scale, levels: LevelSums, spread: [Spread; 2], least: f32) -> Option<Ends> {
+    fn ends(
+        &mut self,
+        scale: GreyScaleLimits,
+        levels: LevelSums,
+        spread: [Spread; 2],
+        least: f32,
+    ) -> Option<Ends> {
         use grey_ends::Level::{Dark, Light};
         let clear = |level, pool: &mut Vec<f32>| !grey_ends::may_end(&self.windows, level, pool);
         let mut floats = std::mem::take(&mut self.floats);
@@ -316,7 +323,7 @@ impl SideState {
         let sd = |level: f64| (noise.variance(level) / self.windows.flat as f64).sqrt() as f32;
         let pooled = self.pool.pool(&self.windows.dark, sd(dark), knots, &mut self.dark)
             && self.pool.pool(&self.windows.light, sd(light), knots, &mut self.light);
-        if pooled && self.shape != EdgeShape::Gaussian {
+        if pooled && self.shape != EdgeSpreadFunction::Gaussian {
             self.take_tails_off();
         }
         pooled
@@ -363,7 +370,8 @@ impl SideState {
     /// Gives the edges in `line`, just fitted, the frame's own blur.
     pub(crate) fn follow_blur(&mut self, noise: &NoiseModel, line: &mut [Edge]) -> Change {
         let (dark, light) = (self.dark.mean, self.light.mean);
-        let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.misfit.max(1.0);
+        let relative =
+            noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.reduced_chi2.max(1.0);
         let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
         let (windows, table) = (&self.windows, &self.tables[index]);
         let change = self.track.follow(&mut self.blur, relative, &TrackView { windows, table }, line);
@@ -420,7 +428,7 @@ impl SideState {
             Some(ends) => self.fit_clipped(settings, noise, ends, line),
             None => self.fit_columns(settings, noise, line),
         };
-        self.gate(settings, freedom, line);
+        self.reject(settings, freedom, line);
         self.jump = neighbour_test::largest_jump(line);
         if self.jump.is_finite() {
             self.rows.clear();
@@ -458,7 +466,7 @@ impl SideState {
         self.clipped_px = side.u_px;
         if !ends.high.is_finite() {
             let index = self.table(side.sigma, noise.kappa(self.dark.mean, self.light.mean), false);
-            self.falloff.state(line, &self.windows, (&self.dark, &self.light), (noise, &self.tables[index]));
+            self.gradient.state(line, &self.windows, (&self.dark, &self.light), (noise, &self.tables[index]));
         }
         side.freedom
     }
@@ -499,7 +507,7 @@ impl SideState {
             from = to;
             if from >= columns {
                 let levels = (&self.dark, &self.light);
-                self.falloff.state(line, &self.windows, levels, (noise, table));
+                self.gradient.state(line, &self.windows, levels, (noise, table));
             }
         }
         self.expected = expected;
@@ -537,15 +545,15 @@ impl SideState {
             .unwrap_or(columns)
     }
 
-    fn gate(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
+    fn reject(&mut self, settings: &GaugeSettings, freedom: f64, line: &mut [Edge]) {
         let z = upper_normal_quantile(settings.residual_false_alarm);
-        self.misfit = residual_test::misfit(line, freedom, &mut self.floats);
-        let scale = if self.misfit > 1.2 { self.misfit } else { 1.0 };
+        self.reduced_chi2 = residual_test::reduced_chi2(line, freedom, &mut self.floats);
+        let scale = if self.reduced_chi2 > 1.2 { self.reduced_chi2 } else { 1.0 };
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
         let left_px = self.expected.as_ref().map_or(0.0, Expected::left_px);
-        residual_test::state_misfit(line, freedom, left_px, &mut self.stated);
+        residual_test::add_model_uncertainty(line, freedom, left_px, &mut self.model_uncertainty_px);
         if scale > 1.0 {
             for edge in line.iter_mut() {
                 edge.u_own_px *= (scale as f32).sqrt();
@@ -554,7 +562,7 @@ impl SideState {
         if settings.rejection == Rejection::Off {
             return;
         }
-        residual_test::refuse_vague(line);
+        residual_test::reject_uncertain(line);
         neighbour_test::refuse_outliers(line, settings.outlier_px, &mut self.outliers);
     }
 }

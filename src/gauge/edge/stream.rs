@@ -7,18 +7,18 @@
 
 use super::acceptance;
 use super::both_sides::both;
-use super::estimation::survey::Scale;
-use super::model::systematic_residual::EdgeMisfit;
+use super::estimation::side_survey::GreyScaleLimits;
+use super::frame_survey::{FrameSurvey, Last};
+use super::model::systematic_residual::SystematicResidual;
 use super::refusals::explain::{self, no_levels, refused};
 use super::rings;
 use super::rounded_frame::Rounding;
-use super::scene::{Last, Scene};
 use super::side::SideState;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::model_bias::MisfitLesson;
+use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edge::estimation::noise::NoiseModel;
 use crate::gauge::edge::image::grey_step::grey_step;
 use crate::gauge::edge::image::part_localisation::Coarse;
@@ -27,7 +27,7 @@ use crate::gauge::edge::image::repeated::repeated_lines;
 use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edge::image::stuck_rows;
 use crate::gauge::edge::image::window_layout::WIDEST_PX;
-use crate::gauge::edge::model::edge_spread::{EdgeShape, StepTable};
+use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, TabulatedEsf};
 use crate::gauge::edge::rejection::departures::AxisScratch;
 use crate::gauge::edge::rejection::one_sided::refuse_one_sided;
 use crate::gauge::edge::wire::frame;
@@ -41,7 +41,7 @@ pub(crate) const LEAST_COLUMNS: usize = 16;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
 /// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
-const MOST_MISFIT: f64 = 1.1;
+const MOST_CHI2: f64 = 1.1;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
 /// A usual blur, px.
@@ -70,7 +70,7 @@ pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
 pub(crate) struct AreaStream {
     pub(crate) settings: GaugeSettings,
     /// The edge-spread function of the settings.
-    shape: EdgeShape,
+    shape: EdgeSpreadFunction,
     pub(crate) sides: [SideState; 2],
     /// Where the edges are looked for.
     coarse: Coarse,
@@ -90,10 +90,10 @@ impl AreaStream {
     pub(crate) fn new(settings: GaugeSettings) -> Self {
         let shape = match &settings.esf {
             EsfModel::Table(samples) => {
-                let table = StepTable::new(samples.reach_px(), |d| samples.at(d));
-                EdgeShape::Table(std::sync::Arc::new(table))
+                let table = TabulatedEsf::new(samples.reach_px(), |d| samples.at(d));
+                EdgeSpreadFunction::Table(std::sync::Arc::new(table))
             }
-            EsfModel::Gaussian {} | EsfModel::Learnt {} | EsfModel::Optics {} => EdgeShape::Gaussian,
+            EsfModel::Gaussian {} | EsfModel::Learnt {} | EsfModel::Optics {} => EdgeSpreadFunction::Gaussian,
         };
         Self {
             shape,
@@ -111,9 +111,9 @@ impl AreaStream {
 
     /// Expects of every edge what a calibration's masters left of the edge model.
     #[must_use]
-    pub(crate) fn expecting(mut self, misfit: Option<&EdgeMisfit>) -> Self {
+    pub(crate) fn with_systematic_residual(mut self, residual: Option<&SystematicResidual>) -> Self {
         for (index, side) in self.sides.iter_mut().enumerate() {
-            side.expect(misfit, index);
+            side.expect(residual, index);
         }
         self
     }
@@ -130,9 +130,9 @@ impl AreaStream {
     }
 
     /// Adds what the edges of the frame just measured leave of the edge model.
-    pub(crate) fn teach(&self, lesson: &mut MisfitLesson, measured: &FrameEdges) {
+    pub(crate) fn accumulate(&self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         for ((index, side), line) in self.sides.iter().enumerate().zip([&measured.top, &measured.bottom]) {
-            side.teach(lesson, index, line);
+            side.accumulate(residuals, index, line);
         }
     }
 
@@ -149,25 +149,26 @@ impl AreaStream {
     pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
         check(view)?;
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
-        let scale = Scale { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
+        let scale =
+            GreyScaleLimits { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
         with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
     }
 
     fn measure_plane<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
+        scale: GreyScaleLimits,
         out: &mut FrameEdges,
     ) -> Result<(), FrameRefused> {
         self.rows = plane.rows;
         let last = self.last.take();
         if let Some(last) = last
-            && self.follow(plane, Scale::of_step(self.step), last, out)
+            && self.follow(plane, GreyScaleLimits::of_step(self.step), last, out)
         {
             return Ok(());
         }
         if self.search(plane, scale, out)? {
-            self.keep(out, (plane.rows, plane.columns), 0);
+            self.update_track(out, (plane.rows, plane.columns), 0);
         }
         Ok(())
     }
@@ -176,7 +177,7 @@ impl AreaStream {
     fn follow<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
+        scale: GreyScaleLimits,
         last: Last,
         out: &mut FrameEdges,
     ) -> bool {
@@ -184,35 +185,36 @@ impl AreaStream {
             return false;
         }
         let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
-        let Ok(scene) = self.look(plane, scale, sigma, None) else { return false };
+        let Ok(survey) = self.read_windows(plane, scale, sigma, None) else { return false };
         let follows = matches!(self.settings.blur, Blur::Estimated {});
         self.sides.iter_mut().for_each(|side| side.track.begin(follows));
-        if !(self.fit(&scene, out, true) && self.follow_blur(&scene, out)) {
+        if !(self.fit(&survey, out, true) && self.follow_blur(&survey, out)) {
             return false;
         }
         let valid = self.valid(out) as f64;
-        let misfit = self.misfit();
-        if valid < LEAST_FOLLOWED * last.valid as f64 || misfit > MOST_MISFIT * last.misfit.max(1.0) {
+        let reduced_chi2 = self.reduced_chi2();
+        if valid < LEAST_FOLLOWED * last.valid as f64 || reduced_chi2 > MOST_CHI2 * last.reduced_chi2.max(1.0)
+        {
             return false;
         }
-        if self.judge(out).is_err() {
+        if self.accept_frame(out).is_err() {
             return false;
         }
-        self.keep(out, last.size, last.frames + 1);
+        self.update_track(out, last.size, last.frames + 1);
         // The yardstick stays that of the search, so that a slow loss of focus is noticed.
         if let Some(kept) = &mut self.last {
-            kept.misfit = last.misfit;
+            kept.reduced_chi2 = last.reduced_chi2;
         }
         true
     }
 
     /// Gives the edges just fitted the frame's own blur; false where it is not near the last frame's.
-    fn follow_blur(&mut self, scene: &Scene, out: &mut FrameEdges) -> bool {
+    fn follow_blur(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) -> bool {
         for _ in 0..=MOST_REFITS {
             let [top, bottom] = &mut self.sides;
             let changes = [
-                top.follow_blur(&scene.noise, &mut out.top),
-                bottom.follow_blur(&scene.noise, &mut out.bottom),
+                top.follow_blur(&survey.noise, &mut out.top),
+                bottom.follow_blur(&survey.noise, &mut out.bottom),
             ];
             if changes.contains(&Change::Lost) {
                 return false;
@@ -221,13 +223,13 @@ impl AreaStream {
                 out.figures.sigma_px = [self.sides[0].blur.mean(), self.sides[1].blur.mean()];
                 return true;
             }
-            self.fit(scene, out, false);
+            self.fit(survey, out, false);
         }
         false
     }
 
     /// Remembers where the edges are.
-    fn keep(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
+    fn update_track(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
         let valid = self.valid(out);
         let unbroken = self.is_unbroken();
         let Coarse { top, bottom, .. } = &mut self.coarse;
@@ -250,7 +252,7 @@ impl AreaStream {
                 }
             }
         }
-        self.last = Some(Last { size, valid, misfit: self.misfit(), frames });
+        self.last = Some(Last { size, valid, reduced_chi2: self.reduced_chi2(), frames });
     }
 
     /// Whether neither line has a gap.
@@ -263,15 +265,15 @@ impl AreaStream {
         if self.is_unbroken() { out.columns() } else { out.valid() }
     }
 
-    fn misfit(&self) -> f64 {
-        self.sides[0].misfit.max(self.sides[1].misfit)
+    fn reduced_chi2(&self) -> f64 {
+        self.sides[0].reduced_chi2.max(self.sides[1].reduced_chi2)
     }
 
     /// Measures from the coarse search on; false for a wire, which is searched in every frame.
     fn search<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
+        scale: GreyScaleLimits,
         out: &mut FrameEdges,
     ) -> Result<bool, FrameRefused> {
         let found = self.coarse.find_part(plane, &self.settings);
@@ -280,7 +282,7 @@ impl AreaStream {
             return Err(refused(Reason::Repeated, lines.to_string()));
         }
         self.step = grey_step(plane, [&self.coarse.top, &self.coarse.bottom], scale.floor > 0.0);
-        let scale = Scale::of_step(self.step);
+        let scale = GreyScaleLimits::of_step(self.step);
         if self.coarse.median_width().is_some_and(|width| width < WIDEST_PX) {
             self.one_sided = 0.0;
             let how = (&self.shape, &self.settings, scale);
@@ -299,56 +301,56 @@ impl AreaStream {
             Some(sigma) => sigma,
             None => self.rough_blur(plane)?,
         };
-        let mut scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
-        let clear = self.leave_out_stuck(plane, scale, scene);
-        scene = match clear {
+        let mut survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
+        let clear = self.leave_out_stuck(plane, scale, survey);
+        survey = match clear {
             // A stuck row within the wide windows of the first guess may have made that guess: narrow ones may be clear of it.
             Err(_) if given.is_none() && sigma > USUAL_SIGMA_PX => {
                 sigma = USUAL_SIGMA_PX;
-                let scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
-                self.leave_out_stuck(plane, scale, scene)?
+                let survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
+                self.leave_out_stuck(plane, scale, survey)?
             }
             clear => clear?,
         };
-        self.pool(&scene)?;
+        self.pool(&survey)?;
         if given.is_none() {
-            self.refine_blur(&scene, sigma);
+            self.refine_blur(&survey, sigma);
             let largest = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
             let rings = rings::differ(&self.shape, sigma, largest);
             if rings || self.sides[0].window_width(largest) != self.sides[0].windows.width {
                 sigma = largest;
-                scene = self.look(plane, scale, sigma, Some(self.settings.max_slope))?;
-                scene = self.leave_out_stuck(plane, scale, scene)?;
-                self.pool(&scene)?;
+                survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
+                survey = self.leave_out_stuck(plane, scale, survey)?;
+                self.pool(&survey)?;
                 if rings {
-                    self.refine_blur(&scene, sigma);
+                    self.refine_blur(&survey, sigma);
                 }
             }
         } else {
             self.sides.iter_mut().for_each(|s| s.blur = BlurEstimate::uniform(sigma));
         }
-        self.fit(&scene, out, false);
-        if given.is_none() && self.settle_blur(&scene, out) {
-            self.fit(&scene, out, false);
+        self.fit(&survey, out, false);
+        if given.is_none() && self.settle_blur(&survey, out) {
+            self.fit(&survey, out, false);
         }
-        if scene.is_noisy(self.sides[0].windows.width) {
-            scene = self.look_again(plane, scale, out)?;
-            self.fit(&scene, out, true);
+        if survey.is_noisy(self.sides[0].windows.width) {
+            survey = self.recentre(plane, scale, out)?;
+            self.fit(&survey, out, true);
         }
         if self.settings.esf == (EsfModel::Learnt {}) {
-            self.learn(&scene, out);
+            self.learn(&survey, out);
         }
-        self.judge(out).map(|()| true)
+        self.accept_frame(out).map(|()| true)
     }
 
     /// Leaves out the windows that a stuck row of the sensor crosses; refuses the frame where those are most of a side's.
     fn leave_out_stuck<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
-        scene: Scene,
-    ) -> Result<Scene, FrameRefused> {
-        let contrast = rings::stuck_contrast(&self.shape, (scene.light - scene.dark) as f32);
+        scale: GreyScaleLimits,
+        survey: FrameSurvey,
+    ) -> Result<FrameSurvey, FrameRefused> {
+        let contrast = rings::stuck_contrast(&self.shape, (survey.light - survey.dark) as f32);
         let mut any = false;
         for side in &mut self.sides {
             let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
@@ -358,19 +360,19 @@ impl AreaStream {
             any = true;
             side.survey(scale, matches!(self.settings.noise, Noise::Estimated {}));
         }
-        if any { self.scene(scale) } else { Ok(scene) }
+        if any { self.survey(scale) } else { Ok(survey) }
     }
 
     /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps the Gaussian.
-    fn learn(&mut self, scene: &Scene, out: &mut FrameEdges) {
+    fn learn(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) {
         for _ in 0..LESSONS {
             let [top, bottom] = &mut self.sides;
-            let clipped = scene.ends.map(|ends| ends.is_some());
+            let clipped = survey.ends.map(|ends| ends.is_some());
             let learnt = (!clipped[0] && top.learn(&out.top), !clipped[1] && bottom.learn(&out.bottom));
             if learnt == (false, false) {
                 return;
             }
-            self.fit(scene, out, false);
+            self.fit(survey, out, false);
         }
     }
 
@@ -397,45 +399,45 @@ impl AreaStream {
     }
 
     /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
-    fn look<T: Sample>(
+    fn read_windows<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
+        scale: GreyScaleLimits,
         sigma: f64,
         centring: Option<f64>,
-    ) -> Result<Scene, FrameRefused> {
+    ) -> Result<FrameSurvey, FrameRefused> {
         let estimate = matches!(self.settings.noise, Noise::Estimated {});
-        let look = |side: &mut SideState, centres| {
-            side.look(plane, centres, sigma, centring);
+        let read_windows = |side: &mut SideState, centres| {
+            side.read_windows(plane, centres, sigma, centring);
             side.survey(scale, estimate);
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&self.coarse.top, &self.coarse.bottom);
-        both(splits, || look(top, upper), || look(bottom, lower));
-        let scene = self.scene(scale)?;
-        rings::check(plane, &self.sides).map(|()| scene)
+        both(splits, || read_windows(top, upper), || read_windows(bottom, lower));
+        let survey = self.survey(scale)?;
+        rings::check(plane, &self.sides).map(|()| survey)
     }
 
     /// Reads all windows anew around the edges found.
-    fn look_again<T: Sample>(
+    fn recentre<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
-        scale: Scale,
+        scale: GreyScaleLimits,
         found: &FrameEdges,
-    ) -> Result<Scene, FrameRefused> {
+    ) -> Result<FrameSurvey, FrameRefused> {
         let estimate = matches!(self.settings.noise, Noise::Estimated {});
-        let look = |side: &mut SideState, line: &[Edge]| {
-            side.look_again(plane, line);
+        let read_windows = |side: &mut SideState, line: &[Edge]| {
+            side.recentre(plane, line);
             side.survey(scale, estimate);
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        both(splits, || look(top, &found.top), || look(bottom, &found.bottom));
-        self.scene(scale)
+        both(splits, || read_windows(top, &found.top), || read_windows(bottom, &found.bottom));
+        self.survey(scale)
     }
 
-    fn scene(&mut self, scale: Scale) -> Result<Scene, FrameRefused> {
+    fn survey(&mut self, scale: GreyScaleLimits) -> Result<FrameSurvey, FrameRefused> {
         let ends = self.sides.each_ref().map(|side| side.survey.ends);
         self.sides[0].survey.share_ends(ends[1]);
         self.sides[1].survey.share_ends(ends[0]);
@@ -461,7 +463,7 @@ impl AreaStream {
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
         let given = NoiseModel::given(self.settings.noise, sign, 0.0);
         let rounding = Rounding::of(&self.sides, given, (dark, light), scale.step());
-        Ok(Scene { noise, dark, light, ends: [top.ends, bottom.ends], rounding })
+        Ok(FrameSurvey { noise, dark, light, ends: [top.ends, bottom.ends], rounding })
     }
 
     /// Whether most columns of a side have no window because it would reach beyond the field.
@@ -481,9 +483,9 @@ impl AreaStream {
     }
 
     /// Pools the levels of both sides.
-    fn pool(&mut self, scene: &Scene) -> Result<(), FrameRefused> {
+    fn pool(&mut self, survey: &FrameSurvey) -> Result<(), FrameRefused> {
         let pool =
-            |side: &mut SideState, levels| side.pool_levels(&scene.noise, scene.dark, scene.light, levels);
+            |side: &mut SideState, levels| side.pool_levels(&survey.noise, survey.dark, survey.light, levels);
         let levels = self.settings.levels;
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
@@ -491,90 +493,90 @@ impl AreaStream {
         if a && b { Ok(()) } else { Err(no_levels()) }
     }
 
-    fn refine_blur(&mut self, scene: &Scene, sigma: f64) {
+    fn refine_blur(&mut self, survey: &FrameSurvey, sigma: f64) {
         let refine = |side: &mut SideState, ends: Option<Ends>| match ends {
             Some(_) => side.blur = BlurEstimate::uniform(sigma),
-            None => side.refine_blur(&scene.noise, sigma),
+            None => side.refine_blur(&survey.noise, sigma),
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
-        both(splits, || refine(top, scene.ends[0]), || refine(bottom, scene.ends[1]));
+        both(splits, || refine(top, survey.ends[0]), || refine(bottom, survey.ends[1]));
     }
 
     /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
-    fn settle_blur(&mut self, scene: &Scene, out: &FrameEdges) -> bool {
+    fn settle_blur(&mut self, survey: &FrameSurvey, out: &FrameEdges) -> bool {
         if self.settings.rejection == Rejection::Off {
             return false;
         }
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let settle = |side: &mut SideState, ends: Option<Ends>, line: &[Edge]| {
-            ends.is_none() && side.settle_blur(&scene.noise, line)
+            ends.is_none() && side.settle_blur(&survey.noise, line)
         };
         let (a, b) = both(
             splits,
-            || settle(top, scene.ends[0], &out.top),
-            || settle(bottom, scene.ends[1], &out.bottom),
+            || settle(top, survey.ends[0], &out.top),
+            || settle(bottom, survey.ends[1], &out.bottom),
         );
         a || b
     }
 
     /// Fits both sides, their levels pooled before where `pool`; false without levels.
-    fn fit(&mut self, scene: &Scene, out: &mut FrameEdges, pool: bool) -> bool {
+    fn fit(&mut self, survey: &FrameSurvey, out: &mut FrameEdges, pool: bool) -> bool {
         let settings = &self.settings;
         let fit = |side: &mut SideState, ends, line: &mut Vec<Edge>| {
-            let there = !pool || side.pool_levels(&scene.noise, scene.dark, scene.light, settings.levels);
+            let there = !pool || side.pool_levels(&survey.noise, survey.dark, survey.light, settings.levels);
             if there {
-                side.fit(settings, &scene.noise, ends, line);
+                side.fit(settings, &survey.noise, ends, line);
             }
             there
         };
         let splits = self.splits;
         let [top, bottom] = &mut self.sides;
         let (upper, lower) = (&mut out.top, &mut out.bottom);
-        let (a, b) = both(splits, || fit(top, scene.ends[0], upper), || fit(bottom, scene.ends[1], lower));
+        let (a, b) = both(splits, || fit(top, survey.ends[0], upper), || fit(bottom, survey.ends[1], lower));
         if !(a && b) {
             return false;
         }
         for (length, side) in out.shared_length.iter_mut().zip(&self.sides) {
             *length = side.dark.length.min(side.light.length);
         }
-        for (stated, side) in out.misfit_px.iter_mut().zip(&self.sides) {
-            stated.clone_from(&side.stated);
+        for (stated, side) in out.model_uncertainty_px.iter_mut().zip(&self.sides) {
+            stated.clone_from(&side.model_uncertainty_px);
         }
         out.clipped_px = [self.sides[0].clipped_px, self.sides[1].clipped_px];
         if self.settings.rejection == Rejection::Full {
             self.one_sided = refuse_one_sided(&mut out.top, &mut out.bottom, &mut self.axis);
         }
-        out.figures = self.figures(scene);
-        scene.rounding.state(&self.sides, scene.ends.map(|ends| ends.is_some_and(Ends::is_high)), out);
+        out.figures = self.figures(survey);
+        survey.rounding.state(&self.sides, survey.ends.map(|ends| ends.is_some_and(Ends::is_high)), out);
         true
     }
 
     /// Whether the frame as a whole is believable.
-    fn judge(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
+    fn accept_frame(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let jump_px = acceptance::jump_px(&self.settings);
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);
         acceptance::accept(out, &self.settings, self.valid(out), contours)
     }
 
-    fn figures(&self, scene: &Scene) -> FrameFigures {
+    fn figures(&self, survey: &FrameSurvey) -> FrameFigures {
         let [top, bottom] = &self.sides;
         let dark = 0.5 * (top.dark.mean + bottom.dark.mean);
         let light = 0.5 * (top.light.mean + bottom.light.mean);
-        let mid = scene.noise.variance(0.5 * (dark + light)).sqrt();
+        let mid = survey.noise.variance(0.5 * (dark + light)).sqrt();
         FrameFigures {
             sigma_px: [top.blur.mean(), bottom.blur.mean()],
-            unknown_place_px: match self.settings.esf {
-                EsfModel::Learnt {} => [top.unknown_place(), bottom.unknown_place()],
+            position_ambiguity_px: match self.settings.esf {
+                EsfModel::Learnt {} => [top.position_ambiguity(), bottom.position_ambiguity()],
                 _ => [0.0; 2],
             },
             dark: [top.dark.mean, bottom.dark.mean],
             light: [top.light.mean, bottom.light.mean],
-            noise: [scene.noise.variance(dark).sqrt(), scene.noise.variance(light).sqrt()],
+            noise: [survey.noise.variance(dark).sqrt(), survey.noise.variance(light).sqrt()],
             snr: (light - dark) / mid,
-            misfit: self.misfit(),
-            quantised: scene.rounding.step > 0.0,
+            reduced_chi2: self.reduced_chi2(),
+            quantised: survey.rounding.step > 0.0,
             rounding_px: [0.0; 2],
             shadows: self.coarse.shadows.seen,
         }

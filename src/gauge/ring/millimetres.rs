@@ -12,7 +12,7 @@ use glam::DVec2;
 
 use super::super::form::{FormError, least_squares_circle};
 use super::error::RingError;
-use super::outline::{Outline, Seen, roundness_of};
+use super::outline::{Outline, PointOrigin, roundness_of};
 use super::settings::RingScale;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
@@ -155,7 +155,7 @@ fn ideal_point(lens: Option<&LensModel>, point_px: [f64; 2]) -> DVec2 {
 /// Centre and radius of the least-squares circle of the trusted points as a perfect lens would show them, px.
 fn ideal_circle(outline: &Outline, lens: Option<&LensModel>) -> Result<(DVec2, f64), FormError> {
     let points: Vec<DVec2> = (0..outline.seen.len())
-        .filter(|k| outline.seen[*k] == Seen::Fitted)
+        .filter(|k| outline.seen[*k] == PointOrigin::Fitted)
         .map(|k| ideal_point(lens, outline.point_px(k)))
         .collect();
     let circle = least_squares_circle(&points)?.fit.circle;

@@ -25,7 +25,7 @@ mod settings;
 
 pub use error::RingError;
 pub use measurement::measure_ring;
-pub use outline::{Outline, Seen};
+pub use outline::{Outline, PointOrigin};
 pub use result::EdgeMillimetres;
 pub use result::{Concentricity, EdgeCircle, RingMeasurement};
 pub use settings::{RingScale, RingSettings};

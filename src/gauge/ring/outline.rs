@@ -10,7 +10,7 @@ use super::fit::EdgeFit;
 
 /// How a point of an outline was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
+pub enum PointOrigin {
     /// An edge was fitted and is trusted.
     Fitted,
     /// Refused as burr or dirt: where the grey values cross the middle of the levels.
@@ -27,7 +27,7 @@ pub struct Outline {
     /// Radii with the curvature bias corrected, px.
     pub radius_px: Vec<f64>,
     /// How each was found.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<PointOrigin>,
     /// Whether the part lies within: an outline and no bore.
     pub outer: bool,
 }
@@ -52,9 +52,9 @@ impl Outline {
             .calipers
             .iter()
             .map(|c| match (c.good, c.crossing) {
-                (true, _) => Seen::Fitted,
-                (false, Some(_)) => Seen::Crossing,
-                (false, None) => Seen::Bridged,
+                (true, _) => PointOrigin::Fitted,
+                (false, Some(_)) => PointOrigin::Crossing,
+                (false, None) => PointOrigin::Bridged,
             })
             .collect();
         Self { centre_px: followed.centre.to_array(), radius_px: bridged(&found), seen, outer }
@@ -73,7 +73,7 @@ impl Outline {
     /// Radii with straight lines over what is refused.
     pub(super) fn trusted_radii(&self) -> Vec<f64> {
         let trusted = self.seen.iter().zip(&self.radius_px);
-        bridged(&trusted.map(|(s, r)| (*s == Seen::Fitted).then_some(*r)).collect::<Vec<_>>())
+        bridged(&trusted.map(|(s, r)| (*s == PointOrigin::Fitted).then_some(*r)).collect::<Vec<_>>())
     }
 
     /// RONt of the filtered profile of the trusted calipers about the least-squares circle, px.

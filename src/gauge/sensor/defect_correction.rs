@@ -45,7 +45,12 @@ impl Grey for f32 {
 
 /// Heals defects (row, column), sorted, of an image of so many columns. A line that is defective from end to end takes what its
 /// neighbours across the shaft show.
-pub(super) fn heal<T: Grey>(pixels: &mut [T], columns: usize, defects: &[[u32; 2]], shaft: ShaftRuns) {
+pub(super) fn interpolate_defects<T: Grey>(
+    pixels: &mut [T],
+    columns: usize,
+    defects: &[[u32; 2]],
+    shaft: ShaftRuns,
+) {
     let rows = pixels.len() / columns.max(1);
     let turned = |places: &[[u32; 2]]| {
         let mut turned: Vec<[u32; 2]> = places.iter().map(|[a, b]| [*b, *a]).collect();
@@ -56,12 +61,12 @@ pub(super) fn heal<T: Grey>(pixels: &mut [T], columns: usize, defects: &[[u32; 2
     let along_column = Lines { step: columns, stride: 1, length: rows };
     match shaft {
         ShaftRuns::AlongRows => {
-            let left = along_row.heal(pixels, defects);
-            along_column.heal(pixels, &turned(&left));
+            let left = along_row.interpolate_defects(pixels, defects);
+            along_column.interpolate_defects(pixels, &turned(&left));
         }
         ShaftRuns::AlongColumns => {
-            let left = along_column.heal(pixels, &turned(defects));
-            along_row.heal(pixels, &turned(&left));
+            let left = along_column.interpolate_defects(pixels, &turned(defects));
+            along_row.interpolate_defects(pixels, &turned(&left));
         }
     }
 }
@@ -78,7 +83,7 @@ struct Lines {
 
 impl Lines {
     /// Interpolates runs of defects (line, place), sorted, between the good pixels at their ends; gives those of lines without any.
-    fn heal<T: Grey>(&self, pixels: &mut [T], defects: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    fn interpolate_defects<T: Grey>(&self, pixels: &mut [T], defects: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let mut left = Vec::new();
         for run in defects.chunk_by(|a, b| a[0] == b[0] && a[1] + 1 == b[1]) {
             let [line, from] = run[0].map(|v| v as usize);
@@ -118,7 +123,7 @@ mod tests {
         for [r, c] in defects {
             pixels[*r as usize * COLUMNS + *c as usize] = 0.0;
         }
-        heal(&mut pixels, COLUMNS, defects, shaft);
+        interpolate_defects(&mut pixels, COLUMNS, defects, shaft);
         let off = |i: usize| (pixels[i] - grey(i / COLUMNS, i % COLUMNS)).abs();
         (0..pixels.len()).map(off).fold(0.0, f32::max)
     }

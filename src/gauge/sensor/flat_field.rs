@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::defect_correction::{Grey, ShaftRuns, heal};
+use super::defect_correction::{Grey, ShaftRuns, interpolate_defects};
 use super::response::Response;
 use crate::frame::{Frame, FrameView, PixelsMut};
 
@@ -314,7 +314,7 @@ impl FlatField {
     }
 
     fn correct<T: Grey>(&self, pixels: &mut [T], full: f32, shaft: ShaftRuns) {
-        heal(pixels, self.columns, &self.defects, shaft);
+        interpolate_defects(pixels, self.columns, &self.defects, shaft);
         if !self.corrects_light() {
             return;
         }

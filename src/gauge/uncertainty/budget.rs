@@ -10,7 +10,7 @@ use super::budget_conditions::{self, Row};
 pub use super::form_scatter::{Block, Scatter};
 use super::stated::stated;
 use crate::gauge::calibration::gauge_calibration::Calibration;
-use crate::gauge::calibration::{Along, Conditions, CovariancePart, LensModel};
+use crate::gauge::calibration::{ColumnSpread, Conditions, CovariancePart, LensModel};
 use crate::gauge::edges::{FrameEdges, FrameFigures};
 use crate::gauge::width::axis_slope::AxisSlope;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
@@ -241,7 +241,8 @@ impl WidthReading {
         let scale = calibration.scale_mm_per_px;
         let (width_px, by) = match &calibration.bench {
             Some(bench) => {
-                let columns = Along { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
+                let columns =
+                    ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
                 let by = bench.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
                 (by[0], Some(by))
             }
@@ -266,9 +267,9 @@ impl WidthReading {
     /// The row of edges whose place is unknown because their edge-spread function was learnt and the masters' was not, or the other
     /// way round.
     fn place(&self, calibration: &Calibration) -> Contribution {
-        let limit = self.figures.unknown_place_px[0] + self.figures.unknown_place_px[1];
+        let limit = self.figures.position_ambiguity_px[0] + self.figures.position_ambiguity_px[1];
         let (source, input) = if calibration.is_learnt() {
-            let limit = self.figures.unlearnt_place_px();
+            let limit = self.figures.unlearnt_position_px();
             ("place of edges not learnt, as the masters' were", format!("± {limit:.3} px of width"))
         } else {
             ("place of learnt edges, no masters", format!("0 to {limit:.3} px of width less"))
@@ -279,7 +280,7 @@ impl WidthReading {
             shape: Shape::Rectangular,
             share: Share::Common,
             freedom: None,
-            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_place_px(&self.figures),
+            u_mm: calibration.scale_mm_per_px * self.chord * calibration.u_position_px(&self.figures),
         }
     }
 

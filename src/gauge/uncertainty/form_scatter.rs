@@ -5,7 +5,7 @@
 //! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
 //! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
 
-use crate::gauge::calibration::{Along, LensModel};
+use crate::gauge::calibration::{ColumnSpread, LensModel};
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::column_means::ColumnMeans;
 
@@ -20,7 +20,7 @@ pub(super) const FEW_COLUMNS: usize = BLOCKS.0 * BLOCK;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Its columns, px.
-    pub columns: Along,
+    pub columns: ColumnSpread,
     /// Mean rows of the two edges, px.
     pub rows_px: (f64, f64),
 }
@@ -31,7 +31,7 @@ impl Block {
         let mean = |f: &dyn Fn(usize) -> f64| part.iter().map(|c| f(*c)).sum::<f64>() / n;
         let mean_px = mean(&|c| c as f64);
         Self {
-            columns: Along { mean_px, variance_px2: mean(&|c| (c as f64 - mean_px).powi(2)) },
+            columns: ColumnSpread { mean_px, variance_px2: mean(&|c| (c as f64 - mean_px).powi(2)) },
             rows_px: (mean(&|c| edges.top[c].row_px), mean(&|c| edges.bottom[c].row_px)),
         }
     }
@@ -40,7 +40,7 @@ impl Block {
     fn width_px(&self, lens: Option<&LensModel>) -> f64 {
         let (top, bottom) = self.rows_px;
         let Some(lens) = lens else { return bottom - top };
-        let u = Along { mean_px: self.columns.mean_px - lens.centre_column_px, ..self.columns };
+        let u = ColumnSpread { mean_px: self.columns.mean_px - lens.centre_column_px, ..self.columns };
         let ideal = |row: f64| lens.ideal_mean(u, row - lens.centre_row_px);
         ideal(bottom) - ideal(top)
     }

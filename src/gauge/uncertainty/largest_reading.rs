@@ -41,7 +41,7 @@ impl WidthReading {
         };
         let (u_blur_px, u_sigma_px) = u_blur_px(edges, &used);
         let shared = (largest.u_px.powi(2) - own_u).max(0.0);
-        let misfit = mean(&|c| edges.misfit_variance(c)).min(shared);
+        let misfit = mean(&|c| edges.model_variance(c)).min(shared);
         let clipped = edges.clipped_variance().min(shared - misfit);
         let rounding = edges.figures.rounding_variance().min(shared - misfit - clipped);
         // A shaft's scatter is read from all of its columns' fourth differences, three to a degree of freedom.

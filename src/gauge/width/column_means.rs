@@ -47,7 +47,7 @@ impl ColumnMeans {
             rows_px,
             own_variance_px2: own / n,
             u_shared_px: shared.sqrt(),
-            u_misfit_px: mean(&|c| edges.misfit_variance(c)).sqrt(),
+            u_misfit_px: mean(&|c| edges.model_variance(c)).sqrt(),
             used,
         })
     }

@@ -30,7 +30,7 @@ pub struct Solid {
 
 /// What a program moves among.
 #[derive(Clone, Debug)]
-pub struct Scene<'a> {
+pub struct WorkingSpace<'a> {
     /// The control.
     pub dialect: Dialect,
     /// How it reads offsets.
@@ -63,32 +63,32 @@ pub struct Scene<'a> {
 ///
 /// # Errors
 /// [`NcError::Block`] with the first block that does what it must not.
-pub fn check(text: &str, scene: &Scene<'_>) -> Result<usize, NcError> {
-    let mut starts: Vec<(Point, bool)> = scene.starts().into_iter().map(|at| (at, false)).collect();
-    if !scene.probe.is_empty() {
+pub fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
+    let mut starts: Vec<(Point, bool)> = working_space.starts().into_iter().map(|at| (at, false)).collect();
+    if !working_space.probe.is_empty() {
         // the program before may have left the probe in the carrier
-        starts.extend(scene.starts_of(&scene.probe).into_iter().map(|at| (at, true)));
+        starts.extend(working_space.starts_of(&working_space.probe).into_iter().map(|at| (at, true)));
     }
-    from(text, scene, &starts)
+    from(text, working_space, &starts)
 }
 
 /// Replays `text` from the change position alone: enough where another replay of the same text has begun everywhere.
 ///
 /// # Errors
 /// As [`check`].
-pub fn check_once(text: &str, scene: &Scene<'_>) -> Result<usize, NcError> {
-    from(text, scene, &[(scene.at_change(), false)])
+pub fn check_once(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcError> {
+    from(text, working_space, &[(working_space.at_change(), false)])
 }
 
 /// Replays `text` from the change position: it must keep clear of everything until it stops with an alarm.
 ///
 /// # Errors
 /// As [`check`]; a program that runs to its end.
-pub fn must_alarm(text: &str, scene: &Scene<'_>) -> Result<(), NcError> {
+pub fn must_alarm(text: &str, working_space: &WorkingSpace<'_>) -> Result<(), NcError> {
     let refused = refusal(text);
-    let mut events = run(text, &scene.control(scene.at_change())).map_err(&refused)?;
+    let mut events = run(text, &working_space.control(working_space.at_change())).map_err(&refused)?;
     match events.pop() {
-        Some(Event { deed: Deed::Alarm(_), .. }) => scene.judge(&events).map_err(refused),
+        Some(Event { deed: Deed::Alarm(_), .. }) => working_space.judge(&events).map_err(refused),
         _ => Err(refused((text.lines().count(), "the program ends where it must raise an alarm".into()))),
     }
 }
@@ -101,18 +101,18 @@ fn refusal(text: &str) -> impl Fn((usize, String)) -> NcError + '_ {
     }
 }
 
-fn from(text: &str, scene: &Scene<'_>, starts: &[(Point, bool)]) -> Result<usize, NcError> {
+fn from(text: &str, working_space: &WorkingSpace<'_>, starts: &[(Point, bool)]) -> Result<usize, NcError> {
     let refused = refusal(text);
     let mut first: Option<Vec<Event>> = None;
     for &(start, with_probe) in starts {
-        let control = Control { with_probe, ..scene.control(start) };
+        let control = Control { with_probe, ..working_space.control(start) };
         let events = run(text, &control).map_err(&refused)?;
         // once the tool is where another start has brought it, the rest is the same
         let same = first.as_ref().map_or(0, |f| common_end(f, &events));
-        scene.judge(&events[..events.len() - same]).map_err(&refused)?;
+        working_space.judge(&events[..events.len() - same]).map_err(&refused)?;
         if first.is_none() {
             let last = text.lines().count();
-            scene.covers(&events).map_err(|what| refused((last, what)))?;
+            working_space.covers(&events).map_err(|what| refused((last, what)))?;
             first = Some(events);
         }
     }
@@ -126,7 +126,7 @@ fn common_end(a: &[Event], b: &[Event]) -> usize {
     a.iter().rev().zip(b.iter().rev()).take_while(|(a, b)| a == b).count()
 }
 
-impl Scene<'_> {
+impl WorkingSpace<'_> {
     /// What the control has when the program starts at `start`.
     pub fn control(&self, start: Point) -> Control<'_> {
         Control {

@@ -23,6 +23,6 @@ mod touch;
 
 pub use convex::Convex;
 pub use interpreter::{Control, Deed, Event, Fault, Point};
-pub use judge::{Scene, Solid, check, check_once, must_alarm};
+pub use judge::{Solid, WorkingSpace, check, check_once, must_alarm};
 pub use run::{run, variables};
 pub use surface::Surface;

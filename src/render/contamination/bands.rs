@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::shading::Layers;
-use super::tiles::{Asked, Band, TILE};
+use super::tiles::{Band, TILE, TransmissionRequest};
 use crate::render::kernel::light_map::{LightMap, Lines};
 use multiversion::multiversion;
 
@@ -16,7 +16,7 @@ struct Tile {
 
 /// What stays the same over a stream, over the full sensor: only the tiles that it touches.
 #[derive(Clone, Debug, Default)]
-pub(super) struct KeptTiles {
+pub(super) struct CachedTiles {
     tiles: Vec<Option<Box<Tile>>>,
 }
 
@@ -42,13 +42,13 @@ fn lines(
     (0..rows).map(move |r| (r * columns + first..r * columns + last, r * TILE..r * TILE + last - first))
 }
 
-impl KeptTiles {
+impl CachedTiles {
     /// Lays the layers over a sensor and keeps what they touch.
     pub(super) fn new(layers: &Layers<'_>, rows: usize, columns: usize) -> Self {
         let band = |(values, mask, dimmed): &mut (Vec<f32>, Vec<u8>, Vec<bool>), first: usize| {
             let here = TILE.min(rows - first);
             let size = here * columns;
-            layers.lay(&mut Band {
+            layers.shade(&mut Band {
                 first: first as i64,
                 columns,
                 values: &mut values[..size],
@@ -98,9 +98,14 @@ impl KeptTiles {
 
 /// Lays the layers, one after the other, on top of what is kept, and packs the factors of every band that is seen. Bands are independent:
 /// the result does not depend on the number of threads.
-pub(super) fn lay_packed(kept: Option<&KeptTiles>, layers: &[Layers<'_>], asked: &Asked, out: &mut LightMap) {
-    let [rows, columns] = asked.size;
-    out.prepare(rows, columns, asked.with_mask);
+pub(super) fn shade_packed(
+    kept: Option<&CachedTiles>,
+    layers: &[Layers<'_>],
+    request: &TransmissionRequest,
+    out: &mut LightMap,
+) {
+    let [rows, columns] = request.size;
+    out.prepare(rows, columns, request.with_mask);
     if rows == 0 || columns == 0 {
         return;
     }
@@ -114,7 +119,7 @@ pub(super) fn lay_packed(kept: Option<&KeptTiles>, layers: &[Layers<'_>], asked:
         |scratch, (band, ((words, touched), mask))| {
             let Scratch { values, dimmed } = scratch;
             let (first, last) = (band * TILE, rows.min(band * TILE + TILE));
-            if asked.unseen.start <= first as i32 && last as i32 <= asked.unseen.end {
+            if request.unseen.start <= first as i32 && last as i32 <= request.unseen.end {
                 return;
             }
             let size = (last - first) * columns;
@@ -123,7 +128,7 @@ pub(super) fn lay_packed(kept: Option<&KeptTiles>, layers: &[Layers<'_>], asked:
             if let Some(kept) = kept {
                 kept.copy_into(&mut laid);
             }
-            layers.iter().for_each(|layer| layer.lay(&mut laid));
+            layers.iter().for_each(|layer| layer.shade(&mut laid));
             finish(&mut Lines { words, touched, columns }, laid.values, laid.touched);
         },
     );

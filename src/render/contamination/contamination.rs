@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::adhering_films::{AdheringFilms, Film};
-use super::bands::{KeptTiles, lay_packed};
+use super::bands::{CachedTiles, shade_packed};
 use super::field::{ContaminationField, FieldGeometry};
 use super::mask;
 use super::settings::Contamination;
-use super::tiles::Asked;
+use super::tiles::TransmissionRequest;
 use crate::render::error::RenderError;
 use crate::render::kernel::light_map::LightMap;
 
@@ -29,7 +29,7 @@ pub struct Soiling {
     seed: u64,
     field: ContaminationField,
     /// The window over the full sensor, laid when the first frame asks for it.
-    window: OnceLock<KeptTiles>,
+    window: OnceLock<CachedTiles>,
     spare: Mutex<Option<LightMap>>,
 }
 
@@ -80,20 +80,20 @@ impl Soiling {
         &self,
         frame_id: u64,
         [row, column]: [usize; 2],
-        asked: &Asked,
+        request: &TransmissionRequest,
     ) -> Result<LightMap, RenderError> {
-        let whole = asked.size == [self.geometry.rows, self.geometry.columns];
+        let whole = request.size == [self.geometry.rows, self.geometry.columns];
         let air = self.field.air(frame_id)?;
         let flying = self.field.air_layers(&air, row, column);
         let mut packed = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
         if whole {
             let kept = self.window.get_or_init(|| {
-                KeptTiles::new(&self.field.window_layers(0, 0), self.geometry.rows, self.geometry.columns)
+                CachedTiles::new(&self.field.window_layers(0, 0), self.geometry.rows, self.geometry.columns)
             });
-            lay_packed(Some(kept), &[flying], asked, &mut packed);
+            shade_packed(Some(kept), &[flying], request, &mut packed);
         } else {
             let lying = self.field.window_layers(row, column);
-            lay_packed(None, &[lying, flying], asked, &mut packed);
+            shade_packed(None, &[lying, flying], request, &mut packed);
         }
         Ok(packed)
     }

@@ -230,8 +230,8 @@ impl ContaminationField {
         columns: usize,
     ) -> Result<TransmissionMap, RenderError> {
         let mut map = TransmissionMap::new(rows, columns);
-        map.lay(&self.window_layers(row0, column0));
-        map.lay(&self.air_layers(&self.air(frame_id)?, row0, column0));
+        map.shade(&self.window_layers(row0, column0));
+        map.shade(&self.air_layers(&self.air(frame_id)?, row0, column0));
         Ok(map)
     }
 }

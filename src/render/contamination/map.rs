@@ -62,7 +62,7 @@ impl TransmissionMap {
 
     /// Multiplies by the factors of all layers, in their order. Bands of tiles are independent: the result does not
     /// depend on the number of threads.
-    pub(super) fn lay(&mut self, layers: &Layers<'_>) {
+    pub(super) fn shade(&mut self, layers: &Layers<'_>) {
         let (columns, across) = (self.columns, self.tile_columns());
         if columns == 0 {
             return;
@@ -71,7 +71,7 @@ impl TransmissionMap {
         bands.zip(self.touched.par_chunks_mut(across)).enumerate().for_each(
             |(band, ((values, mask), touched))| {
                 let first = (band * TILE) as i64;
-                layers.lay(&mut Band { first, columns, values, mask: Some(mask), touched });
+                layers.shade(&mut Band { first, columns, values, mask: Some(mask), touched });
             },
         );
     }

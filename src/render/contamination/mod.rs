@@ -34,4 +34,4 @@ pub use map::TransmissionMap;
 pub use settings::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, Scratches, SizeDistribution, WindowDroplets,
 };
-pub use tiles::Asked;
+pub use tiles::TransmissionRequest;

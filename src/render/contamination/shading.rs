@@ -47,7 +47,7 @@ impl<'a> Layers<'a> {
     }
 
     /// Multiplies a band by all factors.
-    pub(super) fn lay(&self, band: &mut Band<'_>) {
+    pub(super) fn shade(&self, band: &mut Band<'_>) {
         lay_band(self, band);
     }
 }

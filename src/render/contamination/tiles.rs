@@ -20,7 +20,7 @@ pub(super) struct Band<'a> {
 
 /// What is wanted of a window's light.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Asked {
+pub struct TransmissionRequest {
     /// Rows and columns.
     pub size: [usize; 2],
     /// Whether the mask is wanted, too.

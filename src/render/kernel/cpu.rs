@@ -11,7 +11,7 @@ use super::job::Job;
 use super::light_map::LightMap;
 use super::params::Params;
 use super::shadowgraph::{
-    Pixel, field_light, fixed_pattern, hash, row_key, sample, sensor_row, shaped, standard_normal,
+    Pixel, field_light, fixed_pattern, hash, noise_polynomial, row_key, sample, sensor_row, standard_normal,
 };
 
 /// Columns treated together: their counts stay in the first-level cache.
@@ -129,7 +129,7 @@ fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
 #[inline(always)]
 fn pixels<const N: usize>(job: &Job<'_>, at: At, means: &[f32; N], z: &[f32; N], counts: &mut [f32; N]) {
     for i in 0..N {
-        counts[i] = sample(shaped(&job.params, means[i]), z[i]);
+        counts[i] = sample(noise_polynomial(&job.params, means[i]), z[i]);
     }
     if job.params.pattern != 0 {
         pattern_pixels(&job.params, at, means, counts);

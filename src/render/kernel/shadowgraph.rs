@@ -52,7 +52,7 @@ fn most(a: f32, b: f32) -> f32 {
 
 /// Coefficients of counts = k0 + k1 z + k2 z² + k3 z³ about a mean grey value.
 #[inline(always)]
-pub fn shaped(params: &Params, mean: f32) -> [f32; 4] {
+pub fn noise_polynomial(params: &Params, mean: f32) -> [f32; 4] {
     let electrons = most((mean - params.black) * params.electrons_per_count, 0.0);
     let variance = most(params.read_variance + electrons, 1e-6);
     let inverse = 1.0 / variance;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::request::FrameRequest;
 use super::true_optics::OpticalBench;
-use crate::render::contamination::{Asked, Rise, mark_rise};
+use crate::render::contamination::{Rise, TransmissionRequest, mark_rise};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::ColumnEdges;
 use crate::render::kernel::light_map::LightMap;
@@ -41,7 +41,7 @@ pub(crate) fn raise_edges(
 }
 
 /// The window as contamination meets it.
-pub(crate) struct Seen<'a> {
+pub(crate) struct WindowView<'a> {
     /// Its edges, raised by `rises`.
     pub edges: &'a [ColumnEdges],
     pub rises: &'a [Rise],
@@ -57,7 +57,7 @@ pub(crate) fn contamination(
     bench: &OpticalBench,
     request: &FrameRequest,
     windows: Windows,
-    seen: &Seen<'_>,
+    seen: &WindowView<'_>,
     with_mask: bool,
 ) -> Result<Option<LightMap>, RenderError> {
     let Some(soiling) = &bench.soiling else { return Ok(None) };
@@ -70,7 +70,7 @@ pub(crate) fn contamination(
         for part in windows.parts() {
             let [row, column, rows, columns] =
                 [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
-            let asked = Asked { size: [rows, columns], with_mask, unseen: unseen.clone() };
+            let asked = TransmissionRequest { size: [rows, columns], with_mask, unseen: unseen.clone() };
             let piece = soiling.transmission(request.frame_id, [row, column], &asked)?;
             map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
         }

@@ -1,7 +1,7 @@
 //! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles, contamination, parameters.
 
 use super::column_profiles::Profiles;
-use super::contamination_layer::{self, Seen};
+use super::contamination_layer::{self, WindowView};
 use super::exposure::{self, Instant};
 use super::request::FrameRequest;
 use super::scene::Scene;
@@ -10,7 +10,7 @@ use crate::render::kernel::column_edges::{ColumnEdges, Depth, bands, fold_pixel,
 use crate::render::kernel::job::Job;
 use crate::render::kernel::light_map::LightMap;
 use crate::render::kernel::params::{FrameKeys, Params, Window, Windows, pixels_per_word};
-use crate::render::kernel::shadowgraph::shaped;
+use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{Node, pixel_quadrature};
 
 impl Scene {
@@ -87,7 +87,7 @@ impl Scene {
         columns.iter_mut().for_each(|c| c.bottom.whole -= windows.skip() as i32);
         let bands = bands(&columns, pixels_per_word(format) as usize, esf);
         let rises = instants.last().map_or(&[][..], |i| &i.rises);
-        let seen = Seen {
+        let seen = WindowView {
             edges: &stacked[seen(stacked.len())],
             rises: &rises[seen(rises.len())],
             blur_px: self.esf.blur_px,
@@ -101,8 +101,8 @@ impl Scene {
             pattern_seed: self.bench.pattern_seed,
         };
         let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
-        params.flat_bright = shaped(&params, params.shadow + params.contrast);
-        params.flat_shadow = shaped(&params, params.shadow);
+        params.flat_bright = noise_polynomial(&params, params.shadow + params.contrast);
+        params.flat_shadow = noise_polynomial(&params, params.shadow);
         params.nodes = quadrature.len() as u32;
         params.band_rows = bands.rows;
         params.overlap = u32::from(bands.overlap);

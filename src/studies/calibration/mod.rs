@@ -26,8 +26,8 @@ use crate::gauge::calibration::{
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
-    Calibration, CalibrationError, Edge, EdgeMisfit, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
-    LEAST_TRAVEL, MasterFigure, MisfitLesson,
+    Calibration, CalibrationError, Edge, EdgeStream, EsfModel, FrameEdges, Gauge, GaugeSettings,
+    LEAST_TRAVEL, MasterFigure, ResidualAccumulator, SystematicResidual,
 };
 
 /// Edges of a pin's frames with where they were taken.
@@ -51,7 +51,7 @@ pub fn calibrate(
     let gauge = Gauge::new(plan.gauge.clone())?;
     let mut recordings = OneEncoding::new(recordings);
     let (flat_field, sensor) = fields(plan, &mut recordings)?;
-    let (pins, misfit) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
+    let (pins, systematic_residual) = all_pins(plan, &gauge, flat_field.as_ref(), &mut recordings)?;
     let size = pins[0].size;
     for (pin, seen) in plan.masters.iter().chain(&plan.check).zip(&pins) {
         if seen.size != size {
@@ -70,7 +70,7 @@ pub fn calibrate(
     bench.flat_field = flat_field;
     let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
         .with_optics_id(&plan.optics_id)
-        .with_misfit(misfit)
+        .with_systematic_residual(systematic_residual)
         .with_edge_model(&plan.gauge.esf)
         .with_encoding(recordings.encoding.unwrap_or_default());
     let check = plan
@@ -207,21 +207,25 @@ fn all_pins(
     gauge: &Gauge,
     flat_field: Option<&FlatField>,
     recordings: &mut dyn Recordings,
-) -> Result<(Vec<PinEdges>, Option<EdgeMisfit>), CalibrateError> {
-    let mut look = |gauge: &Gauge, lesson: &mut MisfitLesson| -> Result<Vec<PinEdges>, CalibrateError> {
-        let mut stream = gauge.stream();
-        let mut pins = Vec::new();
-        for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
-            let lesson = (index < plan.masters.len()).then_some(&mut *lesson);
-            pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, lesson)?);
-        }
-        Ok(pins)
-    };
-    let mut lesson = MisfitLesson::default();
-    let pins = look(gauge, &mut lesson)?;
-    let Some(misfit) = lesson.finish() else { return Ok((pins, None)) };
-    let pins = look(&gauge.clone().expecting(Some(&misfit)), &mut MisfitLesson::default())?;
-    Ok((pins, Some(misfit)))
+) -> Result<(Vec<PinEdges>, Option<SystematicResidual>), CalibrateError> {
+    let mut look =
+        |gauge: &Gauge, residuals: &mut ResidualAccumulator| -> Result<Vec<PinEdges>, CalibrateError> {
+            let mut stream = gauge.stream();
+            let mut pins = Vec::new();
+            for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
+                let residuals = (index < plan.masters.len()).then_some(&mut *residuals);
+                pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, residuals)?);
+            }
+            Ok(pins)
+        };
+    let mut residuals = ResidualAccumulator::default();
+    let pins = look(gauge, &mut residuals)?;
+    let Some(systematic_residual) = residuals.finish() else { return Ok((pins, None)) };
+    let pins = look(
+        &gauge.clone().with_systematic_residual(Some(&systematic_residual)),
+        &mut ResidualAccumulator::default(),
+    )?;
+    Ok((pins, Some(systematic_residual)))
 }
 
 fn pin_edges(
@@ -229,7 +233,7 @@ fn pin_edges(
     flat_field: Option<&FlatField>,
     (index, pin): (usize, &PinPlan),
     recordings: &mut dyn Recordings,
-    mut lesson: Option<&mut MisfitLesson>,
+    mut residuals: Option<&mut ResidualAccumulator>,
 ) -> Result<PinEdges, CalibrateError> {
     let learns = stream.settings().esf == (EsfModel::Learnt {});
     let (mut edges, mut size, mut unlearnt) = (Vec::new(), None, Vec::new());
@@ -250,8 +254,8 @@ fn pin_edges(
             match stream.measure(&view, &mut seen) {
                 Ok(()) if learns && !seen.figures.is_learnt() => unlearnt.push(travel(&seen)),
                 Ok(()) => {
-                    if let Some(lesson) = &mut lesson {
-                        stream.teach(lesson, &seen);
+                    if let Some(residuals) = &mut residuals {
+                        stream.accumulate(residuals, &seen);
                     }
                     edges.push((seen, position.y_mm));
                 }

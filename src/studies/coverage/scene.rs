@@ -357,7 +357,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
     if usable < 0.97 || impaired > edges.columns() / 2 {
         return format!("columns refused or impaired: {}", most_common(edges));
     }
-    if edges.figures.misfit > 1.5 {
+    if edges.figures.reduced_chi2 > 1.5 {
         return "residual".to_owned();
     }
     match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
@@ -368,7 +368,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
 
 fn judge(drawn: &Drawn, calibration: &Calibration, frame: &Frame, true_mm: f64) -> Outcome {
     let Ok(gauge) = Gauge::new(drawn.plan.gauge.clone()) else { return refused("settings".to_owned()) };
-    let gauge = gauge.expecting(calibration.misfit());
+    let gauge = gauge.with_systematic_residual(calibration.systematic_residual());
     let edges = match gauge.edges(&frame.view()) {
         Ok(edges) => edges,
         Err(e) => return refused(e.reason.to_string()),
@@ -401,7 +401,8 @@ fn measure_stations(
     bench: &mut SimulatedBench<'_>,
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
-    let gauge = Gauge::new(drawn.plan.gauge.clone())?.expecting(calibration.misfit());
+    let gauge =
+        Gauge::new(drawn.plan.gauge.clone())?.with_systematic_residual(calibration.systematic_residual());
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
     let (mut common, mut flags) = (None, Vec::new());

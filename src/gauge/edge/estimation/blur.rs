@@ -7,7 +7,7 @@ use super::levels::LevelCurve;
 use super::scoring::{dot, locate, normalise};
 use super::scoring_table::{COARSE, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::gauge::edge::model::edge_spread::{EdgeShape, SIGMA_RANGE};
+use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, SIGMA_RANGE};
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edges::Edge;
 
@@ -132,7 +132,7 @@ pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
 /// What a refinement needs beside the windows.
 pub(crate) struct BlurContext<'a> {
     pub(crate) windows: &'a Windows,
-    pub(crate) shape: &'a EdgeShape,
+    pub(crate) shape: &'a EdgeSpreadFunction,
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],

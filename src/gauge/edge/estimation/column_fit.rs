@@ -194,7 +194,7 @@ mod tests {
     use crate::gauge::edge::estimation::scoring_table::FINE;
     use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::image::window_layout::{half, window_width};
-    use crate::gauge::edge::model::edge_spread::EdgeShape;
+    use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
     use crate::gauge::edge::model::gaussian::EdgeSample;
     use crate::gauge::settings::Noise;
 
@@ -204,7 +204,7 @@ mod tests {
     fn scene(sigma: f64, noise: f64, seed: u64) -> Windows {
         let mut rng = Pcg64::seed_from_u64(seed);
         let (normal, place) = (Normal::new(0.0, noise).unwrap(), Uniform::new(-0.7, 0.7).unwrap());
-        let shape = EdgeShape::Gaussian;
+        let shape = EdgeSpreadFunction::Gaussian;
         let mut windows = Windows::new(Side::Bottom);
         windows.prepare(&shape, sigma, window_width(&shape, sigma), COLUMNS);
         windows.centre = vec![Ok(500); COLUMNS];
@@ -252,7 +252,7 @@ mod tests {
             [(0.6, 5.0), (1.0, 50.0), (1.0, 10.0), (1.6, 20.0), (2.2, 50.0)].into_iter().enumerate()
         {
             let windows = scene(sigma, sd, seed as u64);
-            let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, windows.width, false, FINE);
+            let table = Table::new(&EdgeSpreadFunction::Gaussian, sigma, 0.0, windows.width, false, FINE);
             let noise = Noise::PhotonTransfer {
                 gain_counts_per_electron: 0.0,
                 read_noise_counts: sd,

@@ -65,7 +65,7 @@ const MOST_STEP: f32 = 0.75;
 
 /// How the light of a side changes outwards, tile by tile.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Falloff {
+pub(crate) struct LevelGradient {
     tiles: Vec<Change>,
     /// Whether the light is the part's, inside its edges.
     inside: bool,
@@ -104,9 +104,9 @@ fn apart(flat: usize) -> f32 {
     BEYOND as f32 + 0.5 * (FAR as f32 + flat as f32)
 }
 
-impl Falloff {
+impl LevelGradient {
     /// Looks at the light beyond the windows of a side.
-    pub(crate) fn look<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
+    pub(crate) fn read<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
         self.tiles.clear();
         (self.levelled, self.bend, self.inside) = (false, None, plane.sign < 0.0);
         let inside = self.inside;
@@ -413,13 +413,13 @@ mod tests {
     use super::*;
     use crate::gauge::edge::estimation::scoring_table::FINE;
     use crate::gauge::edge::image::window_layout::window_width;
-    use crate::gauge::edge::model::edge_spread::EdgeShape;
+    use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
     use crate::gauge::edge::model::gaussian::EdgeSample;
 
     /// An edge under light that grows outwards, placed by a table that takes the level at the flat end for the light's.
     #[test]
     fn the_shift_is_that_of_an_edge_under_a_gradient() {
-        let (shape, gradient) = (EdgeShape::Gaussian, 0.004);
+        let (shape, gradient) = (EdgeSpreadFunction::Gaussian, 0.004);
         for (sigma, kappa) in [(0.7, 0.0), (1.0, 1.5), (2.0, 0.8)] {
             let width = window_width(&shape, sigma);
             let table = Table::new(&shape, sigma, kappa, width, false, FINE);

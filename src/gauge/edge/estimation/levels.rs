@@ -12,9 +12,9 @@
 /// Columns of a bin.
 const BIN: usize = 16;
 /// Price of a knot in units of χ².
-const KNOT_PRICE: f64 = 4.0;
+const KNOT_PENALTY: f64 = 4.0;
 /// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight degrees of freedom.
-const MISFIT: f64 = 3.5;
+const EXCESS_CHI2: f64 = 3.5;
 /// Bins below which a frame is short: in longer ones knots enough follow the light, and what they leave is structure (reflections in the
 /// shadow), which is no error that neighbouring columns share.
 const SHORT: usize = 64;
@@ -62,54 +62,54 @@ impl LevelPool {
         let straight = self.search(means.len(), variance, max_knots);
         let (mut found, mut bend) = (straight, None);
         let short = self.bins.at.len() < SHORT;
-        if straight.misfit > MISFIT && short && max_knots > 2 {
+        if straight.reduced_chi2 > EXCESS_CHI2 && short && max_knots > 2 {
             bend = self.bins.bend(means.len());
             if let Some(bend) = &bend {
                 self.bins.add(bend, -1.0);
                 found = self.search(means.len(), variance, max_knots);
             }
-            if !(found.price + 3.0 * KNOT_PRICE < straight.price) {
+            if !(found.penalised + 3.0 * KNOT_PENALTY < straight.penalised) {
                 if let Some(bend) = bend.take() {
                     self.bins.add(&bend, 1.0);
                 }
                 found = self.search(means.len(), variance, max_knots);
             }
         }
-        if !found.price.is_finite() {
+        if !found.penalised.is_finite() {
             return false;
         }
-        if found.misfit > MISFIT && short {
-            self.best.widen(found.misfit);
+        if found.reduced_chi2 > EXCESS_CHI2 && short {
+            self.best.widen(found.reduced_chi2);
         }
         self.best.curve(means.len(), curve);
         if let Some(bend) = bend {
-            bend.add_to(curve, variance * found.misfit.max(1.0));
+            bend.add_to(curve, variance * found.reduced_chi2.max(1.0));
         }
         true
     }
 
     /// Finds the number of knots that is cheapest; the fit is the best one.
     fn search(&mut self, columns: usize, variance: f64, max_knots: usize) -> Found {
-        let (mut least, mut misfit) = (f64::INFINITY, 1.0);
+        let (mut least, mut reduced_chi2) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
         // Twice as many knots that serve worse twice in a row end the search.
         while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.at.len()) && worse < 2 {
             let chi2 = self.trial.fit(&self.bins, columns, knots, variance);
-            let price = chi2 + KNOT_PRICE * knots as f64;
-            worse = if price < least { 0 } else { worse + 1 };
-            if price < least {
-                least = price;
+            let penalised = chi2 + KNOT_PENALTY * knots as f64;
+            worse = if penalised < least { 0 } else { worse + 1 };
+            if penalised < least {
+                least = penalised;
                 let freedom = self.bins.at.len() as f64 - knots as f64;
-                misfit = if freedom < 1.0 { 1.0 } else { chi2 / freedom };
+                reduced_chi2 = if freedom < 1.0 { 1.0 } else { chi2 / freedom };
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
             // Even the best conceivable fit with more knots cannot be cheaper.
-            if KNOT_PRICE * (2 * knots - 1) as f64 > least {
+            if KNOT_PENALTY * (2 * knots - 1) as f64 > least {
                 break;
             }
             knots = 2 * knots - 1;
         }
-        Found { price: least, misfit }
+        Found { penalised: least, reduced_chi2 }
     }
 }
 
@@ -117,9 +117,9 @@ impl LevelPool {
 #[derive(Clone, Copy, Debug)]
 struct Found {
     /// χ² + price of the knots.
-    price: f64,
+    penalised: f64,
     /// χ² a degree of freedom.
-    misfit: f64,
+    reduced_chi2: f64,
 }
 
 /// A bend of the level: a2 P2(t) + a3 P3(t) + a4 P4(t), t from −1 to 1 along the columns.
@@ -342,9 +342,9 @@ impl Fit {
     }
 
     /// Widens the variances by what the curve leaves of its bins.
-    fn widen(&mut self, misfit: f64) {
+    fn widen(&mut self, reduced_chi2: f64) {
         for value in self.variance.iter_mut().chain(&mut self.covariance) {
-            *value *= misfit;
+            *value *= reduced_chi2;
         }
     }
 

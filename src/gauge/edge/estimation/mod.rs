@@ -21,6 +21,6 @@ pub(crate) mod noise;
 pub(crate) mod rounding;
 pub(crate) mod scoring;
 pub(crate) mod scoring_table;
+pub(crate) mod side_survey;
 pub(crate) mod slanted_edge;
 pub(crate) mod soft_knee;
-pub(crate) mod survey;

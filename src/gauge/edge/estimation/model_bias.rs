@@ -18,9 +18,9 @@ use super::scoring::normalise;
 use super::scoring_table::FINE;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::half;
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
-use crate::gauge::edge::model::systematic_residual::EdgeMisfit;
+use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::Edge;
 use crate::numerics::smoothing_spline::SplineFit;
 
@@ -42,14 +42,14 @@ const STEEPEST: f32 = 0.3;
 
 /// Gathers residuals from the masters' frames.
 #[derive(Debug, Default)]
-pub struct MisfitLesson {
-    sides: [Option<SideLesson>; 2],
+pub struct ResidualAccumulator {
+    sides: [Option<SideResiduals>; 2],
     chi2: f64,
     edges: f64,
 }
 
 #[derive(Debug)]
-struct SideLesson {
+struct SideResiduals {
     reach: f64,
     fit: SplineFit,
     edges: u32,
@@ -58,13 +58,13 @@ struct SideLesson {
 /// A side's frame as a lesson sees it.
 pub(crate) struct SideView<'a> {
     pub(crate) windows: &'a Windows,
-    pub(crate) shape: &'a EdgeShape,
+    pub(crate) shape: &'a EdgeSpreadFunction,
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],
 }
 
-impl MisfitLesson {
+impl ResidualAccumulator {
     /// Adds the residuals of a side's edges; `sigma` is the blur at a column.
     pub(crate) fn add(
         &mut self,
@@ -77,7 +77,7 @@ impl MisfitLesson {
         let reach = half(windows.width) as f64 - 1.0;
         let knot = (KNOT_IN_BLURS * sigma(line.len() / 2)).max(KNOT_PX);
         let segments = (2.0 * reach / knot).ceil() as usize;
-        let lesson = self.sides[side].get_or_insert_with(|| SideLesson {
+        let residuals = self.sides[side].get_or_insert_with(|| SideResiduals {
             reach,
             fit: SplineFit::new(-reach, reach, segments),
             edges: 0,
@@ -94,26 +94,26 @@ impl MisfitLesson {
             let dark = f64::from(view.dark.level[column]);
             let contrast = f64::from(view.light.level[column]) - dark;
             for (k, (m, sample)) in windows.of(column).iter().zip(&samples).enumerate() {
-                lesson.fit.add(first + k as f64 - x, (f64::from(*m) - dark) / contrast - sample.value);
+                residuals.fit.add(first + k as f64 - x, (f64::from(*m) - dark) / contrast - sample.value);
             }
-            lesson.edges += 1;
+            residuals.edges += 1;
             self.chi2 += f64::from(edge.chi2);
             self.edges += 1.0;
         }
     }
 
     /// What the edges leave; `None` where the model fits them as well as their noise lets it be told.
-    pub fn finish(self) -> Option<EdgeMisfit> {
+    pub fn finish(self) -> Option<SystematicResidual> {
         let chi2 = self.chi2 / self.edges.max(1.0);
         if !(chi2 > 1.0 + LEAST_EXCESS) {
             return None;
         }
-        let [top, bottom] = self.sides.map(|side| side.and_then(SideLesson::finish));
-        Some(EdgeMisfit { step_px: STEP_PX, residual: [top?, bottom?], chi2 })
+        let [top, bottom] = self.sides.map(|side| side.and_then(SideResiduals::finish));
+        Some(SystematicResidual { step_px: STEP_PX, residual: [top?, bottom?], chi2 })
     }
 }
 
-impl SideLesson {
+impl SideResiduals {
     fn finish(self) -> Option<Vec<f64>> {
         if self.edges < LEAST_EDGES {
             return None;
@@ -140,13 +140,13 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    pub(crate) fn new(misfit: &EdgeMisfit, side: usize) -> Self {
-        let kept = &misfit.residual[side];
+    pub(crate) fn new(expected_residual: &SystematicResidual, side: usize) -> Self {
+        let kept = &expected_residual.residual[side];
         let middle = (kept.len() / 2) as f64;
         let fine = f64::from(FINE);
-        let reach = (middle * misfit.step_px * fine) as i32;
+        let reach = (middle * expected_residual.step_px * fine) as i32;
         let at = |k: i32| {
-            let place = middle + f64::from(k) / fine / misfit.step_px;
+            let place = middle + f64::from(k) / fine / expected_residual.step_px;
             let (low, share) = (place as usize, place.fract());
             let value = |k: usize| kept.get(k).copied().unwrap_or(0.0);
             (value(low) + share * (value(low + 1) - value(low))) as f32
@@ -283,14 +283,14 @@ mod tests {
 
     #[test]
     fn impossible_files_are_named() {
-        let good = EdgeMisfit { step_px: 0.125, residual: [vec![0.0; 9], vec![0.01; 9]], chi2: 2.0 };
+        let good = SystematicResidual { step_px: 0.125, residual: [vec![0.0; 9], vec![0.01; 9]], chi2: 2.0 };
         assert!(good.impossible().is_none());
         assert!((good.norm(1) - 0.01 * (9.0_f64 * 0.125).sqrt()).abs() < 1e-12);
-        let step = EdgeMisfit { step_px: f64::NAN, ..good.clone() };
+        let step = SystematicResidual { step_px: f64::NAN, ..good.clone() };
         assert_eq!(step.impossible().unwrap().0, "misfit.step_px");
-        let even = EdgeMisfit { residual: [vec![0.0; 8], vec![0.0; 9]], ..good.clone() };
+        let even = SystematicResidual { residual: [vec![0.0; 8], vec![0.0; 9]], ..good.clone() };
         assert_eq!(even.impossible().unwrap().0, "misfit.residual");
-        let loud = EdgeMisfit { residual: [vec![0.0; 9], vec![f64::INFINITY; 9]], ..good };
+        let loud = SystematicResidual { residual: [vec![0.0; 9], vec![f64::INFINITY; 9]], ..good };
         assert_eq!(loud.impossible().unwrap().1, f64::INFINITY);
     }
 }

@@ -19,7 +19,7 @@
 //! same at both edges where both see the same light.
 
 use super::noise::Spread;
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edges::Edge;
 
@@ -68,7 +68,7 @@ pub(crate) fn noise_behind(variance: f64) -> f64 {
 /// One side of a quantised frame.
 pub(crate) struct RoundedSide<'a> {
     /// The edge-spread function fitted, and its blur, px.
-    pub(crate) shape: &'a EdgeShape,
+    pub(crate) shape: &'a EdgeSpreadFunction,
     pub(crate) sigma: f64,
     /// −1 where the light lies above the edge, else 1.
     pub(crate) sign: f64,

@@ -12,7 +12,7 @@
 //! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
 use crate::gauge::edge::image::window_layout::{MOST_WIDTH, PHASE_REACH, core_width, half};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
@@ -135,7 +135,7 @@ impl Table {
 
     /// Tabulates the weights. `free_levels`: each column has levels of its own.
     pub(crate) fn new(
-        shape: &EdgeShape,
+        shape: &EdgeSpreadFunction,
         sigma: f64,
         kappa: f64,
         width: usize,
@@ -181,7 +181,7 @@ impl Table {
     /// Fills all but the core, which only the placing of edges needs.
     pub(crate) fn fill(
         &mut self,
-        shape: &EdgeShape,
+        shape: &EdgeSpreadFunction,
         sigma: f64,
         kappa: f64,
         width: usize,
@@ -360,16 +360,16 @@ mod tests {
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
             let table = Table::new(
-                &EdgeShape::Gaussian,
+                &EdgeSpreadFunction::Gaussian,
                 0.8,
                 1.2,
-                window_width(&EdgeShape::Gaussian, 0.8),
+                window_width(&EdgeSpreadFunction::Gaussian, 0.8),
                 free,
                 FINE,
             );
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
-                EdgeShape::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
+                EdgeSpreadFunction::Gaussian.samples(-(half(table.width) as f64), x0, 0.8, &mut samples);
                 let phase = table.phase(x0 as f32);
                 let step: f64 =
                     samples.iter().zip(phase.weights).map(|(s, w)| f64::from(*w) * s.value).sum::<f64>()
@@ -386,7 +386,7 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let table = Table::new(&EdgeShape::Gaussian, sigma, 0.0, 32, false, FINE);
+        let table = Table::new(&EdgeSpreadFunction::Gaussian, sigma, 0.0, 32, false, FINE);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;
         assert!((f64::from(mean) / j - 1.0).abs() < 1e-3, "{mean} {j}");

@@ -11,7 +11,7 @@
 use super::levels::LevelCurve;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::half;
-use crate::gauge::edge::model::edge_spread::StepTable;
+use crate::gauge::edge::model::edge_spread::TabulatedEsf;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::Edge;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
@@ -34,7 +34,7 @@ const TABLE_PER_PX: f64 = 32.0;
 const STEEPEST: f32 = 0.3;
 
 /// What a side knows of its frame.
-pub(crate) struct Lesson<'a> {
+pub(crate) struct EsfSamples<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
@@ -44,18 +44,18 @@ pub(crate) struct Lesson<'a> {
 }
 
 /// Learns the edge of a side from its columns' places in `line`; `None` where the edge travels too little or too few columns have one.
-pub(crate) fn learn(lesson: &Lesson<'_>, line: &[Edge]) -> Option<StepTable> {
-    let sign = f64::from(lesson.windows.side.sign());
-    let able = |c: usize| line[c].is_usable() && lesson.slope[c].abs() < STEEPEST;
+pub(crate) fn learn(samples_of: &EsfSamples<'_>, line: &[Edge]) -> Option<TabulatedEsf> {
+    let sign = f64::from(samples_of.windows.side.sign());
+    let able = |c: usize| line[c].is_usable() && samples_of.slope[c].abs() < STEEPEST;
     let places: Vec<(usize, f64)> =
         (0..line.len()).filter(|c| able(*c)).map(|c| (c, sign * line[c].row_px)).collect();
     if places.len() < 128 {
         return None;
     }
     let curve = smooth_curve(&places)?;
-    let reach = half(lesson.windows.width) as f64 - 1.0;
-    let deviation = deviation(lesson, &places, &curve, reach)?;
-    Some(tabulate(&deviation, lesson.sigma, reach))
+    let reach = half(samples_of.windows.width) as f64 - 1.0;
+    let deviation = deviation(samples_of, &places, &curve, reach)?;
+    Some(tabulate(&deviation, samples_of.sigma, reach))
 }
 
 /// The smooth curve through the places, outliers left out.
@@ -87,8 +87,13 @@ fn smooth_curve(places: &[(usize, f64)]) -> Option<Spline> {
 }
 
 /// The pixel-integrated edge minus the Gaussian one over the distance from the curve.
-fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach: f64) -> Option<Spline> {
-    let windows = lesson.windows;
+fn deviation(
+    samples_of: &EsfSamples<'_>,
+    places: &[(usize, f64)],
+    curve: &Spline,
+    reach: f64,
+) -> Option<Spline> {
+    let windows = samples_of.windows;
     let segments = (2.0 * reach / KNOT_PX).ceil() as usize;
     let mut fit = SplineFit::new(-reach, reach, segments);
     let mut samples = vec![EdgeSample::default(); windows.width - 1];
@@ -97,9 +102,9 @@ fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach
         let Ok(centre) = windows.centre[*column] else { continue };
         let x0 = curve.at(*column as f64).0 - f64::from(sign * centre);
         let first = -(half(windows.width) as f64);
-        edge_samples(first, x0, lesson.sigma, &mut samples);
-        let dark = f64::from(lesson.dark.level[*column]);
-        let contrast = f64::from(lesson.light.level[*column]) - dark;
+        edge_samples(first, x0, samples_of.sigma, &mut samples);
+        let dark = f64::from(samples_of.dark.level[*column]);
+        let contrast = f64::from(samples_of.light.level[*column]) - dark;
         for (k, (m, sample)) in windows.of(*column).iter().zip(&samples).enumerate() {
             let n = (f64::from(*m) - dark) / contrast;
             fit.add(first + k as f64 - x0, n - sample.value);
@@ -110,7 +115,7 @@ fn deviation(lesson: &Lesson<'_>, places: &[(usize, f64)], curve: &Spline, reach
 }
 
 /// F and its integral from E by telescoping: I(v) = Σ E(v − 1/2 − j), F(v) = Σ E′(v − 1/2 − j) over j ≥ 0.
-fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> StepTable {
+fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> TabulatedEsf {
     let far = reach.ceil() + 4.0;
     let count = (2.0 * far * TABLE_PER_PX) as usize;
     let (mut integral, mut value) = (Vec::with_capacity(count + 1), Vec::with_capacity(count + 1));
@@ -131,5 +136,5 @@ fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> StepTable {
         .map(|k| -reach + k as f64 * deviation.step)
         .filter(|u| deviation.at(*u).0.abs() > 2e-3)
         .fold(0.0, |far: f64, u| far.max(u.abs()));
-    StepTable::learnt(far, integral, value, sigma, -area, far_from_ends)
+    TabulatedEsf::learnt(far, integral, value, sigma, -area, far_from_ends)
 }

@@ -6,7 +6,7 @@ use wide::f32x4;
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
 use super::window_layout::{MOST_WIDTH, PHASE_REACH, half};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::profile::Reason;
 
@@ -94,7 +94,7 @@ impl Windows {
     }
 
     /// Sets the width from the blur and makes room for a frame.
-    pub(crate) fn prepare(&mut self, shape: &EdgeShape, sigma: f64, width: usize, columns: usize) {
+    pub(crate) fn prepare(&mut self, shape: &EdgeSpreadFunction, sigma: f64, width: usize, columns: usize) {
         self.width = width;
         self.centroid = shape.centroid(sigma) as f32;
         self.flat =

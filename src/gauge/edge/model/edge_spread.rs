@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
 
-/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeShape::least_sigma`]).
+/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeSpreadFunction::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
@@ -35,7 +35,7 @@ const GAUSSIAN_REACH: f64 = 3.6;
 
 /// An edge-spread function as a table of its values and their integral over ±`reach` px; 0 and 1 beyond.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct StepTable {
+pub(crate) struct TabulatedEsf {
     reach: f64,
     integral: Vec<f64>,
     value: Vec<f64>,
@@ -49,7 +49,7 @@ pub(crate) struct StepTable {
     ringed: bool,
 }
 
-impl StepTable {
+impl TabulatedEsf {
     /// Tabulates a function that is 0 before −`reach` px and 1 after `reach` px.
     pub(crate) fn new(reach: f64, f: impl Fn(f64) -> f64) -> Self {
         let count = (2.0 * reach * KNOTS_PER_PX).ceil() as usize;
@@ -142,15 +142,15 @@ impl StepTable {
 
 /// The family that is fitted.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) enum EdgeShape {
+pub(crate) enum EdgeSpreadFunction {
     /// Gaussian blur.
     #[default]
     Gaussian,
     /// Any other, as a table.
-    Table(Arc<StepTable>),
+    Table(Arc<TabulatedEsf>),
 }
 
-impl EdgeShape {
+impl EdgeSpreadFunction {
     /// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`.
     pub(crate) fn samples(&self, first: f64, x0: f64, sigma: f64, out: &mut [EdgeSample]) {
         let Self::Table(table) = self else { return edge_samples(first, x0, sigma, out) };
@@ -259,7 +259,7 @@ impl EdgeShape {
 
     /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
     /// light under incoherent light and at a quarter of it (half the amplitude) under coherent light, and a frame does not tell which.
-    pub(crate) fn unknown_place(&self, sigma: f64) -> f64 {
+    pub(crate) fn position_ambiguity(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,
             Self::Table(table) => table.quarter_to_half(sigma),
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_tabulated_gaussian_is_the_gaussian() {
-        let shape = EdgeShape::Table(Arc::new(StepTable::new(8.0, |d| phi_cdf(d / 0.8))));
+        let shape = EdgeSpreadFunction::Table(Arc::new(TabulatedEsf::new(8.0, |d| phi_cdf(d / 0.8))));
         let sigma = shape.own_sigma().unwrap();
         assert!((sigma - 0.8).abs() < 5e-4, "{sigma}");
         for (x0, scale) in [(0.13, 1.0), (-0.4, 1.1)] {
@@ -301,7 +301,7 @@ mod tests {
     fn derivatives_are_those_of_the_values() {
         // A one-sided exponential: asymmetric, centroid 0.7 px in the light.
         let f = |d: f64| if d <= 0.0 { 0.0 } else { 1.0 - (-d / 0.7).exp() };
-        let shape = EdgeShape::Table(Arc::new(StepTable::new(12.0, f)));
+        let shape = EdgeSpreadFunction::Table(Arc::new(TabulatedEsf::new(12.0, f)));
         let sigma = shape.own_sigma().unwrap();
         assert!((shape.centroid(sigma) - 0.7).abs() < 1e-3);
         let at = |x0: f64, sigma: f64| {

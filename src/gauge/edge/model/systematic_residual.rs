@@ -8,7 +8,7 @@ const MOST_VALUES: usize = 2049;
 /// The mean residual that the masters' edges leave, over the distance from the edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct EdgeMisfit {
+pub struct SystematicResidual {
     /// Distance of neighbouring values, px.
     pub step_px: f64,
     /// Residual at the upper and lower edge as shares of the contrast, from shadow to light; the middle value stands at the edge. An odd number each.
@@ -17,7 +17,7 @@ pub struct EdgeMisfit {
     pub chi2: f64,
 }
 
-impl EdgeMisfit {
+impl SystematicResidual {
     /// Names what cannot be, if anything: (key, value, what would be right).
     pub(crate) fn impossible(&self) -> Option<(&'static str, f64, &'static str)> {
         if !(self.step_px > 0.0 && self.step_px <= 1.0) {

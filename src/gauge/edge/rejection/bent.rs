@@ -60,9 +60,9 @@ mod tests {
         let bend = |x: f64| 3.0 * (1.2 * x + 0.4).sin();
         assert!(is_bent(&blocks(bend, |_| 0.0)) && is_bent(&blocks(bend, |x| 0.3 * x)));
         // A long protrusion on one side: the middle moves by half of what the width grows by.
-        let hill = |x: f64| (-4.0 * x * x).exp();
-        assert!(!is_bent(&blocks(|x| 0.5 * hill(x), hill)));
-        assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * hill(x), |x| 2.0 * hill(x))));
+        let bump = |x: f64| (-4.0 * x * x).exp();
+        assert!(!is_bent(&blocks(|x| 0.5 * bump(x), bump)));
+        assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * bump(x), |x| 2.0 * bump(x))));
         // A short chip leaves the curve.
         let chip = |x: f64| if x.abs() < 0.05 { 0.4 } else { 0.0 };
         assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * chip(x), chip)));

@@ -4,7 +4,7 @@ use super::centreline::fit;
 use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
 
 /// Columns whose mean widths are compared on the way down.
-const DESCENT: usize = 8;
+const MEAN_COLUMNS: usize = 8;
 /// Widening behind a refused stretch from which on it is a hill's flank, px; shoulders are steeper than so many px a column.
 const RISE_PX: f64 = 0.1;
 const SHOULDER: f64 = 0.3;
@@ -19,18 +19,18 @@ impl AxisScratch {
 
     /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
     /// middle alone, and what hides an edge darkens its neighbours.
-    pub(crate) fn descend(&mut self) {
+    pub(crate) fn extend_to_base(&mut self) {
         let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
         let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
-        self.descend_all(taper);
-        if self.cross_hills(taper) {
-            self.descend_all(taper);
+        self.extend_all(taper);
+        if self.cross_bumps(taper) {
+            self.extend_all(taper);
         }
     }
 
     /// Refuses the rest of hills of which a flank is refused: where films on both sides meet, the middle shows only what they differ in.
     /// Gives whether there were any.
-    fn cross_hills(&mut self, taper: f64) -> bool {
+    fn cross_bumps(&mut self, taper: f64) -> bool {
         let columns = self.departures.len();
         let (mut from, mut any) = (0, false);
         while from < columns {
@@ -59,10 +59,12 @@ impl AxisScratch {
             return false;
         };
         // A round part's crown rises already before the stretch.
-        let before = self.mean_width(far - step * (1 + 2 * DESCENT as isize), -step);
-        let Some(slope) = before.map(|before| (base - before) / (2 * DESCENT) as f64) else { return false };
-        let on_the_way = (length + 1.0 + DESCENT as f64) * (slope - taper * step as f64).max(0.0);
-        let rise = beyond - base - taper * step as f64 * (length + 1.0 + DESCENT as f64) - on_the_way;
+        let before = self.mean_width(far - step * (1 + 2 * MEAN_COLUMNS as isize), -step);
+        let Some(slope) = before.map(|before| (base - before) / (2 * MEAN_COLUMNS) as f64) else {
+            return false;
+        };
+        let on_the_way = (length + 1.0 + MEAN_COLUMNS as f64) * (slope - taper * step as f64).max(0.0);
+        let rise = beyond - base - taper * step as f64 * (length + 1.0 + MEAN_COLUMNS as f64) - on_the_way;
         if rise < RISE_PX || rise > SHOULDER * (length + 1.0) {
             return false;
         }
@@ -70,7 +72,7 @@ impl AxisScratch {
         let columns = self.departures.len() as isize;
         let mut at = near + step;
         while (at - near).unsigned_abs() < 2 * GROWTH {
-            let ahead = at + step * (DESCENT as isize - 1);
+            let ahead = at + step * (MEAN_COLUMNS as isize - 1);
             let border = ahead < 0 || ahead >= columns;
             let meets = !border && self.refused[ahead as usize];
             if meets && self.side_of(ahead, step) * side < 0.0 {
@@ -79,26 +81,26 @@ impl AxisScratch {
             let height = self.mean_width(at, step).map(|width| {
                 width
                     - base
-                    - taper * step as f64 * (length + 1.0 + (at - near).abs() as f64 + DESCENT as f64)
+                    - taper * step as f64 * (length + 1.0 + (at - near).abs() as f64 + MEAN_COLUMNS as f64)
             });
             if border || meets || height.is_some_and(|h| h < (FOOT * rise).max(FLOOR_PX)) {
                 let end = ahead.clamp(0, columns - 1);
                 self.refused[near.min(end) as usize..=near.max(end) as usize].fill(true);
                 return true;
             }
-            at += step * DESCENT as isize;
+            at += step * MEAN_COLUMNS as isize;
         }
         false
     }
 
     /// Sum of the departures over the columns of a stretch's end.
     fn side_of(&self, end: isize, step: isize) -> f32 {
-        let columns = (0..2 * DESCENT as isize).map(|k| end + step * k);
+        let columns = (0..2 * MEAN_COLUMNS as isize).map(|k| end + step * k);
         let known = columns.filter_map(|c| self.departures.get(usize::try_from(c).ok()?));
         known.filter(|d| d.is_finite()).sum()
     }
 
-    fn descend_all(&mut self, taper: f64) {
+    fn extend_all(&mut self, taper: f64) {
         let columns = self.departures.len() as isize;
         for step in [1_isize, -1] {
             for column in 0..columns {
@@ -106,18 +108,18 @@ impl AxisScratch {
                 let ends =
                     next >= 0 && next < columns && self.gone(column as usize) && !self.gone(next as usize);
                 if ends {
-                    self.descend_from(next, step, taper);
+                    self.extend_from(next, step, taper);
                 }
             }
         }
     }
 
     /// Refuses the columns on the way down from one to where the width levels out; none where it does not: that is form.
-    fn descend_from(&mut self, from: isize, step: isize, taper: f64) {
-        let tapered = taper * (DESCENT as isize * step) as f64;
+    fn extend_from(&mut self, from: isize, step: isize, taper: f64) {
+        let tapered = taper * (MEAN_COLUMNS as isize * step) as f64;
         let mut at = from;
-        for _ in 0..2 * GROWTH / DESCENT {
-            let below = at + step * DESCENT as isize;
+        for _ in 0..2 * GROWTH / MEAN_COLUMNS {
+            let below = at + step * MEAN_COLUMNS as isize;
             let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
@@ -134,9 +136,9 @@ impl AxisScratch {
         }
     }
 
-    /// Mean width of [`DESCENT`] columns from one on; `None` where they leave the frame or few have one.
+    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or few have one.
     fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
-        let last = from + step * (DESCENT as isize - 1);
+        let last = from + step * (MEAN_COLUMNS as isize - 1);
         let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
         let widths = self.widths.get(low..=high)?;
         let (mut sum, mut count) = (0.0, 0.0);

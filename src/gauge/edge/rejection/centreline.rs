@@ -8,18 +8,18 @@ use crate::numerics::robust::MEDIAN_TO_SD;
 /// Trial axes of the robust fit.
 const TRIALS: usize = 160;
 /// Bend of an axis that is taken for the part's own, px.
-const BEND_OF_WANDER_PX: f64 = 0.03;
+const BEND_OF_WAVY_PX: f64 = 0.03;
 /// Departures from the plain parabola up to which no other axis is looked for, px.
 pub(super) const CALM_PX: f64 = 0.05;
 /// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
 /// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
-pub(super) const LEAST_BULGE: f64 = 0.5;
-pub(super) const MOST_BULGE: f64 = 1.6;
+pub(super) const LEAST_WIDENING_RATIO: f64 = 0.5;
+pub(super) const MOST_WIDENING_RATIO: f64 = 1.6;
 /// A stretch bulges where it stands out by so many times what tells it from the axis, and a frame where most of what leaves the axis does.
 const PROMINENT: f64 = 1.5;
-const BULGING: f64 = 0.75;
+const PROTRUDING: f64 = 0.75;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px on 30 mm). A film as long as the
 /// field looks like a bend; a larger one than usual costs a trial its spread times √(1 + (bend/this)²).
 const USUAL_BEND_PX: f64 = 0.05;
@@ -32,7 +32,7 @@ impl AxisScratch {
 
     /// Whether all blocks agree with a parabola that hardly bends.
     pub(super) fn is_calm(&self, plain: &Vector3<f64>) -> bool {
-        plain[2].abs() < BEND_OF_WANDER_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
+        plain[2].abs() < BEND_OF_WAVY_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
     }
 
     /// The axis of a frame that is not calm: what half of the blocks agree with best. `noise`: standard deviation of a block's median, px.
@@ -41,16 +41,16 @@ impl AxisScratch {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Matter bulges from the axis, or half of the field agrees with a straighter axis far better; where neither is so, or the rest would
         // be dents, the axis itself wanders.
-        let shares = found.map(|(_, axis)| self.bulges(&axis));
-        for ((cost, axis), (bulging, _)) in found.iter().zip(shares) {
-            if cost.is_finite() && bulging > BULGING {
+        let shares = found.map(|(_, axis)| self.protrusions(&axis));
+        for ((cost, axis), (protruding, _)) in found.iter().zip(shares) {
+            if cost.is_finite() && protruding > PROTRUDING {
                 return Some(*axis);
             }
         }
         // Of few blocks half lie near some parabola by chance, nearer than their noise lets them.
         let spread = found[0].0.max(noise);
         let wanders = spread > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
-        Some(if wanders || shares[0].1 > BULGING { plain } else { found[0].1 })
+        Some(if wanders || shares[0].1 > PROTRUDING { plain } else { found[0].1 })
     }
 
     /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
@@ -103,12 +103,12 @@ impl AxisScratch {
     /// Which share of what leaves an axis bulges, and which is dents: matter on one side widens the shadow by twice what it moves the
     /// middle by; an axis that wanders moves both edges alike, texture dents as often as it bulges; a chip taken for the part leaves the
     /// part a dent.
-    fn bulges(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
+    fn protrusions(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
         let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
         let leaves = |b: &Block| far(axis, limit, b);
         let within = self.blocks.iter().filter(|b| !leaves(b));
         let Some(line) = fit(within.map(|b| (b.x, b.width)), false) else { return (0.0, 0.0) };
-        let (mut bulging, mut denting, mut all) = (0.0, 0.0, 0.0);
+        let (mut protruding, mut receding, mut all) = (0.0, 0.0, 0.0);
         let (mut from, n) = (0, self.blocks.len());
         while from < n {
             if !leaves(&self.blocks[from]) {
@@ -119,15 +119,15 @@ impl AxisScratch {
             let (widening, square) = self.widening(axis, &line, from..to);
             let peak = self.blocks[from..to].iter().any(|b| far(axis, PROMINENT * limit, b));
             all += square;
-            if peak && widening > LEAST_BULGE * square && widening < MOST_BULGE * square {
-                bulging += square;
+            if peak && widening > LEAST_WIDENING_RATIO * square && widening < MOST_WIDENING_RATIO * square {
+                protruding += square;
             }
-            if widening < -LEAST_BULGE * square {
-                denting += square;
+            if widening < -LEAST_WIDENING_RATIO * square {
+                receding += square;
             }
             from = to;
         }
-        if all > 0.0 { (bulging / all, denting / all) } else { (0.0, 0.0) }
+        if all > 0.0 { (protruding / all, receding / all) } else { (0.0, 0.0) }
     }
 
     /// Of a run of blocks: Σ a·b and Σ a² of twice the middle's departure a and the width b, both over what the run's neighbours say.
@@ -153,12 +153,12 @@ impl AxisScratch {
 
     /// Spread about an axis, dearer where it bends.
     fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
-        self.spread(axis) * price(axis)
+        self.spread(axis) * bend_penalty(axis)
     }
 
     /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
     fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
-        let limit = cost / (MEDIAN_TO_SD * price(axis));
+        let limit = cost / (MEDIAN_TO_SD * bend_penalty(axis));
         let (a, b, c) = (axis[0], axis[1], axis[2]);
         let near = |block: &Block| {
             let (x, m) = block.point();
@@ -175,7 +175,7 @@ fn far(axis: &Vector3<f64>, limit: f64, block: &Block) -> bool {
 }
 
 /// What an axis costs for its bend.
-fn price(axis: &Vector3<f64>) -> f64 {
+fn bend_penalty(axis: &Vector3<f64>) -> f64 {
     (1.0 + (axis[2] / USUAL_BEND_PX).powi(2)).sqrt()
 }
 

@@ -22,7 +22,7 @@ const GUARD: usize = 6;
 /// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
 pub(super) const AGREEING: f64 = 0.5;
 /// Bumps that are left out together when the scatter elsewhere is estimated.
-pub(crate) const HILLS: usize = 3;
+pub(crate) const BUMPS: usize = 3;
 
 /// Sixteen columns.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub(super) struct Block {
 
 /// Blocks that stand out of their neighbourhood.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hill {
+pub(crate) struct LocalBump {
     /// By how much the highest stands out, px of the middle.
     pub(super) peak: f64,
     /// First and last of them.
@@ -61,7 +61,7 @@ pub(crate) struct AxisScratch {
     pub(super) sizes: Vec<f64>,
     pub(super) refused: Vec<bool>,
     pub(super) ends: Vec<isize>,
-    pub(super) suspects: Vec<Hill>,
+    pub(super) suspects: Vec<LocalBump>,
 }
 
 impl Block {
@@ -130,7 +130,7 @@ impl AxisScratch {
         room(&mut self.blocks, columns / BLOCK + 1);
         room(&mut self.sizes, columns / BLOCK + 257);
         room(&mut self.pool, BLOCK);
-        room(&mut self.suspects, HILLS);
+        room(&mut self.suspects, BUMPS);
     }
 
     /// Standard deviation that the edges' own noise gives the median of a block with so many usable columns in all, px.

@@ -7,9 +7,9 @@
 
 use nalgebra::Vector3;
 
-use super::centreline::{LEAST_BULGE, MOST_BULGE};
+use super::centreline::{LEAST_WIDENING_RATIO, MOST_WIDENING_RATIO};
 use super::departures::{
-    AxisScratch, Block, FLOOR_PX, GROW_LIMIT, HILLS, Hill, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
+    AxisScratch, BUMPS, Block, FLOOR_PX, GROW_LIMIT, LocalBump, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
 };
 use crate::gauge::edges::Edge;
 use crate::numerics::median_network::BLOCK;
@@ -21,7 +21,7 @@ const REACHES: [usize; 3] = [2, 3, 5];
 /// matter is likelier, and the limit lower.
 const LOCAL_LIMIT: f64 = 4.0;
 const FEW: f64 = 4.0;
-const AMONG_MATTER: f64 = 0.85;
+const AMONG_CONTAMINATION: f64 = 0.85;
 const LOCAL_FLOOR_PX: f64 = 0.05;
 /// Places elsewhere that tell that standard deviation.
 const LEAST_PLACES: usize = 3;
@@ -46,14 +46,15 @@ impl AxisScratch {
     pub(crate) fn mark_local(
         &mut self,
         axis: &Vector3<f64>,
-        (column_sd, dirty): (f64, bool),
+        (column_sd, contaminated): (f64, bool),
         edges: (&[Edge], &[Edge]),
     ) -> bool {
         let block_noise = noise_of_block(edges.0, edges.1);
         let mut any = false;
         for reach in REACHES {
             for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
-                any |= self.mark_hills(axis, (reach, border), (gain, gain * block_noise, dirty), edges);
+                any |=
+                    self.mark_bumps(axis, (reach, border), (gain, gain * block_noise, contaminated), edges);
             }
         }
         if any {
@@ -64,31 +65,31 @@ impl AxisScratch {
 
     /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
     /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
-    fn mark_hills(
+    fn mark_bumps(
         &mut self,
         axis: &Vector3<f64>,
         (reach, border): (usize, bool),
-        (gain, noise, dirty): (f64, f64, bool),
+        (gain, noise, contaminated): (f64, f64, bool),
         edges: (&[Edge], &[Edge]),
     ) -> bool {
         self.suspects.clear();
         let mut any = false;
-        while self.suspects.len() < HILLS {
-            let Some(hill) = self.hill(axis, reach, border) else { break };
-            self.suspects.push(hill);
-            let (places, sd) = self.elsewhere(axis, reach, hill.step);
+        while self.suspects.len() < BUMPS {
+            let Some(bump) = self.bump(axis, reach, border) else { break };
+            self.suspects.push(bump);
+            let (places, sd) = self.elsewhere(axis, reach, bump.step);
             if places < LEAST_PLACES {
                 continue;
             }
-            let few = if dirty { AMONG_MATTER } else { 1.0 + FEW / places as f64 };
+            let few = if contaminated { AMONG_CONTAMINATION } else { 1.0 + FEW / places as f64 };
             let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
-                let hill = self.suspects[suspect];
-                let from = self.blocks[hill.first].index * BLOCK;
-                let to = ((self.blocks[hill.last].index + 1) * BLOCK).min(self.departures.len());
+                let bump = self.suspects[suspect];
+                let from = self.blocks[bump.first].index * BLOCK;
+                let to = ((self.blocks[bump.last].index + 1) * BLOCK).min(self.departures.len());
                 // In the dim part of uneven light edges scatter by more than the field's do.
                 let own = gain * MEDIAN_OF_BLOCK * own_noise(edges, from..to);
-                if hill.peak.abs() > limit * sd.max(noise).max(own) {
+                if bump.peak.abs() > limit * sd.max(noise).max(own) {
                     self.refused[from..to].fill(true);
                     any = true;
                 }
@@ -100,7 +101,7 @@ impl AxisScratch {
     /// Whether nothing is held against a block.
     fn is_open(&self, k: usize) -> bool {
         !self.refused[self.blocks[k].index * BLOCK]
-            && !self.suspects.iter().any(|hill| hill.first <= k && k <= hill.last)
+            && !self.suspects.iter().any(|bump| bump.first <= k && k <= bump.last)
     }
 
     /// The next open block at least `reach` blocks away from one, towards a side.
@@ -127,7 +128,7 @@ impl AxisScratch {
     }
 
     /// By how much a block's middle and width stand out of the line through two others.
-    fn bulge(&self, axis: &Vector3<f64>, k: usize, (one, two): (usize, usize)) -> (f64, f64) {
+    fn protrusion(&self, axis: &Vector3<f64>, k: usize, (one, two): (usize, usize)) -> (f64, f64) {
         let (a, b, c) = (&self.blocks[one], &self.blocks[k], &self.blocks[two]);
         let share = (b.x - a.x) / (c.x - a.x);
         let departure = |block: &Block| block.middle - axis.dot(&basis(block.x));
@@ -136,9 +137,9 @@ impl AxisScratch {
     }
 
     /// The block that bulges most as matter does, within the field or near its border, with those of its neighbours that bulge too.
-    fn hill(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<Hill> {
+    fn bump(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<LocalBump> {
         let n = self.blocks.len();
-        let mut most: Option<Hill> = None;
+        let mut most: Option<LocalBump> = None;
         let steps: &[isize] = if border { &[-1, 1] } else { &[0] };
         for step in steps {
             for k in (0..n).filter(|k| self.is_open(*k)) {
@@ -146,23 +147,24 @@ impl AxisScratch {
                     continue;
                 }
                 let Some(ends) = self.neighbours(k, reach, *step) else { continue };
-                let (peak, widening) = self.bulge(axis, k, ends);
+                let (peak, widening) = self.protrusion(axis, k, ends);
                 let moved = 2.0 * peak.abs();
-                let matter = widening > LEAST_BULGE * moved && widening < MOST_BULGE * moved;
-                if matter && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
-                    most = Some(Hill { peak, first: k, last: k, step: *step });
+                let contamination =
+                    widening > LEAST_WIDENING_RATIO * moved && widening < MOST_WIDENING_RATIO * moved;
+                if contamination && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
+                    most = Some(LocalBump { peak, first: k, last: k, step: *step });
                 }
             }
         }
-        let mut hill = most?;
-        let ends = self.neighbours(hill.first, reach, hill.step)?;
-        let least = (FLANK * hill.peak.abs()).max(0.5 * FLOOR_PX);
+        let mut bump = most?;
+        let ends = self.neighbours(bump.first, reach, bump.step)?;
+        let least = (FLANK * bump.peak.abs()).max(0.5 * FLOOR_PX);
         let belongs = |at: &usize| {
-            *at != ends.0 && *at != ends.1 && self.bulge(axis, *at, ends).0 * hill.peak.signum() > least
+            *at != ends.0 && *at != ends.1 && self.protrusion(axis, *at, ends).0 * bump.peak.signum() > least
         };
-        hill.first = (0..hill.first).rev().take_while(belongs).last().unwrap_or(hill.first);
-        hill.last = (hill.last + 1..n).take_while(belongs).last().unwrap_or(hill.last);
-        Some(hill)
+        bump.first = (0..bump.first).rev().take_while(belongs).last().unwrap_or(bump.first);
+        bump.last = (bump.last + 1..n).take_while(belongs).last().unwrap_or(bump.last);
+        Some(bump)
     }
 
     /// Number and robust standard deviation of the same comparison where no hill has a part in it.
@@ -171,7 +173,7 @@ impl AxisScratch {
         sizes.clear();
         let places = (0..self.blocks.len()).filter(|at| self.is_open(*at));
         let ends = places.filter_map(|at| self.neighbours(at, reach, step).map(|ends| (at, ends)));
-        sizes.extend(ends.map(|(at, ends)| self.bulge(axis, at, ends).0.abs()));
+        sizes.extend(ends.map(|(at, ends)| self.protrusion(axis, at, ends).0.abs()));
         self.sizes = sizes;
         let places = self.sizes.len();
         (places, if places == 0 { 0.0 } else { robust_sd(&mut self.sizes) })

@@ -18,13 +18,13 @@ const PASSES: usize = 3;
 /// Share of the columns that matter hides from which a field counts as dirty, and the spread about the axis, px, above which nothing vouches
 /// for what is left of a dirty field: among much matter a middle that wanders is matter too, sooner than form.
 const DIRTY: f64 = 0.05;
-const VOUCHED_PX: f64 = 0.08;
+const CONFIRMED_PX: f64 = 0.08;
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
 pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
-    let (mut refused, mut dirty) = (0.0, None);
+    let (mut refused, mut contaminated) = (0.0, None);
     for _ in 0..PASSES {
-        let share = refuse_once(top, bottom, &mut dirty, scratch);
+        let share = refuse_once(top, bottom, &mut contaminated, scratch);
         refused += share * (1.0 - refused);
         if share == 0.0 {
             break;
@@ -34,18 +34,18 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
 }
 
 /// Whether matter hides much of a field.
-fn is_dirty(top: &[Edge], bottom: &[Edge]) -> bool {
-    let by_matter =
+fn is_contaminated(top: &[Edge], bottom: &[Edge]) -> bool {
+    let by_contamination =
         |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));
-    let hidden = top.iter().zip(bottom).filter(|(t, b)| by_matter(t) || by_matter(b)).count();
+    let hidden = top.iter().zip(bottom).filter(|(t, b)| by_contamination(t) || by_contamination(b)).count();
     hidden as f64 > DIRTY * top.len() as f64
 }
 
-/// One pass; `dirty` is found out in the first.
+/// One pass; `contaminated` is found out in the first.
 fn refuse_once(
     top: &mut [Edge],
     bottom: &mut [Edge],
-    dirty: &mut Option<bool>,
+    contaminated: &mut Option<bool>,
     scratch: &mut AxisScratch,
 ) -> f64 {
     let usable = scratch.middles(top, bottom);
@@ -58,7 +58,7 @@ fn refuse_once(
     }
     let Some(plain) = scratch.plain() else { return 0.0 };
     let calm = scratch.is_calm(&plain);
-    let dirty = *dirty.get_or_insert_with(|| !calm && is_dirty(top, bottom));
+    let contaminated = *contaminated.get_or_insert_with(|| !calm && is_contaminated(top, bottom));
     if !calm || usable < top.len() {
         scratch.measure_widths(top, bottom);
     }
@@ -70,16 +70,16 @@ fn refuse_once(
     let (column_sd, block_sd) = scratch.depart(&axis, top.len());
     let mut any = scratch.mark((column_sd, block_sd), (&*top, &*bottom));
     if !calm {
-        any |= scratch.mark_local(&axis, (column_sd, dirty), (&*top, &*bottom));
+        any |= scratch.mark_local(&axis, (column_sd, contaminated), (&*top, &*bottom));
     }
     if !any && usable == top.len() {
         return 0.0;
     }
-    if !any && dirty && block_sd > VOUCHED_PX {
+    if !any && contaminated && block_sd > CONFIRMED_PX {
         return refuse_all(top);
     }
     scratch.measure_widths(top, bottom);
-    scratch.descend();
+    scratch.extend_to_base();
     let refused = scratch.refused_columns();
     for (column, refuse) in scratch.refused.iter().enumerate() {
         if *refuse && top[column].is_usable() && bottom[column].is_usable() {

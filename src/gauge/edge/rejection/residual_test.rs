@@ -1,6 +1,6 @@
 //! Whether noise explains the residual of a fitted edge; what it leaves unexplained, neighbours share.
 
-use crate::gauge::edges::{Edge, EdgeState, MISFIT_BLOCK};
+use crate::gauge::edges::{Edge, EdgeState, RESIDUAL_BLOCK};
 use crate::numerics::distributions::chi2_ratio_limit;
 use crate::profile::Reason;
 
@@ -11,7 +11,7 @@ const BEST: f64 = 0.2;
 const BEST_QUANTILE: f64 = -0.8416;
 
 /// χ² ratio of the best fitting fifth of a line's usable edges over what noise alone would give; 1 without any.
-pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
+pub(crate) fn reduced_chi2(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
     let step = line.len().div_ceil(512).max(1);
     pool.extend(line.iter().step_by(step).filter(|e| e.is_usable()).map(|e| e.chi2));
@@ -25,7 +25,7 @@ pub(crate) fn misfit(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
 
 /// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a clean frame hardly ever does, and its
 /// u stays what the noise says.
-const MISFIT_LIMIT: f32 = 5.0;
+const EXCESS_LIMIT: f32 = 5.0;
 /// Relative standard uncertainty of the noise variance that one frame tells.
 const NOISE_KNOWN_TO: f32 = 0.02;
 
@@ -33,15 +33,15 @@ const NOISE_KNOWN_TO: f32 = 0.02;
 /// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
 /// the residual shows of it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be stated; what
 /// is stated goes to `stated`, one value a block.
-pub(crate) fn state_misfit(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
+pub(crate) fn add_model_uncertainty(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
     stated.clear();
-    for block in line.chunks_mut(MISFIT_BLOCK) {
+    for block in line.chunks_mut(RESIDUAL_BLOCK) {
         let (mut sum, mut count, mut own) = (0.0_f32, 0.0_f32, 0.0_f32);
         for edge in block.iter().filter(|e| e.is_usable()) {
             (sum, count, own) = (sum + edge.chi2, count + 1.0, own + edge.u_own_px * edge.u_own_px);
         }
         // √(2/νn): what a mean over n columns scatters by.
-        let excess = MISFIT_LIMIT * (2.0 / (freedom as f32 * count.max(1.0))).sqrt().hypot(NOISE_KNOWN_TO);
+        let excess = EXCESS_LIMIT * (2.0 / (freedom as f32 * count.max(1.0))).sqrt().hypot(NOISE_KNOWN_TO);
         let shown = sum > (1.0 + excess) * count;
         let hidden = if shown { freedom as f32 * (sum / count - 1.0) } else { 0.0 };
         let left = left_px as f32;
@@ -67,13 +67,13 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
 /// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a chip fits so badly that the misfit
 /// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light, stated
 /// with √2) may have more.
-const VAGUE_PX: f64 = 0.5;
-const VAGUE_IMPAIRED_PX: f64 = 2.9;
+const UNCERTAIN_PX: f64 = 0.5;
+const UNCERTAIN_IMPAIRED_PX: f64 = 2.9;
 
 /// Refuses edges that are known too badly to be the part's.
-pub(crate) fn refuse_vague(line: &mut [Edge]) {
+pub(crate) fn reject_uncertain(line: &mut [Edge]) {
     for edge in line.iter_mut() {
-        let limit = if edge.state == EdgeState::Good { VAGUE_PX } else { VAGUE_IMPAIRED_PX };
+        let limit = if edge.state == EdgeState::Good { UNCERTAIN_PX } else { UNCERTAIN_IMPAIRED_PX };
         if edge.is_usable() && !(edge.u_px() <= limit) {
             edge.state = EdgeState::Gap(Reason::Residual);
         }

@@ -1,10 +1,10 @@
 //! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], judged as other edges are.
 
 use super::joint_fit::Wire;
-use crate::gauge::edge::estimation::survey::Scale;
+use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::refusals::explain;
 use crate::gauge::edge::rejection::neighbour_test::{self, OutlierScratch};
 use crate::gauge::edge::rejection::residual_test;
@@ -25,7 +25,7 @@ const NOISY: f64 = 0.02;
 const SHADOW: f32 = 0.15;
 /// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as for other frames.
 const LEAST_VALID: usize = 8;
-const LEAST_MISFIT: f64 = 2.0;
+const LEAST_CHI2: f64 = 2.0;
 
 /// Measures the wire that the coarse search found into `out`.
 ///
@@ -34,7 +34,7 @@ const LEAST_MISFIT: f64 = 2.0;
 pub(crate) fn measure<T: Sample>(
     plane: &Plane<'_, T>,
     coarse: &Coarse,
-    (shape, settings, scale): (&EdgeShape, &GaugeSettings, Scale),
+    (shape, settings, scale): (&EdgeSpreadFunction, &GaugeSettings, GreyScaleLimits),
     out: &mut FrameEdges,
 ) -> Result<(), FrameRefused> {
     if let Some(share) = clipped_share(plane, scale) {
@@ -56,7 +56,7 @@ pub(crate) fn measure<T: Sample>(
     }
     lay_out(coarse, out);
     wire.write(&mut out.top, &mut out.bottom);
-    let misfit = judge(settings, wire.freedom(), out);
+    let reduced_chi2 = judge(settings, wire.freedom(), out);
     let step = scale.step();
     let rounding_px = match step > 0.0 {
         true => wire.rounding(step).state(|columns| wire.equations(columns), [&mut out.top, &mut out.bottom]),
@@ -66,12 +66,12 @@ pub(crate) fn measure<T: Sample>(
     out.clipped_px = [0.0; 2];
     out.figures = FrameFigures {
         sigma_px: [sigma; 2],
-        unknown_place_px: [0.0; 2],
+        position_ambiguity_px: [0.0; 2],
         dark: [dark; 2],
         light: [above, below],
         noise,
         snr,
-        misfit,
+        reduced_chi2,
         quantised: scale.floor > 0.0,
         rounding_px: [rounding_px; 2],
         shadows: coarse.shadows.seen,
@@ -80,8 +80,8 @@ pub(crate) fn measure<T: Sample>(
     if valid < LEAST_VALID {
         return Err(explain::too_few(out, valid, LEAST_VALID));
     }
-    let residual = misfit.sqrt() / snr;
-    if misfit > LEAST_MISFIT && residual > settings.max_residual_rel {
+    let residual = reduced_chi2.sqrt() / snr;
+    if reduced_chi2 > LEAST_CHI2 && residual > settings.max_residual_rel {
         return Err(explain::no_fit(residual, snr.recip(), settings.max_residual_rel));
     }
     Ok(())
@@ -102,17 +102,17 @@ fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
 fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
     let z = upper_normal_quantile(settings.residual_false_alarm);
     let mut most = 1.0_f64;
-    for (line, stated) in [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.misfit_px) {
-        let misfit = residual_test::misfit(line, freedom, &mut Vec::new());
-        most = most.max(misfit);
-        let scale = if misfit > 1.2 { misfit } else { 1.0 };
+    for (line, stated) in [&mut out.top, &mut out.bottom].into_iter().zip(&mut out.model_uncertainty_px) {
+        let reduced_chi2 = residual_test::reduced_chi2(line, freedom, &mut Vec::new());
+        most = most.max(reduced_chi2);
+        let scale = if reduced_chi2 > 1.2 { reduced_chi2 } else { 1.0 };
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
-        residual_test::state_misfit(line, freedom, 0.0, stated);
+        residual_test::add_model_uncertainty(line, freedom, 0.0, stated);
         line.iter_mut().for_each(|edge| edge.u_own_px *= (scale as f32).sqrt());
         if settings.rejection != Rejection::Off {
-            residual_test::refuse_vague(line);
+            residual_test::reject_uncertain(line);
             neighbour_test::refuse_outliers(line, settings.outlier_px, &mut OutlierScratch::default());
         }
     }
@@ -121,7 +121,7 @@ fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
 
 /// Share of the pixels that stand at the light's largest grey value, where light is clipped there: noise leaves the largest value to
 /// few pixels and the next one to more, a clip piles them up. A frame without noise on the other side is not clipped but drawn.
-fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: Scale) -> Option<f64> {
+fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: GreyScaleLimits) -> Option<f64> {
     if !(scale.floor > 0.0) {
         return None;
     }

@@ -25,7 +25,7 @@ use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, Spread};
 use crate::gauge::edge::estimation::rounding::noise_in_steps;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edges::{Edge, EdgeState};
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
@@ -87,7 +87,7 @@ pub(crate) struct Wire {
     /// Noise variance in the shadow and in the light, counts².
     variance: [f64; 2],
     covariance: Normal,
-    shape: EdgeShape,
+    shape: EdgeSpreadFunction,
 }
 
 impl Wire {
@@ -95,7 +95,7 @@ impl Wire {
     pub(crate) fn fit<T: Sample>(
         plane: &Plane<'_, T>,
         (top, bottom): (&[CoarseEdge], &[CoarseEdge]),
-        shape: &EdgeShape,
+        shape: &EdgeSpreadFunction,
         floor: f64,
     ) -> Result<Self, Reason> {
         let columns = read(plane, top, bottom)?;
@@ -518,7 +518,7 @@ mod tests {
             }
             let plane =
                 Plane { pixels: &pixels, rows, columns, row_stride: columns, column_stride: 1, sign: 1.0 };
-            let wire = Wire::fit(&plane, (&top, &bottom), &EdgeShape::Gaussian, 1.0 / 12.0).unwrap();
+            let wire = Wire::fit(&plane, (&top, &bottom), &EdgeSpreadFunction::Gaussian, 1.0 / 12.0).unwrap();
             let (mut upper, mut lower) =
                 (vec![Edge::gap(Reason::NoEdge); columns], vec![Edge::gap(Reason::NoEdge); columns]);
             wire.write(&mut upper, &mut lower);

@@ -50,7 +50,7 @@ struct Sums {
     normal: DMatrix<f64>,
     right: DVector<f64>,
     chi2: f64,
-    telling: f64,
+    informative: f64,
     flank: [f64; 2],
     on_flank: f64,
     in_dark: [f64; 3],
@@ -78,13 +78,13 @@ pub(super) struct Settled {
     /// Relative standard uncertainty of that noise.
     noise_known_to: f64,
     /// χ² over its expectation.
-    pub(crate) misfit: f64,
+    pub(crate) reduced_chi2: f64,
     /// Logarithm of the likelihood.
     pub(crate) log_likelihood: f64,
     /// Columns that it rests on.
     pub(crate) columns: usize,
     /// Mean number of pixels of a column that state a grey value.
-    pub(super) telling: f64,
+    pub(super) informative: f64,
 }
 
 /// Entries of a column's parameters among all: (index of all, index in the column's score, weight).
@@ -124,7 +124,7 @@ impl Joint<'_> {
             normal: DMatrix::zeros(n, n),
             right: DVector::zeros(n),
             chi2: 0.0,
-            telling: 0.0,
+            informative: 0.0,
             flank: [0.0; 2],
             on_flank: 0.0,
             in_dark: [0.0; 3],
@@ -158,7 +158,7 @@ impl Joint<'_> {
         let all = !hot || FREE * free < scores.len();
         for score in scores.iter().filter(|score| score.information[(0, 0)] > 0.0) {
             sums.chi2 += score.chi2;
-            sums.telling += (score.telling - 1.0).max(0.0);
+            sums.informative += (score.informative - 1.0).max(0.0);
             if all || score.stray == 0 {
                 sums.add_noise(score);
             }
@@ -285,10 +285,10 @@ impl Joint<'_> {
             noise_known_to,
             covariance,
             known_shape,
-            misfit: sums.chi2 / sums.telling.max(1.0),
+            reduced_chi2: sums.chi2 / sums.informative.max(1.0),
             log_likelihood: self.log_likelihood(windows, slope),
             columns: self.columns.len(),
-            telling: sums.telling / self.columns.len() as f64,
+            informative: sums.informative / self.columns.len() as f64,
         })
     }
 
@@ -320,9 +320,9 @@ impl Joint<'_> {
             noise.gain = (square / level).max(0.0);
         }
         let (sums, _) = self.sums(windows, slope);
-        let misfit = sums.chi2 / sums.telling.max(1.0);
+        let reduced_chi2 = sums.chi2 / sums.informative.max(1.0);
         let mid = self.likelihood.noise.at(0.5 * (dark + light));
-        self.likelihood.noise.misfit = (misfit - EXPLAINED).max(0.0) * mid;
+        self.likelihood.noise.unexplained = (reduced_chi2 - EXPLAINED).max(0.0) * mid;
     }
 
     /// By how much the flat shadow's own pixels, where it is clipped in part, scatter more than the noise taken; `None` of too few.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::super::censored::{Censored, Ends};
 use crate::gauge::edge::image::window_layout::half;
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edge::model::shape_terms::{ShapeTerms, TERMS, term_border};
 use crate::numerics::normal_table::NormalTable;
@@ -38,7 +38,7 @@ pub(crate) struct Noise {
     /// Least variance, counts².
     pub(crate) floor: f64,
     /// Variance of the misfit, counts².
-    pub(crate) misfit: f64,
+    pub(crate) unexplained: f64,
 }
 
 impl Noise {
@@ -58,7 +58,7 @@ pub(crate) struct Column {
 /// What all columns of a side share but levels and blur.
 #[derive(Clone, Debug)]
 pub(super) struct Likelihood<'a> {
-    pub(crate) shape: &'a EdgeShape,
+    pub(crate) shape: &'a EdgeSpreadFunction,
     pub(crate) ends: Ends,
     pub(crate) noise: Noise,
     /// Amplitudes of the shape terms.
@@ -76,13 +76,13 @@ pub(super) struct Score {
     /// Σ of squared residuals over the noise variance (no misfit) of the pixels between the ends.
     pub(crate) chi2: f64,
     /// What that sum is expected to be.
-    pub(super) telling: f64,
+    pub(super) informative: f64,
     /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
     pub(crate) flank: [f64; 2],
     /// Pixels on the flank.
     pub(super) on_flank: f64,
-    /// The same as `chi2` and `telling` over the flat shadow alone, and its pixels.
+    /// The same as `chi2` and `informative` over the flat shadow alone, and its pixels.
     pub(crate) in_dark: [f64; 3],
     /// Change of the gradient by a relative change of the noise.
     pub(crate) by_noise: Gradient,
@@ -93,7 +93,7 @@ pub(super) struct Score {
 }
 
 impl<'a> Likelihood<'a> {
-    pub(crate) fn new(shape: &'a EdgeShape, ends: Ends, noise: Noise) -> Self {
+    pub(crate) fn new(shape: &'a EdgeSpreadFunction, ends: Ends, noise: Noise) -> Self {
         Self { shape, ends, noise, terms: [0.0; TERMS], separated: ShapeTerms::default(), strict: false }
     }
 
@@ -128,7 +128,7 @@ impl<'a> Likelihood<'a> {
             self.samples(width, x, column.sigma, &mut edge[..used], &mut terms[..used]);
             samples.extend(edge[..used].iter().zip(&terms[..used]).map(|(edge, terms)| {
                 let mean = column.dark + (column.light - column.dark) * edge.value;
-                let weight = (self.noise.at(mean) + self.noise.misfit).recip();
+                let weight = (self.noise.at(mean) + self.noise.unexplained).recip();
                 ([edge.by_position, edge.by_sigma], *terms, weight)
             }));
         }
@@ -155,7 +155,7 @@ impl<'a> Likelihood<'a> {
             let value = edge.value + self.terms[0] * terms[0] + self.terms[1] * terms[1];
             let mean = column.dark + contrast * value;
             let noise = self.noise.at(mean);
-            let s = (noise + self.noise.misfit).sqrt();
+            let s = (noise + self.noise.unexplained).sqrt();
             let sampled = Censored::new(f64::from(*m), mean, s, self.ends);
             let mut weight = 1.0;
             if sampled.residual.abs() > STRAY {
@@ -199,7 +199,7 @@ impl<'a> Likelihood<'a> {
             score.gradient += by * (sampled.residual * weight);
             score.information += by * by.transpose() * (sampled.information * weight);
             score.by_noise += by * (sampled.by_noise * weight);
-            score.telling += sampled.expected;
+            score.informative += sampled.expected;
             if *value < FLAT_SHARE {
                 let square = if sampled.between { (pixel.m - pixel.mean).powi(2) } else { 0.0 };
                 score.in_dark[0] += square / pixel.noise;

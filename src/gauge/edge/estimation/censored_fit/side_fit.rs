@@ -13,18 +13,18 @@ use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::gauge::edge::model::edge_spread::EdgeShape;
+use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edges::{Edge, EdgeState};
 use crate::profile::Reason;
 
 /// Most columns that levels, blur and shape are estimated from.
-const TEACHERS: usize = 512;
+const SAMPLE_COLUMNS: usize = 512;
 /// Most columns that the number of knots is chosen from.
 const SCOUTS: usize = 128;
 /// Numbers of knots of a clipped level.
 const KNOTS: [usize; 4] = [2, 3, 5, 9];
 /// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
-const KNOT_PRICE: f64 = 4.0;
+const KNOT_PENALTY: f64 = 4.0;
 /// Steepest edges that take part in learning, rows per column.
 const MOST_SLOPE: f32 = 0.2;
 /// Share of the largest contrast looked for from which on the flank does not state it.
@@ -34,7 +34,7 @@ const EXPLAINED: f64 = 1.2;
 /// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
 const MOST_SHOWN_PX: f64 = 1.0;
 /// χ² over its expectation beyond which no edge-spread function of the family fits.
-const MISFITTING: f64 = 2.0;
+const EXCESS_CHI2: f64 = 2.0;
 /// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
 const HELD: (f64, f64) = (0.05, 0.5);
 /// Times what is presumed of the shape terms from which on the whole flank is not taken: Gaussian edges under clipped light stay below 1,
@@ -47,7 +47,7 @@ const GIVEN_TO: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct ClippedStart<'a> {
     /// The edge-spread function.
-    pub(crate) shape: &'a EdgeShape,
+    pub(crate) shape: &'a EdgeSpreadFunction,
     /// Levels as the flat pixels show them, clipped or not.
     pub(crate) levels: [&'a LevelCurve; 2],
     /// Blur, px, and whether it is given.
@@ -91,7 +91,8 @@ pub(crate) fn fit_side(
         return None;
     };
     // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
-    let hidden = if held > 0.0 { 0.0 } else { (settled.misfit - EXPLAINED).max(0.0) / settled.misfit };
+    let hidden =
+        if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
     let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
@@ -106,7 +107,7 @@ pub(crate) fn fit_side(
     }
     let curve = |level: &Level| (0..columns).map(|column| level.at(column) as f32).collect();
     Some(ClippedSide {
-        freedom: (settled.telling - 1.0).max(1.0),
+        freedom: (settled.informative - 1.0).max(1.0),
         sigma: joint.sigma,
         levels: [curve(&joint.dark), curve(&joint.light)],
         u_px: (variance / f64::max(usable, 1.0)).sqrt(),
@@ -155,7 +156,7 @@ fn fit_joint<'a>(
         true => (light.mean, start.variance[1]),
         false => (dark.mean.max(low), start.variance[0]),
     };
-    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, misfit: 0.0 };
+    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, unexplained: 0.0 };
     let places = |columns: &[usize]| columns.iter().map(|c| windows.first_place(*c)).collect();
     let scouts = some(SCOUTS);
     let mut best = Joint {
@@ -167,7 +168,7 @@ fn fit_joint<'a>(
         places: places(&scouts),
         columns: scouts,
     };
-    let mut least = price(&best.settle(windows, slope, seen)?, KNOTS[0]);
+    let mut least = penalised(&best.settle(windows, slope, seen)?, KNOTS[0]);
     let mut last = best.clone();
     for knots in KNOTS.into_iter().skip(1).take_while(|knots| 8 * knots <= able.len()) {
         let mut finer = last.clone();
@@ -178,14 +179,14 @@ fn fit_joint<'a>(
         }
         let Some(settled) = finer.settle(windows, slope, seen) else { break };
         last = finer.clone();
-        let dearer = price(&settled, knots);
+        let dearer = penalised(&settled, knots);
         if dearer < least {
             (least, best) = (dearer, finer);
         }
     }
-    let teachers = some(TEACHERS);
-    best.places = places(&teachers);
-    best.columns = teachers;
+    let sample_columns = some(SAMPLE_COLUMNS);
+    best.places = places(&sample_columns);
+    best.columns = sample_columns;
     for (column, place) in best.columns.iter().zip(&mut best.places) {
         let at = best.likelihood.place(
             windows.of(*column),
@@ -196,7 +197,7 @@ fn fit_joint<'a>(
     }
     best.leave_out_strays(windows, slope);
     let settled = best.settle(windows, slope, seen)?;
-    if settled.misfit > MISFITTING {
+    if settled.reduced_chi2 > EXCESS_CHI2 {
         return hold(&best, windows, slope, seen);
     }
     let bound = |level: &Level, end: f64| {
@@ -234,8 +235,8 @@ fn hold<'a>(
     Some((near, settled, moved * (2.0_f64 / 3.0).sqrt()))
 }
 
-fn price(settled: &Settled, knots: usize) -> f64 {
-    KNOT_PRICE * knots as f64 - 2.0 * settled.log_likelihood
+fn penalised(settled: &Settled, knots: usize) -> f64 {
+    KNOT_PENALTY * knots as f64 - 2.0 * settled.log_likelihood
 }
 
 fn mean(values: &[f32]) -> f32 {
@@ -264,10 +265,10 @@ fn fit_column(
         return (Edge::gap(Reason::Residual), 0.0);
     };
     let score = joint.likelihood.score(windows.of(column), x, at);
-    let Score { chi2, telling, stray, .. } = score;
+    let Score { chi2, informative, stray, .. } = score;
     // Fewer than two pixels that state a grey value: nothing but the ends is seen.
     let own = score.information[(0, 0)];
-    if !(own > 0.0) || telling < 2.0 {
+    if !(own > 0.0) || informative < 2.0 {
         return (Edge::gap(Reason::Saturated), 0.0);
     }
     if stray > MOST_STRAY {
@@ -278,12 +279,12 @@ fn fit_column(
     let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
     let model = if held > 0.0 { held * held } else { model };
     // Where no model fits, columns are judged by what the model leaves of all of them, which is in their own u.
-    let expected = if held > 0.0 { settled.misfit.max(1.0) } else { 1.0 };
+    let expected = if held > 0.0 { settled.reduced_chi2.max(1.0) } else { 1.0 };
     let edge = Edge {
         row_px: windows.row(column, x as f32),
         u_own_px: (1.0 / own).sqrt() as f32,
         u_shared_px: (known_shape + model + 2.0 * shown).sqrt() as f32,
-        chi2: (chi2 / ((telling - 1.0).max(1.0) * expected)) as f32,
+        chi2: (chi2 / ((informative - 1.0).max(1.0) * expected)) as f32,
         state: EdgeState::Impaired(Reason::Clipped),
     };
     (edge, model + 2.0 * shown)

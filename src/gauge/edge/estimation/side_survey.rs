@@ -9,12 +9,12 @@ const AT_THE_END: f64 = 2.0;
 
 /// What is known of the sensor before a frame is looked at.
 #[derive(Clone, Copy)]
-pub(crate) struct Scale {
+pub(crate) struct GreyScaleLimits {
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
     pub(crate) floor: f64,
 }
 
-impl Scale {
+impl GreyScaleLimits {
     /// Smallest variance of a pixel that is taken seriously, counts².
     pub(crate) fn floor(self, contrast: f64) -> f64 {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
@@ -38,7 +38,7 @@ impl Scale {
 
 /// What a side says of itself before the other one is known.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Survey {
+pub(crate) struct SideSurvey {
     pub(crate) levels: LevelSums,
     /// Where the side's grey values are clipped, in the dark and in the light; none where they are not.
     pub(crate) ends: Option<Ends>,
@@ -46,7 +46,7 @@ pub(crate) struct Survey {
     pub(crate) spread: [Spread; 2],
 }
 
-impl Survey {
+impl SideSurvey {
     /// Takes over an end that the other side shows, where this side's level stands at it: both edges are one camera's, and a side alone may
     /// be too short to show it.
     pub(crate) fn share_ends(&mut self, other: Option<Ends>) {

@@ -8,7 +8,7 @@ use crate::gauge::edge::estimation::noise::NoiseModel;
 const NOISY_AREA_PX: f64 = 0.05;
 
 /// What the frame says about itself.
-pub(crate) struct Scene {
+pub(crate) struct FrameSurvey {
     pub(crate) noise: NoiseModel,
     /// Mean levels of both sides, counts.
     pub(crate) dark: f64,
@@ -17,7 +17,7 @@ pub(crate) struct Scene {
     pub(crate) rounding: Rounding,
 }
 
-impl Scene {
+impl FrameSurvey {
     /// Whether noise moves the windows that the area of their light is to centre; not under clipped light, whose fit begins where they
     /// were centred.
     pub(crate) fn is_noisy(&self, width: usize) -> bool {
@@ -34,7 +34,7 @@ pub(crate) struct Last {
     /// Columns with both edges.
     pub(crate) valid: usize,
     /// Median residual.
-    pub(crate) misfit: f64,
+    pub(crate) reduced_chi2: f64,
     /// Frames followed since the part was searched.
     pub(crate) frames: u32,
 }
