@@ -1,4 +1,4 @@
-//! What a frame says about itself before its edges are fitted.
+//! Levels, noise and rounding of a frame before its edges are fitted.
 
 use super::rounded_frame::Rounding;
 use crate::gauge::edge::estimation::censored::Ends;
@@ -7,7 +7,7 @@ use crate::gauge::edge::estimation::noise::NoiseModel;
 /// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
 const NOISY_AREA_PX: f64 = 0.05;
 
-/// What the frame says about itself.
+/// Levels, noise, grey-scale ends and rounding of a frame.
 pub(crate) struct FrameSurvey {
     pub(crate) noise: NoiseModel,
     /// Mean levels of both sides, counts.

@@ -32,10 +32,10 @@ impl Rounding {
         }
         let [top, bottom] = [&sides[0].survey.spread, &sides[1].survey.spread];
         let behind = [0, 1].map(|k| {
-            // Clipped light says nothing of its noise; rounding is not what limits it.
+            // Clipped light shows no noise of its own; rounding is not what limits it.
             step * noise_in_steps(top[k].with(bottom[k]), step)
         });
-        // Crushed shadow states no noise of its own: the light's is its upper bound, or as near as is known.
+        // A crushed shadow shows no noise of its own: that of the light is its upper bound.
         let in_dark = top[0].with(bottom[0]).variance().map_or(behind[1], |_| behind[0]);
         Self { step, behind: [in_dark, behind[1]] }
     }

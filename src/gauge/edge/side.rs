@@ -52,13 +52,14 @@ pub(crate) struct SideState {
     pub(crate) jump: f64,
     /// Rows of the edges, where there are no gaps.
     pub(crate) rows: Vec<CoarseEdge>,
-    /// What a misfit of the edge model states, px, one for every block of columns.
+    /// Standard uncertainty by the edge model, px, one for every block of columns.
     pub(crate) model_uncertainty_px: Vec<f32>,
     /// Standard uncertainty of an edge by what is clipped of its shape, px.
     pub(crate) clipped_px: f64,
     /// What the calibration's masters left of the edge model.
     expected: Option<Expected>,
-    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
+    /// Whether neighbouring columns are readings one after the other: where their edges lie shows
+    /// no slope.
     pub(crate) level_lines: bool,
     /// Whether columns are copies of one another, whose grey values pile up wherever they lie.
     pub(crate) copies: bool,
@@ -126,7 +127,8 @@ impl SideState {
         self.expected = residual.map(|m| Expected::new(m, side));
     }
 
-    /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
+    /// Adds the residuals of the frame's edges; none where light is clipped, whose residual is not
+    /// that of the model.
     pub(crate) fn accumulate(&self, residuals: &mut ResidualAccumulator, side: usize, line: &[Edge]) {
         if self.survey.ends.is_none() {
             let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
@@ -145,7 +147,8 @@ impl SideState {
         self.shape.position_ambiguity(self.blur.mean())
     }
 
-    /// Learns the edge-spread function from the places in `line`; false where the frame does not tell it.
+    /// Estimates the edge-spread function from the positions in `line`; false where the frame does
+    /// not determine it.
     pub(crate) fn learn(&mut self, line: &[Edge]) -> bool {
         let samples = EsfSamples {
             windows: &self.windows,
@@ -231,7 +234,7 @@ impl SideState {
         }
     }
 
-    /// What the windows say of levels and noise before the other side is known.
+    /// Levels and noise from the windows before the other side is known.
     pub(crate) fn survey(&mut self, scale: GreyScaleLimits, estimate_noise: bool) {
         let levels = self.windows.level_sums();
         let mut spread = [Spread::default(); 2];
@@ -241,7 +244,7 @@ impl SideState {
         }
         let ends =
             if levels.count > 0.0 && !self.copies { self.ends(scale, levels, spread, least) } else { None };
-        // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
+        // Clipped light shows no gradient; a clipped shadow leaves the light as it is.
         if ends.is_none_or(|ends| !self.gradient.is_clipped(ends.low, ends.high)) {
             self.gradient.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
         }

@@ -276,7 +276,8 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
 }
 
 /// χ² by which a line explains the blocks' blurs better than one value, or a parabola better than a line (one degree of freedom, 1 %), and
-/// the most that the rest may have, each of its degrees of freedom: what is no smooth course along the field is dirt.
+/// the most that the rest may have, each of its degrees of freedom: what is no smooth course along
+/// the field is contamination.
 const TREND: f64 = 6.6;
 const ROUGH: f64 = 3.0;
 /// Least difference along the field, as a share of the blur: moves an edge by a thousandth of a pixel.

@@ -1,7 +1,8 @@
 //! The blur of a frame that a stream follows: a shaft that sags towards the camera, or turns out of the centre, is out of focus otherwise in
 //! every frame.
 //!
-//! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ moves an edge by −δ·I_xσ/I_xx: both edges
+//! Noise that grows with the light gives the shadow's end of the flank more weight, so that a blur
+//! off by δ moves an edge by −δ·I_xσ/I_xx: both edges
 //! outwards or both inwards. The score for σ at the edges just placed costs a tenth of placing them. Summed over blocks along the shaft it
 //! gives the change of a parabola σ(t); where it is no more than noise it is averaged with the frames before (recursive least squares
 //! with forgetting) for the next frame, where it is more it is the frame's own, and the edges just placed are moved by it to first order,
@@ -97,7 +98,8 @@ impl BlurTrack {
         }
     }
 
-    /// What the frame just fitted says of the blur: moves its edges where that is needed, and keeps it for the next frame.
+    /// Updates the blur from the frame just fitted: moves its edges where that is needed, and keeps
+    /// it for the next frame.
     pub(crate) fn follow(
         &mut self,
         blur: &mut BlurEstimate,

@@ -34,7 +34,7 @@ impl Ends {
     }
 }
 
-/// What a pixel says of its mean, in units of its standard deviation.
+/// Score of the mean of a pixel, in units of its standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Censored {
     /// Score by the mean.

@@ -31,7 +31,8 @@ pub(crate) struct ColumnJob<'a> {
     pub(crate) blur_shift: f32,
     pub(crate) min_snr: f32,
     pub(crate) reject: bool,
-    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
+    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they
+    /// are not known.
     pub(crate) shadow: f32,
     pub(crate) contrast: f32,
 }
@@ -282,7 +283,7 @@ mod tests {
             assert_eq!(together, alone);
             for (column, edge) in together.iter().enumerate().filter(|(_, e)| e.is_usable()) {
                 let x = in_scalars(windows.of(column), &table);
-                // An edge that a rounding takes to the next phase tells nothing of the arithmetic.
+                // An edge that rounding moves to the next phase is no test of the arithmetic.
                 let departure = (edge.row_px - 500.0 - x).abs();
                 if departure < 2e-5 {
                     largest = largest.max(departure);

@@ -2,7 +2,8 @@
 //!
 //! Cameras clip below full scale (254, 235, 1023 in 16 bits, a 12-bit value shifted left), some pixels are hot, some frames carry no
 //! noise. Flat light is clipped where its grey values pile up at their largest one: more of them there than in the step
-//! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the other level, on the flank) says there
+//! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the
+//! other level, on the flank) implies there
 //! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
 
 use crate::gauge::edge::image::scan_windows::Windows;
@@ -20,7 +21,7 @@ const PILED: f64 = 1.5;
 const EXPECTED: f64 = 10.0;
 /// Share of the pixels expected beyond an end that may be seen there: hot ones.
 const SEEN: f64 = 0.2;
-/// Pairs of pixels that tell a noise.
+/// Fewest pairs of pixels from which a noise is estimated.
 const PAIRS: usize = 32;
 /// Most flat pixels looked at closely.
 const CLOSELY: usize = 4096;
@@ -58,7 +59,7 @@ pub(crate) struct Elsewhere {
     pub(crate) step: f64,
 }
 
-/// Whether anything speaks for an end at a level: a glance at few pixels.
+/// Whether there is any evidence of an end at a level, from a few pixels.
 pub(crate) fn may_end(windows: &Windows, level: Level, pool: &mut Vec<f32>) -> bool {
     collect(windows, level, GLANCE, pool);
     candidate(pool).is_some_and(|end| stands_out(pool, end))

@@ -1,4 +1,5 @@
-//! Light that falls off across an edge: a cloud of mist, a veil, the flank of a light that is not even.
+//! Illumination gradient across an edge: a cloud of mist, a film on the window, the flank of an
+//! uneven light.
 //!
 //! The light's level is read from flat pixels D px beyond the edge and holds up to it only where the light is even. A few pixels
 //! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
@@ -25,13 +26,14 @@ use crate::numerics::robust::MEDIAN_TO_SD;
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
 const TILE: usize = 64;
 const STEP: usize = 4;
-/// Columns looked at below which a tile says nothing.
+/// Columns looked at below which a tile is left out.
 const LEAST: usize = 5;
 /// Pixels looked at, and the distance of the first from the end of the window, px.
 const FAR: usize = 4;
 const BEYOND: usize = 8;
 /// Change of the light between both places that counts, as a share of the contrast and in standard deviations: a clean frame's
-/// uncertainty stays what the noise says. What less may hide moves an edge by some thousandths of a pixel.
+/// uncertainty remains that of the noise. A gradient below this moves an edge by some thousandths
+/// of a pixel.
 const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
@@ -157,7 +159,7 @@ impl LevelGradient {
             others += usize::from(other);
             self.tiles.push(Change { farther, farther_scatter, other, ..change });
         }
-        // Along most of the side another shadow runs: it says nothing of the light.
+        // Along most of the side another shadow runs: it does not show the illumination.
         if 2 * others > self.tiles.len() {
             self.tiles.iter_mut().filter(|t| t.other).for_each(|t| t.counts = f32::NAN);
         }

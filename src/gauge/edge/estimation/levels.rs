@@ -2,8 +2,9 @@
 //!
 //! Every column gives the mean of its flat pixels. Means of sixteen columns are fitted by piecewise linear curves with
 //! 2, 3, 5, 9, … equidistant knots; the number of knots is the one with the least χ² + 4·knots, between Mallows' C_p (2) and Schwarz'
-//! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by more than its variance says, and
-//! the uncertainty of long means was too small by 3 % at a price of 2.5.
+//! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by
+//! more than its variance implies, and the uncertainty of long means was too small by 3 % at a
+//! penalty of 2.5.
 //!
 //! In a short frame few bins leave few knots, and light that falls along the shaft bends between them. Where χ² shows that, a quartic is taken
 //! off first and added again (P2 to P4 of Legendre, so that line and bend share nothing in an evenly filled field). What the curve of a short
@@ -88,7 +89,7 @@ impl LevelPool {
         true
     }
 
-    /// Finds the number of knots that is cheapest; the fit is the best one.
+    /// Finds the number of knots with the least penalised χ²; the fit is the best one.
     fn search(&mut self, columns: usize, variance: f64, max_knots: usize) -> Found {
         let (mut least, mut reduced_chi2) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
@@ -103,7 +104,7 @@ impl LevelPool {
                 reduced_chi2 = if freedom < 1.0 { 1.0 } else { chi2 / freedom };
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
-            // Even the best conceivable fit with more knots cannot be cheaper.
+            // Even a perfect fit with more knots cannot have a smaller penalised χ².
             if KNOT_PENALTY * (2 * knots - 1) as f64 > least {
                 break;
             }
@@ -116,7 +117,7 @@ impl LevelPool {
 /// What a search for knots ended with.
 #[derive(Clone, Copy, Debug)]
 struct Found {
-    /// χ² + price of the knots.
+    /// χ² plus the penalty of the knots.
     penalised: f64,
     /// χ² a degree of freedom.
     reduced_chi2: f64,
@@ -290,7 +291,8 @@ impl Fit {
         }
     }
 
-    /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
+    /// Weighted least squares with so many knots; returns χ², infinite where the knots are not
+    /// determined.
     fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
         let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;
         reset(&mut self.diagonal, knots);
@@ -317,7 +319,8 @@ impl Fit {
             self.knots[left + 1] += count * t * mean;
         }
         // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
-        // One bin alone (readings of a line camera) says nothing of a slope: its knots stand at one level.
+        // One bin alone (readings of a line camera) does not determine a slope: its knots have one
+        // level.
         let weight = if bins.at.len() == 1 { 1e3 } else { 1e-6 };
         let lean = weight * total / bins.at.len() as f64;
         for k in 0..knots - 1 {

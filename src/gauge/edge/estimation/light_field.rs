@@ -13,7 +13,8 @@ use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// Fewest pixels of light that show a field.
 const LEAST: usize = 200;
-/// Contrast below which a pixel is no light but dirt or another part, as a share of the median.
+/// Contrast below which a pixel is not light but contamination or another part, as a fraction of
+/// the median.
 const LEAST_CONTRAST: f64 = 0.15;
 /// Residuals beyond so many standard deviations count by their size only.
 const HUBER: f64 = 3.0;

@@ -2,7 +2,8 @@
 //!
 //! In: `scan_windows::Windows` of one side. Out: level curves along the shaft (`levels`), the noise (`noise`), the blur and its
 //! uncertainty (`blur`, `blur_track`), edges with u and χ² (`column_fit` by the tables of `scoring_table`; `censored_fit` where light is
-//! clipped), and what rounding or the model's own misfit adds to u. Counts and px throughout.
+//! clipped), and what rounding or the systematic residual of the model adds to u. Counts and px
+//! throughout.
 //!
 //! One more estimate is one more file: a function of windows and what was estimated before it, called by `side`. Nothing here refuses
 //! an edge for where it lies; that is `rejection`.

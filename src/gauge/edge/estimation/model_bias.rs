@@ -33,11 +33,12 @@ const KNOT_IN_BLURS: f64 = 0.4;
 const SMOOTHING: f64 = 1e-2;
 /// Distance of the values kept, px.
 const STEP_PX: f64 = 0.125;
-/// Mean excess of χ² over its expectation from which the masters' edges have a misfit: the noise of a few frames is known to 2 %.
+/// Mean excess of χ² over its expectation above which the masters' edges have a systematic
+/// residual: the relative standard uncertainty of the noise of a few frames is 2 %.
 const LEAST_EXCESS: f64 = 0.05;
-/// Fewest edges a side that teach.
+/// Fewest edges a side from which a residual is estimated.
 const LEAST_EDGES: u32 = 128;
-/// Slope above which a column does not teach.
+/// Slope above which a column is left out.
 const STEEPEST: f32 = 0.3;
 
 /// Gathers residuals from the masters' frames.
@@ -55,7 +56,7 @@ struct SideResiduals {
     edges: u32,
 }
 
-/// A side's frame as a lesson sees it.
+/// One side of a frame: what its residuals are computed from.
 pub(crate) struct SideView<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) shape: &'a EdgeSpreadFunction,
@@ -102,7 +103,7 @@ impl ResidualAccumulator {
         }
     }
 
-    /// What the edges leave; `None` where the model fits them as well as their noise lets it be told.
+    /// The mean residual of the edges; `None` where the model fits them within their noise.
     pub fn finish(self) -> Option<SystematicResidual> {
         let chi2 = self.chi2 / self.edges.max(1.0);
         if !(chi2 > 1.0 + LEAST_EXCESS) {
@@ -124,7 +125,8 @@ impl SideResiduals {
     }
 }
 
-/// Largest share of a misfit's norm that the place of an edge takes from its phase: the envelope of a(σ) over the edge's derivatives of
+/// Largest fraction of the norm of a residual that the position of an edge takes from its phase:
+/// the envelope of a(σ) over the edge's derivatives of
 /// orders 3 to 5 (module's heading).
 fn aliased(sigma: f64) -> f64 {
     (3.5 * (-7.5 * sigma * sigma).exp()).min(0.4)

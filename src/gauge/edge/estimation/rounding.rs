@@ -126,7 +126,8 @@ impl RoundedSide<'_> {
         (total / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Share of repetition by the edges themselves: neighbours that repeat their rounding differ by less than their u says.
+    /// Fraction of repetition by the edges themselves: neighbours that repeat their rounding differ
+    /// by less than their standard uncertainty.
     /// The grey values' own scatter may mislead: at a level half-way between two counts the least noise makes them differ.
     fn shown(&self, line: &[Edge]) -> f64 {
         let pairs = line.windows(2).filter(|pair| pair.iter().all(Edge::is_usable));

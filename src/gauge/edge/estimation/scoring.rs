@@ -14,7 +14,7 @@ const SETTLED: f32 = 0.75;
 /// Pixels by which a window may be off its edge: its flat ends stand in for what the move would have to read.
 const MOST_SHIFT: i32 = 3;
 
-/// What scoring says of an edge.
+/// Result of scoring an edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// Place, px from the central pixel.

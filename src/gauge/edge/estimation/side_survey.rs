@@ -36,7 +36,7 @@ impl GreyScaleLimits {
     }
 }
 
-/// What a side says of itself before the other one is known.
+/// Levels, noise and grey-scale ends of one side, before the other one is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SideSurvey {
     pub(crate) levels: LevelSums,

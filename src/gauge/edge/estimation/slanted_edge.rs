@@ -30,10 +30,10 @@ const MOST_SEGMENTS: usize = 16;
 const SMOOTHING: f64 = 1e-5;
 /// Knots of the table per pixel.
 const TABLE_PER_PX: f64 = 32.0;
-/// Slope above which a column does not teach.
+/// Slope above which a column is left out.
 const STEEPEST: f32 = 0.3;
 
-/// What a side knows of its frame.
+/// One side of a frame: what its edge-spread function is estimated from.
 pub(crate) struct EsfSamples<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) dark: &'a LevelCurve,

@@ -10,7 +10,7 @@ use crate::gauge::edge::image::scan_windows::Windows;
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
 /// Share of the variance expected of the light below which it is compressed: a slope of .55. A linear sensor's is 1 or more, known to some
-/// per cent; gentler bends move an edge by less than what the misfit of the edge model then states.
+/// per cent; gentler bends move an edge by less than the model uncertainty then added.
 const COMPRESSED: f64 = 0.3;
 /// Least variance expected, squared steps of the grey scale, that rounding leaves comparable.
 const LEAST_EXPECTED: f64 = 0.25;

@@ -1,7 +1,8 @@
 //! Where the part is: the largest shadow of a thinned image, then whole-pixel edges along its border.
 //!
 //! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at the level that
-//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of several: [`super::shadows`]). Specks of dirt, holes and
+//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of
+//! several: [`super::shadows`]). Specks of contamination, holes and
 //! neighbours that peep in at the border are other components and never seen again. Where one level does not separate
 //! light from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column cuts the part in
 //! two, the part is the largest shadow that stands between light in its own columns ([`super::valleys`]).

@@ -206,7 +206,8 @@ impl EdgeSpreadFunction {
         matches!(self, Self::Table(table) if table.ringed)
     }
 
-    /// Least blur that is believed, px: a sharp edge that is given as a table may be sharper than any that is found.
+    /// Least blur of the search, px: a sharp edge that is given as a table may be sharper than any
+    /// that is found.
     pub(crate) fn least_sigma(&self) -> f64 {
         match self {
             Self::Gaussian => SIGMA_RANGE.0,
@@ -258,7 +259,8 @@ impl EdgeSpreadFunction {
     }
 
     /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
-    /// light under incoherent light and at a quarter of it (half the amplitude) under coherent light, and a frame does not tell which.
+    /// light under incoherent light and at a quarter of it (half the amplitude) under coherent
+    /// light, and a frame does not show which.
     pub(crate) fn position_ambiguity(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,

@@ -1,20 +1,22 @@
 //! A bent shaft: its middles follow a smooth curve and its widths do not change with it.
 //!
-//! What adheres to one side widens the shadow by twice what it moves the middle; an axis that bends widens it not at all.
+//! Contamination on one side widens the shadow by twice the displacement of the middle; bending of
+//! the axis does not change the width.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::centreline::CALM_PX;
 use super::departures::Block;
 
-/// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
+/// Coefficients of the curve: half a sine over two fields is approximated to 1e-4 of its height.
 const TERMS: usize = 6;
-/// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what contamination shows.
+/// Largest departure of a width from its line over the largest departure of a middle from its line:
+/// a quarter of the ratio that contamination gives.
 const MOST_WIDENING: f64 = 0.5;
-/// Fewest blocks that show such a curve.
+/// Fewest blocks from which such a curve can be fitted.
 const LEAST_BLOCKS: usize = 4 * TERMS;
 
-/// Whether every block's middle lies on a smooth curve while the widths stay on a line.
+/// Whether the middle of every block lies on a smooth curve while the widths stay on a line.
 pub(super) fn is_bent(blocks: &[Block]) -> bool {
     if blocks.len() < LEAST_BLOCKS {
         return false;
@@ -25,7 +27,8 @@ pub(super) fn is_bent(blocks: &[Block]) -> bool {
     off_curve < CALM_PX && widening < MOST_WIDENING * off_line
 }
 
-/// Largest departure from the least-squares polynomial of so many terms; `None` where a value is missing.
+/// Largest departure from the least-squares polynomial of `terms` coefficients; `None` where a
+/// value is missing.
 fn largest(blocks: &[Block], value: impl Fn(&Block) -> f64, terms: usize) -> Option<f64> {
     let mut normal = SMatrix::<f64, TERMS, TERMS>::identity();
     normal.view_mut((0, 0), (terms, terms)).fill(0.0);
@@ -59,7 +62,7 @@ mod tests {
     fn a_bent_axis_is_no_matter_and_matter_is_no_bent_axis() {
         let bend = |x: f64| 3.0 * (1.2 * x + 0.4).sin();
         assert!(is_bent(&blocks(bend, |_| 0.0)) && is_bent(&blocks(bend, |x| 0.3 * x)));
-        // A long protrusion on one side: the middle moves by half of what the width grows by.
+        // A long protrusion on one side: the middle moves by half of the widening.
         let bump = |x: f64| (-4.0 * x * x).exp();
         assert!(!is_bent(&blocks(|x| 0.5 * bump(x), bump)));
         assert!(!is_bent(&blocks(|x| bend(x) + 0.5 * bump(x), |x| 2.0 * bump(x))));

@@ -1,24 +1,27 @@
-//! From a refused stretch to where the shadow's width levels out: down its slopes, and over the hill that it is a flank of.
+//! Extends a refused stretch to where the width of the shadow levels out: down its flanks, and
+//! across the bump of which it is a flank.
 
 use super::centreline::fit;
 use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
 
-/// Columns whose mean widths are compared on the way down.
+/// Number of columns whose mean widths are compared along a flank.
 const MEAN_COLUMNS: usize = 8;
-/// Widening behind a refused stretch from which on it is a hill's flank, px; shoulders are steeper than so many px a column.
+/// Widening beyond a refused stretch from which on it is the flank of a bump, px, and the steepest
+/// flank, px a column: shoulders of the part are steeper.
 const RISE_PX: f64 = 0.1;
 const SHOULDER: f64 = 0.3;
-/// Share of a hill's height down to which it is one.
+/// Fraction of the height of a bump at which it ends.
 const FOOT: f64 = 0.2;
 
 impl AxisScratch {
-    /// Whether a column has no width any more.
+    /// Whether a column has no width left.
     fn gone(&self, column: usize) -> bool {
         self.refused[column] || !self.departures[column].is_finite()
     }
 
-    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
-    /// middle alone, and what hides an edge darkens its neighbours.
+    /// Extends refused stretches and gaps down the flanks of the shadow's width: contamination on
+    /// both sides at one place leaves the middle where it is, and an opaque particle also darkens
+    /// the columns beside it.
     pub(crate) fn extend_to_base(&mut self) {
         let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
         let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
@@ -28,8 +31,8 @@ impl AxisScratch {
         }
     }
 
-    /// Refuses the rest of hills of which a flank is refused: where films on both sides meet, the middle shows only what they differ in.
-    /// Gives whether there were any.
+    /// Refuses the remainder of bumps of which a flank is refused: where films on both sides meet,
+    /// the middle shows only their difference. Returns whether there were any.
     fn cross_bumps(&mut self, taper: f64) -> bool {
         let columns = self.departures.len();
         let (mut from, mut any) = (0, false);
@@ -48,9 +51,10 @@ impl AxisScratch {
         any
     }
 
-    /// Crosses a hill that begins behind the column `near` of a refused stretch whose other end is `far`; false where there is none: where the
-    /// width does not rise, rises like a shoulder, stays high like a collar, or falls again where the middle departs to the other side,
-    /// as a collar's do on a tilted part.
+    /// Crosses a bump that begins beyond the column `near` of a refused stretch whose other end is
+    /// `far`. False where there is none: where the width does not rise, rises like a shoulder,
+    /// stays high like a collar, or falls again where the middle departs to the other side, as at a
+    /// collar of a tilted part.
     fn cross_from(&mut self, near: isize, far: isize, step: isize, taper: f64) -> bool {
         let length = (near - far).abs() as f64;
         let (Some(base), Some(beyond)) =
@@ -58,7 +62,7 @@ impl AxisScratch {
         else {
             return false;
         };
-        // A round part's crown rises already before the stretch.
+        // The crown of a round part rises before the stretch already.
         let before = self.mean_width(far - step * (1 + 2 * MEAN_COLUMNS as isize), -step);
         let Some(slope) = before.map(|before| (base - before) / (2 * MEAN_COLUMNS) as f64) else {
             return false;
@@ -93,7 +97,7 @@ impl AxisScratch {
         false
     }
 
-    /// Sum of the departures over the columns of a stretch's end.
+    /// Sum of the departures over the columns at the end of a stretch.
     fn side_of(&self, end: isize, step: isize) -> f32 {
         let columns = (0..2 * MEAN_COLUMNS as isize).map(|k| end + step * k);
         let known = columns.filter_map(|c| self.departures.get(usize::try_from(c).ok()?));
@@ -114,7 +118,8 @@ impl AxisScratch {
         }
     }
 
-    /// Refuses the columns on the way down from one to where the width levels out; none where it does not: that is form.
+    /// Refuses the columns of a flank from one column to where the width levels out; none where it
+    /// does not level out: that is form of the part.
     fn extend_from(&mut self, from: isize, step: isize, taper: f64) {
         let tapered = taper * (MEAN_COLUMNS as isize * step) as f64;
         let mut at = from;
@@ -123,7 +128,8 @@ impl AxisScratch {
             let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
-            // Down by itself and against the part's taper: a step elsewhere in the field makes the taper's line too steep.
+            // Falls both by itself and after subtraction of the taper: a step elsewhere in the
+            // field makes the fitted taper too steep.
             let fall = (here - next).min(here - next + tapered);
             if fall < FLOOR_PX {
                 if at != from {
@@ -136,7 +142,8 @@ impl AxisScratch {
         }
     }
 
-    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or few have one.
+    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or
+    /// fewer than three have a width.
     fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
         let last = from + step * (MEAN_COLUMNS as isize - 1);
         let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);

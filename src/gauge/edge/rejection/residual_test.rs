@@ -1,16 +1,19 @@
-//! Whether noise explains the residual of a fitted edge; what it leaves unexplained, neighbours share.
+//! Whether noise explains the residual of a fitted edge; a residual beyond noise that neighbours
+//! share adds to their uncertainty.
 
 use crate::gauge::edges::{Edge, EdgeState, RESIDUAL_BLOCK};
 use crate::numerics::distributions::chi2_ratio_limit;
 use crate::profile::Reason;
 
-/// Share of the columns that a frame's own misfit is read from: the best fitting ones. What is wrong with more than half of a frame's
-/// columns may still be dirt; what is wrong with four in five is the model.
+/// Fraction of the columns, the best fitting ones, from which the reduced χ² of a frame is taken. A
+/// deviation in more than half of the columns may still be contamination; one in four of five
+/// columns is the model.
 const BEST: f64 = 0.2;
 /// Normal quantile of [`BEST`].
 const BEST_QUANTILE: f64 = -0.8416;
 
-/// χ² ratio of the best fitting fifth of a line's usable edges over what noise alone would give; 1 without any.
+/// χ² ratio of the best fitting fifth of a line's usable edges over that of noise alone; 1 without
+/// any.
 pub(crate) fn reduced_chi2(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
     let step = line.len().div_ceil(512).max(1);
@@ -23,16 +26,18 @@ pub(crate) fn reduced_chi2(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> 
     f64::from(*value) / chi2_ratio_limit(freedom, BEST_QUANTILE)
 }
 
-/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a clean frame hardly ever does, and its
-/// u stays what the noise says.
+/// Standard deviations by which the mean χ² ratio of a block must exceed 1 to be a systematic
+/// residual: a block of a clean frame hardly ever does, and its u remains that of the noise.
 const EXCESS_LIMIT: f32 = 5.0;
-/// Relative standard uncertainty of the noise variance that one frame tells.
+/// Relative standard uncertainty of the noise variance as estimated from one frame.
 const NOISE_KNOWN_TO: f32 = 0.02;
 
-/// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of neighbours exceeds the noise by
-/// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
-/// the residual shows of it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be stated; what
-/// is stated goes to `stated`, one value a block.
+/// Adds the uncertainty of the edge model to the shared uncertainty. Where the mean residual of
+/// neighbours exceeds the noise by λ = ν(χ² − 1), the model lacks a component that all of them
+/// share (an illumination gradient across the edge, a film of mist). It may have displaced the edge
+/// by as much as the residual shows of it: u = u_own·√λ. `left_px` is the uncertainty left by a
+/// systematic residual known from the calibration. The result goes to `stated`, px, one value a
+/// block.
 pub(crate) fn add_model_uncertainty(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
     stated.clear();
     for block in line.chunks_mut(RESIDUAL_BLOCK) {
@@ -64,13 +69,14 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
     }
 }
 
-/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a chip fits so badly that the misfit
-/// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light, stated
-/// with √2) may have more.
+/// Standard uncertainty above which an edge is refused, px: edges on the contour of a cloud or of a
+/// chip fit so badly that their model uncertainty reaches pixels, where a faint edge of a part has
+/// a fraction of one. Edges with a reason of their own (clipped light, with a factor of √2) may
+/// have more.
 const UNCERTAIN_PX: f64 = 0.5;
 const UNCERTAIN_IMPAIRED_PX: f64 = 2.9;
 
-/// Refuses edges that are known too badly to be the part's.
+/// Refuses edges too uncertain to be those of the part.
 pub(crate) fn reject_uncertain(line: &mut [Edge]) {
     for edge in line.iter_mut() {
         let limit = if edge.state == EdgeState::Good { UNCERTAIN_PX } else { UNCERTAIN_IMPAIRED_PX };

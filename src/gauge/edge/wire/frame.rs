@@ -98,7 +98,8 @@ fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
     }
 }
 
-/// Refuses edges by residual, uncertainty and neighbours, and widens u by what the model leaves; gives the larger misfit.
+/// Refuses edges by residual, uncertainty and neighbours, and adds the model uncertainty to u;
+/// returns the larger reduced χ².
 fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
     let z = upper_normal_quantile(settings.residual_false_alarm);
     let mut most = 1.0_f64;

@@ -150,7 +150,8 @@ impl Joint<'_> {
                 }
             }
         }
-        // A hot pixel moves its column's place and so its other residuals, which state no noise. Where strays are no hot pixels but a misfit,
+        // A hot pixel moves its column's place and so its other residuals, which show no noise.
+        // Where strays are no hot pixels but a systematic residual,
         // or few columns are free of them, all count.
         let total = |of: fn(&Score) -> usize| scores.iter().map(of).sum::<usize>();
         let hot = FREE * total(|score| score.hot) > total(|score| score.stray);
@@ -260,7 +261,8 @@ impl Joint<'_> {
         }
     }
 
-    /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts. `None` where the columns do not tell.
+    /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts.
+    /// `None` where the columns do not determine it.
     pub(crate) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
         for round in 0..3 {
             let middle = self.columns[self.columns.len() / 2];
@@ -306,7 +308,8 @@ impl Joint<'_> {
         self.places.retain(|_| same.next().unwrap_or(true));
     }
 
-    /// The gain from the scatter on the flank, the misfit from what the noise leaves of χ².
+    /// The gain from the scatter on the flank, the unexplained variance from what the noise leaves
+    /// of χ².
     fn learn_noise(&mut self, windows: &Windows, slope: &[f32]) {
         let (sums, _) = self.sums(windows, slope);
         let [square, level] = sums.flank;

@@ -11,7 +11,8 @@ use crate::numerics::normal_table::NormalTable;
 
 /// Most pixels of a window.
 const MOST: usize = 80;
-/// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead pixels, dirt. Noise reaches it once in
+/// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead
+/// pixels, contamination. Noise reaches it once in
 /// 5·10⁸ pixels.
 const STRAY: f64 = 6.0;
 /// Growth of the edge per px below which a pixel does not move its place: its information is 10⁻⁸ of a steep one's.
@@ -26,7 +27,8 @@ pub(crate) type Gradient = Vector6<f64>;
 /// Information of [`Gradient`].
 pub(super) type Information = Matrix6<f64>;
 
-/// Noise variance over the grey level: a straight line, and what a misfit of the model adds everywhere.
+/// Noise variance over the grey level: a straight line, plus the unexplained variance of the model
+/// everywhere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Noise {
     /// Level at which `variance` holds, counts.
@@ -37,7 +39,7 @@ pub(crate) struct Noise {
     pub(crate) gain: f64,
     /// Least variance, counts².
     pub(crate) floor: f64,
-    /// Variance of the misfit, counts².
+    /// Variance beyond noise, counts².
     pub(crate) unexplained: f64,
 }
 
@@ -73,7 +75,8 @@ pub(super) struct Likelihood<'a> {
 pub(super) struct Score {
     pub(crate) gradient: Gradient,
     pub(crate) information: Information,
-    /// Σ of squared residuals over the noise variance (no misfit) of the pixels between the ends.
+    /// Σ of squared residuals over the noise variance (without the unexplained one) of the pixels
+    /// between the ends.
     pub(crate) chi2: f64,
     /// What that sum is expected to be.
     pub(super) informative: f64,

@@ -29,9 +29,10 @@ const KNOT_PENALTY: f64 = 4.0;
 const MOST_SLOPE: f32 = 0.2;
 /// Share of the largest contrast looked for from which on the flank does not state it.
 const AT_THE_BOUND: f64 = 0.98;
-/// Excess of χ² over its expectation from which on a misfit has moved the levels.
+/// Reduced χ² above which a systematic residual has moved the levels.
 const EXPLAINED: f64 = 1.2;
-/// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
+/// Largest uncertainty of an edge by levels beyond the ends, px: what light of 1.5 times the end
+/// would move edges of 2 px blur by.
 const MOST_SHOWN_PX: f64 = 1.0;
 /// χ² over its expectation beyond which no edge-spread function of the family fits.
 const EXCESS_CHI2: f64 = 2.0;
@@ -90,7 +91,8 @@ pub(crate) fn fit_side(
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
         return None;
     };
-    // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
+    // A shift of the levels by a residual beyond noise does not average out: as much as in one
+    // column.
     let hidden =
         if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
     let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);

@@ -35,7 +35,8 @@ fn form_is_kept_and_matter_on_one_side_is_refused() {
     assert!((0..280).chain(440..512).all(|c| top[c].is_usable()));
 }
 
-/// Twenty blocks know their own scatter to a quarter: a frame that looks quiet by chance must not lose its columns for it.
+/// The scatter of twenty blocks has a relative standard uncertainty of a quarter: a frame that is
+/// quiet by chance must not lose columns for it.
 #[test]
 fn a_narrow_frame_of_noise_keeps_its_columns() {
     const FRAMES: usize = 4000;
@@ -61,7 +62,8 @@ fn a_narrow_frame_of_noise_keeps_its_columns() {
 mod bumps {
     use super::*;
 
-    /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).
+    /// Edges of a piece 512 columns long whose centreline deviates by `wander`, with films on the
+    /// upper edge: (first column, length, height / px).
     fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
         let edge =
             |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
