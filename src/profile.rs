@@ -1,4 +1,5 @@
-//! What the instrument believes: diameters along z, each with its uncertainty, or a gap with its reason.
+//! What the instrument measured: diameters along z, each with its uncertainty, or a gap with its
+//! reason.
 
 use std::fmt;
 

@@ -35,7 +35,8 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let diameter_mm = self.masters_mm[index];
-        // the calibration's pins lie as the seed says; a pin looked at again after a pass lies elsewhere
+        // the calibration's pins lie as drawn by the seed; a pin looked at again after a pass lies
+        // elsewhere
         let again = u64::from(self.pass) << 40;
         let poses = hand_poses(frames, self.seed ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);
         let scenes: Result<Vec<Scene>, RenderError> = poses

@@ -160,7 +160,7 @@ impl SimulatedCell<'_> {
     }
 }
 
-/// True diameters of the masters: drawn from what their certificates say.
+/// True diameters of the masters: drawn from their certificates.
 fn true_masters_mm(pins: &[MasterPin], seed: u64) -> Vec<f64> {
     let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
     pins.iter()

@@ -131,7 +131,7 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
         say_line!(
             "{}",
             json!({
-                // Without a check pin nothing but the masters speaks for the calibration.
+                // Without a check pin the masters are the only evidence for the calibration.
                 "accepted": bench.check.map(|c| c.accepted),
                 "optics_id": calibration.optics_id,
                 "scale_mm_per_px": calibration.scale_mm_per_px,
@@ -223,7 +223,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 struct RecordedFrames {
     folder: PathBuf,
     channel: Option<Channel>,
-    /// What was said of the files already.
+    /// Notes on the files already written.
     said: HashSet<String>,
 }
 

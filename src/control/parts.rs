@@ -53,7 +53,7 @@ impl PassMemory {
             PartEvent::InsertChanged => self.after_insert = Some(ideal.to_vec()),
             PartEvent::ColdStart => self.after_cold = Some(ideal.to_vec()),
         }
-        // the jump of an event says nothing of the trend
+        // the jump of an event is no evidence of a trend
         let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
         for ((level, trend), i) in self.level.iter_mut().zip(&mut self.trend).zip(ideal) {
             let forecast = *level + *trend;

@@ -37,7 +37,8 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// Loops at rest. Only the gains, the algorithm, the filter, the limits and the deadband of `settings` matter here.
+    /// Loops at rest. Only the gains, the algorithm, the filter, the limits and the deadband of
+    /// `settings` are used here.
     pub fn new(settings: &PidSettings, channels: usize) -> Self {
         Self { gains: Gains { settings: settings.clone() }, loops: vec![Loop::default(); channels] }
     }

@@ -9,7 +9,7 @@ use crate::profile::Reason;
 pub enum EdgeState {
     /// Trusted.
     Good,
-    /// Usable with the larger uncertainty stated; the reason says what impairs it.
+    /// Usable with the larger uncertainty stated; the reason is what impairs it.
     Impaired(Reason),
     /// Refused.
     Gap(Reason),
@@ -120,7 +120,7 @@ impl FrameFigures {
     }
 }
 
-/// Columns over which residuals are averaged to tell a misfit that neighbours share.
+/// Columns over which residuals are averaged to detect a systematic residual that neighbours share.
 pub(crate) const RESIDUAL_BLOCK: usize = 128;
 
 /// Both edges of every column of a frame.
@@ -132,7 +132,8 @@ pub struct FrameEdges {
     pub bottom: Vec<Edge>,
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
-    /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
+    /// The part of `u_shared_px` due to the edge model, one for every [`RESIDUAL_BLOCK`] columns of
+    /// the upper and lower edge.
     pub model_uncertainty_px: [Vec<f32>; 2],
     /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower edge states, px, √2 for their common lens
     /// included; 0 where nothing is clipped.
@@ -163,7 +164,7 @@ impl FrameEdges {
         self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_usable() && b.is_usable()).count()
     }
 
-    /// Variance of a column's width by what a misfit of the edge model states at both edges, px².
+    /// Variance of a column's width by the model uncertainty of both edges, px².
     pub(crate) fn model_variance(&self, column: usize) -> f64 {
         let side = |side: &Vec<f32>| side.get(column / RESIDUAL_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
         self.model_uncertainty_px.iter().map(side).sum()
@@ -174,8 +175,8 @@ impl FrameEdges {
         self.clipped_px.iter().map(|u| u * u).sum()
     }
 
-    /// Variance of a column's width by what neither columns nor frames average: a misfit of the edge model, what is clipped of the edges'
-    /// shapes, and rounding that repeats, px².
+    /// Variance of a column's width that averages neither over columns nor over frames: model
+    /// uncertainty, clipped parts of the edges' shapes, and rounding that repeats, px².
     pub(crate) fn repeated_variance(&self, column: usize) -> f64 {
         self.model_variance(column) + self.clipped_variance() + self.figures.rounding_variance()
     }

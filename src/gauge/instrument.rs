@@ -45,9 +45,10 @@ impl Gauge {
         Ok(Self { settings, systematic_residual: None })
     }
 
-    /// Expects of every edge the residual that a calibration's masters left ([`super::Calibration::systematic_residual`]): what they share with it
-    /// the calibration has absorbed, and only what departs from it widens u or is flagged. The same model must be fitted as
-    /// when they were measured; another one shows as a misfit.
+    /// Takes residuals relative to those that a calibration's masters left
+    /// ([`super::Calibration::systematic_residual`]). What an edge shares with them is part of the
+    /// calibrated offset, and only the remainder widens u or is flagged. The model fitted must be
+    /// that of the calibration; another one leaves a residual.
     #[must_use]
     pub fn with_systematic_residual(self, systematic_residual: Option<&SystematicResidual>) -> Self {
         Self { systematic_residual: systematic_residual.cloned(), ..self }
@@ -75,8 +76,9 @@ impl Gauge {
 }
 
 impl Lanes {
-    /// As many streams as said, usually one a core. The number belongs to the measurement, not to the machine: another number gives results
-    /// that differ as those of two streams do, by thousandths of the noise.
+    /// A given number of streams, usually one a core. The number belongs to the measurement, not to
+    /// the machine: another number gives results that differ as those of two streams do, by
+    /// thousandths of the noise.
     pub fn new(gauge: &Gauge, lanes: NonZeroUsize) -> Self {
         Self::of(&gauge.stream(), lanes)
     }

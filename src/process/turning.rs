@@ -1,4 +1,4 @@
-//! One turning pass: what the tool was told against what it left behind.
+//! One turning pass: the commanded profile and the diameters left behind.
 //!
 //! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin behind it and still
 //! thick ahead. At every node the depth really cut a = (D_before - D)/2 solves a + w·F(a) = (D_before - b)/2 with

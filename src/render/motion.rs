@@ -119,8 +119,9 @@ impl Motion {
         }
     }
 
-    /// Spindle angle and carriage position (degrees, mm past the start of exposure) at nodes over the light's time, with
-    /// weights that add up to one: for outlines whose form turns through the edge faster than a sinusoid tells.
+    /// Spindle angle and carriage position (degrees, mm past the start of exposure) at nodes over
+    /// the light's time, with weights that add up to one: for outlines whose form turns through the
+    /// edge faster than a sinusoid describes.
     pub fn poses(&self, exposure_us: f64, nodes: usize) -> Vec<(f64, f64, f64)> {
         let time = self.light_time(exposure_us);
         let pose = |(x, w): (f64, f64)| {

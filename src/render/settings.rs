@@ -1,7 +1,8 @@
 //! What a user sets about camera, optics, light and sensor: the nominal bench.
 //!
-//! The true bench differs from it by seeded amounts ([`Departures`]) that only `truth` knows; the gauge gets frames
-//! and has to calibrate. Levels are grey values in counts, electrons follow from them by the sensor's gain.
+//! The true setup differs from it by seeded amounts ([`SetupDeviations`]) that are part of `truth`
+//! alone; the gauge gets frames and has to be calibrated. Levels are grey values in counts,
+//! electrons follow from them by the sensor's gain.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -199,7 +200,7 @@ impl Default for Departures {
 }
 
 impl Departures {
-    /// A bench exactly as its nominal values say.
+    /// An optical setup exactly at its nominal values.
     pub fn none() -> Self {
         Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
     }

@@ -1,5 +1,5 @@
-//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding; what someone should know
-//! of that is logged once.
+//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding;
+//! what a user should know of that is logged once.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -76,7 +76,7 @@ pub fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 /// The scale in µm/px and the frame that states it: the first one's.
 ///
 /// # Errors
-/// Where no file says one that is the object's.
+/// Where no file states a scale of the object.
 pub fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64, Failure> {
     let mut source = FileFrames::new(paths.to_vec()).of_channel(args.channel);
     let mut first_error = None;
@@ -147,8 +147,9 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// A scale typed in is refused where the file says another one. Masters know the scale better than what a file states of its
-    /// camera: there a nominal scale that is off by little is said once.
+    /// A scale given by the user is refused where the file states another one. Masters determine
+    /// the scale better than a file's statement of its camera: there a nominal scale that is off by
+    /// little is reported once.
     fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
         let used = if typed { "--um-per-px" } else { "the calibration" };
         let Some(own) = &stored.scale else { return Ok(()) };

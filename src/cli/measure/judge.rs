@@ -1,4 +1,4 @@
-//! What `measure` says beyond edges: stations, judgement, averages, statistics.
+//! Results of `measure` beyond edges: stations, judgement, averages, statistics.
 
 use serde_json::{Map, Value, json};
 
@@ -144,7 +144,8 @@ fn local_columns(columns: usize) -> f64 {
     (columns as f64 / places).ceil()
 }
 
-/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
+/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row
+/// states it.
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
@@ -445,7 +446,8 @@ impl<'a> InspectionReport<'a> {
         largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
     }
 
-    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
+    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and
+    /// reports which it was.
     fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
         if !self.judges_frames() {
             return;

@@ -122,7 +122,7 @@ fn write_frames(
     put(folder, "truth.json", Ok(true_bench(scene).into_bytes()))
 }
 
-/// The true bench: what only truth may know.
+/// The true optical setup, part of the truth alone.
 fn true_bench(scene: &Scene) -> String {
     let bench = scene.bench();
     let json = serde_json::json!({

@@ -23,7 +23,7 @@ impl Observation<'_> {
     }
 }
 
-/// What a law wants.
+/// Offsets proposed by a law.
 pub(crate) struct Proposal {
     /// Offsets of the next pass, mm of diameter.
     pub o_mm: Vec<f64>,

@@ -13,11 +13,13 @@
 //! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
 //! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
 //!
-//! An edge model that is not the light's own places edges wrongly by an amount that changes with focus. In the masters' plane the
-//! offset o has swallowed it; elsewhere it is w_y, known to what the edges' residuals may hide (their misfit) or, where that is more, to
-//! the root mean square of the w_y fitted freely, if these take away more of χ² than chance would ([`FALSE_ALARM`]). So the lens'
-//! parameters and their rows stay the lens': t is then determined by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
-//! uncertainties say, the latter are multiplied (Birge's ratio).
+//! An edge model that differs from the true edge-spread function displaces edges by an amount that
+//! changes with focus. In the masters' plane it is part of the offset o; elsewhere it is w_y, with
+//! a standard uncertainty from the edges' residuals (the model uncertainty) or, where that is more,
+//! the root mean square of the w_y fitted freely, if these reduce χ² by more than chance would
+//! ([`FALSE_ALARM`]). The lens' parameters and their rows are then free of it: t is determined by
+//! masters of different diameter at one y. Where the residuals still scatter more than the edges'
+//! uncertainties imply, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -33,7 +35,7 @@ use super::thermometer::Thermometer;
 const LEAST_SPREAD_PX: f64 = 8.0;
 /// Gauss-Newton steps: the problem is linear to parts in 1e3.
 const STEPS: usize = 5;
-/// Probability that edges which misfit alike at every focus are taken for such that do not (F test).
+/// False-alarm probability of the F test for a systematic residual that changes with focus.
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard uncertainty of a w_y that is as good as free, px: an edge's blur.
 const FREE_PX: f64 = 2.0;
@@ -159,7 +161,8 @@ impl Adjustment {
     /// Sets the problem up.
     ///
     /// # Errors
-    /// Refuses fewer than two masters, masters not seen or of one size, certificates that say nothing.
+    /// Refuses fewer than two masters, masters not seen or of one size, certificates without
+    /// information.
     pub fn new(
         masters: Vec<MasterPrior>,
         observations: Vec<Observation>,
@@ -228,14 +231,16 @@ impl Adjustment {
         unit
     }
 
-    /// What the columns of a frame share for themselves (levels), px: root mean square over its blocks. Levels are pooled over fewer
-    /// columns than a frame has, and one clean block says nothing of the others.
+    /// Uncertainty that the columns of one frame share (levels), px: root mean square over its
+    /// blocks. Levels are pooled over fewer columns than a frame has, and one clean block does not
+    /// represent the others.
     fn u_frame(&self, frame: usize) -> f64 {
         let of_frame = self.observations.iter().filter(|o| o.frame == frame);
         root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))
     }
 
-    /// What the misfit of the edge model states of the frames at a distance from the plane, px: root mean square over their blocks.
+    /// Model uncertainty of the frames at a distance from the plane, px: root mean square over
+    /// their blocks.
     fn u_focus(&self, y_mm: f64) -> f64 {
         root_mean(self.observations.iter().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
     }
@@ -448,7 +453,7 @@ impl Adjustment {
         })
     }
 
-    /// Gives the w_y the standard uncertainty that the residuals tell.
+    /// Sets the standard uncertainty of w_y from the residuals.
     fn look_for_misfit(&mut self) -> Option<()> {
         let groups = self.focus_mm.len();
         let (first, end) = (self.first_focus(), self.unit.len());

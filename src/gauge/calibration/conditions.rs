@@ -103,8 +103,8 @@ impl From<GivenConditions> for Conditions {
 }
 
 impl GivenConditions {
-    /// These conditions, and `known` where they give nothing. A temperature that is stated without limits is a reading of an
-    /// unstated thermometer, unless `known` says how good it is.
+    /// These conditions, with `known` where they give nothing. A temperature that is stated without
+    /// limits is a reading of an unstated thermometer, unless `known` states its limits.
     #[must_use]
     pub fn over(&self, known: &Conditions) -> Conditions {
         let mut c = Conditions {

@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Each of these was believed, or ended `measure` with a panic.
+    /// Each of these was accepted once, or ended `measure` with a panic.
     #[test]
     fn a_damaged_file_is_refused_by_key() {
         assert_eq!(key_of(FULL), None);

@@ -145,7 +145,8 @@ impl Calibration {
         Self { edge_model: Some(esf.name().to_owned()), edge_table, ..self }
     }
 
-    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does not say it in full.
+    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does
+    /// not contain it in full.
     pub fn edge_model(&self) -> Option<EsfModel> {
         match (self.edge_model.as_deref(), &self.edge_table) {
             (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
@@ -280,7 +281,8 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// The budget takes certificates and levers from the masters: what says nothing of them must not pass for certainty.
+    /// The budget takes certificates and levers from the masters: missing information must not
+    /// count as certainty.
     fn check_masters(&self) -> Result<(), CalibrationError> {
         let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
         for (index, master) in self.masters.iter().enumerate() {
@@ -350,7 +352,7 @@ impl Calibration {
         (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
     }
 
-    /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
+    /// Conditions of use that the calibration itself assumes; exact ones where it states none.
     pub fn conditions(&self) -> Conditions {
         match (&self.bench, &self.conditions) {
             (Some(bench), _) => bench.conditions,
@@ -365,13 +367,13 @@ impl Calibration {
         Self { conditions: Some(Box::new(conditions)), ..self }
     }
 
-    /// Whether it was made on masters and says nothing of the conditions of use.
+    /// Whether it was made on masters and states no conditions of use.
     pub fn leaves_conditions_open(&self) -> bool {
         self.bench.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 
-/// Whether the masters' widths differ enough to tell scale from edge offset.
+/// Whether the masters' widths differ enough to separate scale and edge offset.
 fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
     let widths = || masters.iter().map(|m| m.width_px);
     let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);

@@ -105,7 +105,7 @@ pub struct BenchCalibration {
     pub birge_ratio: f64,
     /// What the fit left.
     pub residuals: Vec<Residual>,
-    /// Conditions of use, unless a measurement says otherwise.
+    /// Conditions of use, unless a measurement states others.
     #[serde(default)]
     pub conditions: Conditions,
     /// Sensor by photon transfer, where flat fields were recorded.
@@ -193,7 +193,8 @@ impl BenchCalibration {
         })
     }
 
-    /// Whether a frame is as sharp as the masters say of a part in these conditions, within [`FOCUS`].
+    /// Whether a frame is as sharp as the masters predict for a part in these conditions, within
+    /// [`FOCUS`].
     ///
     /// # Errors
     /// The blur that is not the calibrated one.

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Temperature of a part or of masters of which nothing is said, 20 °C ± K: a heated workshop over a year, and a part some
-/// minutes after a wet cut; Ø25 of steel changes by 1.4 µm over it.
+/// Temperature of a part or of masters where none is stated, 20 °C ± K: a heated workshop over a
+/// year, and a part some minutes after a wet cut; Ø25 of steel changes by 1.4 µm over it.
 pub const UNSTATED_TEMPERATURE_K: f64 = 5.0;
 
 /// Error of a temperature that is stated without limits, ± K: a hand-held contact thermometer on metal.

@@ -215,7 +215,8 @@ pub(crate) fn column_diameters(
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
-        // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
+        // The residual of the edge model is the same in every frame of one light, and so is
+        // rounding that noise does not dither.
         let repeated = edges.repeated_variance(column);
         let blur = (u_blur_px * trend_factor(column as f64, edges.columns())).powi(2);
         let random =

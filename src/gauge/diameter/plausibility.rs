@@ -32,7 +32,7 @@ pub struct Jump {
     pub angle_deg: Option<f64>,
     /// Diameter less what was expected, mm.
     pub jump_mm: f64,
-    /// What would have been believed, mm.
+    /// What would have been accepted, mm.
     pub limit_mm: f64,
 }
 
@@ -51,11 +51,11 @@ impl std::fmt::Display for Jump {
 fn jump(now: Diameter, expected: Diameter, coverage: f64, limit_mm: f64) -> Option<(f64, f64)> {
     let limit = (coverage * now.u_random_mm.hypot(expected.u_random_mm)).max(limit_mm);
     let by = now.d_mm - expected.d_mm;
-    // A diameter that is no number is not believed either.
+    // A diameter that is no number is not accepted either.
     (!(by.abs() <= limit)).then_some((by, limit))
 }
 
-/// What earlier turns said of every stretch and angle.
+/// Diameters of earlier revolutions at every stretch and angle.
 #[derive(Clone, Debug)]
 pub struct TurnHistory {
     settings: PlausibilitySettings,
@@ -230,7 +230,7 @@ mod tests {
         let mut all = profile(2, |k| 26.5 + barrel(k));
         let (jumps, theirs) = against_pass(&settings, &before, &fall, &mut all);
         assert!(!theirs && jumps.len() == 20 && all.stations.iter().all(|s| s.reading.value().is_some()));
-        // What was a gap says nothing of the next pass.
+        // A gap is no reference for the next pass.
         let mut wide = profile(3, |_| 25.0);
         let (jumps, _) = against_pass(&settings, &one, &[0.5; 20], &mut wide);
         assert!(jumps.iter().all(|j| j.z_mm != 35.0));

@@ -9,8 +9,10 @@
 //!
 //! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface texture and noise; its
 //! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. Where a station scatters far more than
-//! the others and one angle alone explains it, by more diameter than the others say, that angle shows matter that turns with the part (a film, a
-//! smeared chip) and is left out: the same z at other angles knows better. Otherwise the station keeps its own, larger value.
+//! the others and one angle alone explains it, by a diameter larger than the others, that angle
+//! shows contamination that turns with the part (a film, a
+//! smeared chip) and is left out: the same z is measured at other angles. Otherwise the station
+//! keeps its own, larger value.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +23,8 @@ use crate::frame::FrameMeta;
 use crate::gauge::settings::StationSettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
-/// Where a station's columns lie and what they say, so that what is not seen of it can be told from what is.
+/// Columns of a station and their diameters, from which the uncertainty of its unobserved part is
+/// estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StationColumns {
     n: f64,
@@ -218,7 +221,8 @@ impl StationAverager {
         Ok(AngleFit { lobes: fit_lobes(&angles), noise, common_mm })
     }
 
-    /// The fit without the one angle that lies above what the others say, where that explains the station's scatter.
+    /// The fit without the one angle that lies above the others, where that explains the station's
+    /// scatter.
     fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
         let mut best: Option<AngleFit> = None;
         for (angle, s) in self.angles(sums, None) {

@@ -1,9 +1,11 @@
 //! What the readings of a turn scatter by that the section's form does not explain.
 //!
-//! Over a whole turn every width is seen twice, w(φ) = w(φ + π) whatever the form and wherever the spindle is: half the mean square of the
-//! n/2 differences is the variance of one width, free of both. Over half a turn only the even lobes that n/3 of the angles leave to be
-//! adjusted (and the filter lets through) are form; what remains is scatter. Either series may be autocorrelated (drift over the turn): it counts
-//! as [`effective_number`] readings, and χ² against the edges' own statements says whether they scatter beyond their u.
+//! Over a whole revolution every width is measured twice, w(φ) = w(φ + π), whatever the form and
+//! the position of the spindle: half the mean square of the n/2 differences is the variance of one
+//! width, free of both. Over half a revolution only the even lobes that n/3 of the angles leave to
+//! be adjusted (and the filter passes) are form; the remainder is scatter. Either series may be
+//! autocorrelated (drift over the revolution): it counts as [`effective_number`] readings, and χ²
+//! against the edges' uncertainties tests whether they scatter beyond u.
 //!
 //! Half a turn has no opposite edges: with the spindle's axis taken as still at the height m, h(φ + π) = m − bottom(φ). An error of m is a
 //! square wave in h over the turn, ± δm, whose harmonics are odd, 4δm/(πk): they are in the u of the odd lobes. Its least-squares
@@ -34,7 +36,8 @@ pub(super) fn of_whole_turn(widths_mm: &[f64], u_width_mm: f64) -> TurnScatter {
     scatter(0.5 * square / pairs as f64, pairs as f64, &differences, u_width_mm, widths_mm.len() as f64)
 }
 
-/// Of half a turn: `widths_mm` at even angles over π, filtered at `cutoff_upr`; `None` from too few angles to tell form from scatter.
+/// Over half a revolution: `widths_mm` at even angles over π, filtered at `cutoff_upr`; `None` from
+/// too few angles to separate form from scatter.
 pub(super) fn of_half_turn(widths_mm: &[f64], cutoff_upr: f64, u_width_mm: f64) -> Option<TurnScatter> {
     let n = widths_mm.len();
     if n < LEAST_HALF {
@@ -136,7 +139,7 @@ mod tests {
             assert!((found.sqrt() / (sd / n.sqrt()) - 1.0).abs() < 0.12, "{n}: {}", found.sqrt());
         }
         assert!(alarms <= 6, "{alarms} of 1200 at a false alarm of 0.1 %");
-        // Stated too small by five: said so.
+        // Stated too small by a factor of five: detected.
         assert!(of_whole_turn(&widths(72, TAU, 5.0 * sd, 0.0, &mut rng), sd).test.unwrap().beyond_u);
         // A drift of 20 sd over the turn: half of it between opposite readings, and the mean is off by no less than a fifth of it.
         let drifting = of_whole_turn(&widths(72, TAU, sd, 20.0 * sd, &mut rng), sd);
@@ -144,7 +147,8 @@ mod tests {
         assert!(of_half_turn(&[1.0; 5], 50.0, sd).is_none());
     }
 
-    /// Odd lobes that are adjusted and noise: the axis scatters as it says. Its gain over a mean of 36 is √15.
+    /// Odd lobes that are adjusted and noise: the axis scatters as its uncertainty states. Its gain
+    /// over a mean of 36 is √15.
     #[test]
     fn the_axis_of_half_a_turn_is_as_uncertain_as_it_says() {
         let mut rng = Pcg64::seed_from_u64(5);

@@ -11,7 +11,7 @@ use super::turn::Turn;
 pub enum Origin {
     /// The section's own even lobes, free of spindle motion.
     Form,
-    /// Odd lobes and odd synchronous spindle motion (ISO 230-7), which one view cannot tell apart.
+    /// Odd lobes and odd synchronous spindle motion (ISO 230-7), which one view cannot separate.
     FormAndSpindle,
     /// Spindle motion alone: nothing of the part is in it.
     Spindle,

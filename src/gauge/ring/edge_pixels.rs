@@ -94,8 +94,8 @@ impl Band {
         }
     }
 
-    /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge, counts, and `whole` says that grey
-    /// values are whole counts.
+    /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge,
+    /// counts, and `whole` whether grey values are whole counts.
     pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
         let reach = self.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
         let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > FLAT * reach;
@@ -121,7 +121,8 @@ impl Band {
             let found = grey_ends::judge(&mut pool, unit, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
                 let below = pairs_below(values, end).map_or(0.0, free);
-                // What is left of the flank's residuals is no noise only: of the shadow's it says nothing.
+                // The residuals of the flank are not noise only: they do not show that of the
+                // shadow.
                 let flank = if level == Level::Light { free(flank) } else { 0.0 };
                 if below > least {
                     below

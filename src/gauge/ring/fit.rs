@@ -24,8 +24,9 @@ const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
 /// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
 const HUBER: f64 = 3.0;
-/// Residuals beyond so many standard deviations are hot or dead pixels, or dirt: noise reaches it once in 5·10⁸ pixels. A caliper may have
-/// so many of them (of 2 % hot pixels, one caliper of thirty pixels in fifty has more); dirt covers more.
+/// Residuals beyond so many standard deviations are hot or dead pixels, or contamination: noise
+/// reaches it once in 5·10⁸ pixels. A caliper may have so many of them (of 2 % hot pixels, one
+/// caliper of thirty pixels in fifty has more); contamination covers more.
 const STRAY: f64 = 6.0;
 const MOST_STRAY: usize = 2;
 /// A caliper's χ² beyond so many times the usual one is no edge's.
@@ -401,8 +402,8 @@ fn departures(shifts: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends` where grey values are clipped. `Err`
-/// says what went wrong.
+/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
+/// where grey values are clipped. `Err` is the reason of a failure.
 pub(super) fn fit_edge(
     band: &Band,
     least_variance: f64,

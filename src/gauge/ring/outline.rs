@@ -13,7 +13,7 @@ use super::fit::EdgeFit;
 pub enum PointOrigin {
     /// An edge was fitted and is trusted.
     Fitted,
-    /// Refused as burr or dirt: where the grey values cross the middle of the levels.
+    /// Refused as burr or contamination: where the grey values cross the middle of the levels.
     Crossing,
     /// Nothing to be seen: a straight line between the neighbours.
     Bridged,

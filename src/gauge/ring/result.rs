@@ -31,7 +31,7 @@ pub struct EdgeCircle {
     pub reduced_chi2: f64,
     /// Calipers.
     pub calipers: usize,
-    /// Calipers that dirt, burrs or a poor fit made useless; they are not in the circle.
+    /// Calipers unusable because of contamination, burrs or a poor fit; they are not in the circle.
     pub refused: usize,
     /// The edge caliper by caliper, in even steps of the angle.
     #[serde(skip)]

@@ -7,7 +7,8 @@
 //! ln e = p·ln y + c·(y − 1) + a              for every exposure e at every place, whose light is exp(−a)
 //! ```
 //!
-//! least squares over the medians of tiles, each tile's own light taken off, so that light that falls off says as much as
+//! least squares over the medians of tiles, each tile's own light subtracted, so that an
+//! illumination gradient is worth as much as
 //! exposures that differ; c needs three exposures. L grows as long as p > 0 and p + c > 0.
 
 use nalgebra::{Matrix2, Vector2};

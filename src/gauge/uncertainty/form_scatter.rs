@@ -1,9 +1,11 @@
 //! How far the widths that a mean is taken over scatter by form, texture and sampling.
 //!
-//! Neighbouring columns share texture, so the scatter of single columns would understate what their mean is uncertain by: it is taken of
-//! the means of blocks, about a line (taper is form that is meant to be seen), and noise comes off. Before that every block's width is
-//! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
-//! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
+//! Neighbouring columns share texture, so that the scatter of single columns would understate the
+//! uncertainty of their mean. It is computed from the means of blocks about a line (a taper is form
+//! to be measured), less the noise. Before that the width of every block is corrected for lens
+//! distortion, as the diameter is; uncorrected, distortion would count as form. With fewer than
+//! three whole blocks form and noise cannot be separated: the columns are then cut into three, the
+//! noise stays in, and their one degree of freedom widens U.
 
 use crate::gauge::calibration::{ColumnSpread, LensModel};
 use crate::gauge::edges::FrameEdges;
@@ -13,7 +15,7 @@ use crate::gauge::width::column_means::ColumnMeans;
 const BLOCK: usize = 16;
 /// Least and most blocks: two lie on any line.
 const BLOCKS: (usize, usize) = (3, 12);
-/// Columns below which their scatter does not tell form from noise.
+/// Columns below which their scatter does not separate form from noise.
 pub(super) const FEW_COLUMNS: usize = BLOCKS.0 * BLOCK;
 
 /// Mean edges of a block of neighbouring columns.
@@ -53,7 +55,7 @@ pub enum Scatter {
     Blocks {
         /// Mean edges of each.
         blocks: Vec<Block>,
-        /// Whether they hold columns enough to tell form from noise.
+        /// Whether there are columns enough to separate form from noise.
         tell_noise: bool,
     },
     /// The scatter itself.

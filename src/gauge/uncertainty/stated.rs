@@ -3,7 +3,7 @@
 
 /// Significant digits of an uncertainty.
 const DIGITS: i32 = 2;
-/// Decimals where no uncertainty says how many mean something.
+/// Decimals printed where no uncertainty determines how many are significant.
 const WITHOUT_U: i32 = 5;
 
 /// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996 is 0.10. Negative from 100 on.

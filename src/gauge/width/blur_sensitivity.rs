@@ -1,9 +1,10 @@
 //! What the blur's own uncertainty does to a width.
 //!
-//! At one sub-pixel phase place and blur are estimated together: with the information matrix I of (x, σ) a blur off by δ moves the
-//! place by −δ·I_xσ/I_xx. Between equal noise on both sides that changes its sign from phase to phase, and only a level edge keeps any of
-//! it; photon noise, which weighs the shadow's foot more, leaves some everywhere. The blur is known to
-//! u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
+//! At one sub-pixel phase position and blur are estimated together: with the information matrix I
+//! of (x, σ) a blur off by δ moves the position by −δ·I_xσ/I_xx. With equal noise on both sides
+//! this changes its sign from phase to phase, and only a level edge keeps any of it; photon noise,
+//! which gives the dark end of the flank more weight, leaves some everywhere. The variance of the
+//! blur is u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
 
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::{Edge, FrameEdges};

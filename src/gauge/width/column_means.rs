@@ -18,9 +18,9 @@ pub(crate) struct ColumnMeans {
     pub(crate) rows_px: (f64, f64),
     /// Variance of the mean width from what each column has for itself, px².
     pub(crate) own_variance_px2: f64,
-    /// Standard uncertainty of the width that the columns share (levels, misfit), px.
+    /// Standard uncertainty of the width that the columns share (levels, edge model), px.
     pub(crate) u_shared_px: f64,
-    /// The part of it that a misfit of the edge model states, px.
+    /// The part of it due to the edge model, px.
     pub(crate) u_misfit_px: f64,
 }
 

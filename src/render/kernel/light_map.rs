@@ -2,7 +2,7 @@
 //!
 //! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
 //! vignetting and the gradient of the backlight ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what
-//! contamination leaves. Stray light in the shadow is a veil over the whole field and stays as it is.
+//! contamination leaves. Stray light in the shadow is uniform over the field and stays as it is.
 //!
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
 //! 32 pixels of a row that nothing touches are known, written once and read by no one.
@@ -13,7 +13,7 @@ pub const CLEAR: f32 = 32_768.0;
 /// Two factors of clear light.
 const CLEAR_WORD: u32 = 0x8000_8000;
 
-/// Pixels of a row that are told apart as touched or clear.
+/// Pixels of a row that are marked as touched or clear.
 pub const CELL: usize = 32;
 
 /// Words of a cell.
@@ -70,7 +70,8 @@ impl LightMap {
 }
 
 impl Lines<'_> {
-    /// Packs the factors of these rows; `dimmed` tells of every cell of a row whether it holds others than 1.
+    /// Packs the factors of these rows; `dimmed` states of every cell of a row whether it holds
+    /// others than 1.
     #[inline(always)]
     pub(crate) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
         let lines = self.words.chunks_exact_mut(self.columns.div_ceil(2));

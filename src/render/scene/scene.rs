@@ -90,7 +90,8 @@ impl Scene {
         })
     }
 
-    /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
+    /// The same scene with its surface wiped: no films adhere to it, whatever contaminates window
+    /// and air.
     #[must_use]
     pub fn wiped(self) -> Self {
         Self { wiped: true, ..self }

@@ -1,4 +1,4 @@
-//! The true bench: what the optics really are, drawn by seed around the nominal settings. Only `truth` may know it.
+//! The true optical setup: drawn by seed around the nominal settings. Only `truth` may use it.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ pub struct OpticalBench {
     pub tables: TableCache,
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
-    /// What soils the view, where anything does.
+    /// Contamination of window and air, where there is any.
     pub soiling: Option<Arc<Soiling>>,
 }
 

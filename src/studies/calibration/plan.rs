@@ -281,8 +281,8 @@ impl CalibrationPlan {
         }
     }
 
-    /// The plan with what a rendered bench knows: temperature and finish are exact where `[simulate]` draws them and the plan
-    /// states nothing.
+    /// The plan with the truth of a rendered setup: temperature and finish are exact where
+    /// `[simulate]` draws them and the plan states nothing.
     #[must_use]
     pub fn settled(&self) -> Self {
         if self.simulate.is_none() {

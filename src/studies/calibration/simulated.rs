@@ -1,5 +1,6 @@
-//! A bench rendered in place of a recorded one. What it really is (scale, blur, gain, telecentricity, the masters' true
-//! diameters and temperature) is drawn from what the plan says is known of it, and only the frames show it.
+//! A rendered optical setup in place of a recorded one. Its true values (scale, blur, gain,
+//! telecentricity, the masters' true diameters and temperature) are drawn from the uncertainties in
+//! the plan, and only the frames show them.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;

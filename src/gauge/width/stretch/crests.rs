@@ -33,7 +33,8 @@ pub(crate) struct Crests {
     columns: usize,
 }
 
-/// Pitch of crests that face roots, px, where the frame shows such at even distances: dirt on both sides alternates, but not evenly.
+/// Pitch of crests that face roots, px, where the frame shows such at even distances: contamination
+/// on both sides alternates, but not evenly.
 pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
     Crests::find(edges).filter(|crests| crests.unevenness <= MOST_UNEVEN).map(|crests| crests.pitch_px)
 }
@@ -86,7 +87,8 @@ fn straight(line: &[Edge]) -> Option<(f64, f64)> {
 }
 
 impl Crests {
-    /// Finds them; `None` where the middle of the shadow keeps to its axis or wanders slowly.
+    /// Finds them; `None` where the middle of the shadow keeps to its axis or departs from it
+    /// slowly.
     pub(crate) fn find(edges: &FrameEdges) -> Option<Self> {
         let (a, b) = (straight(&edges.top)?, straight(&edges.bottom)?);
         let axis = |x: f64| 0.5 * (a.0 + b.0 + (a.1 + b.1) * x);

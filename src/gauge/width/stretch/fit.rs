@@ -152,7 +152,7 @@ impl Fit {
         value - lambda * variance.sqrt()
     }
 
-    /// The estimate at a column, with what the residuals say of it.
+    /// The estimate at a column, with its uncertainty from the residuals.
     pub(crate) fn estimate(
         &self,
         order: Order,

@@ -109,7 +109,7 @@ impl Line {
         self.measured([a, b])
     }
 
-    /// What the halves that did not choose say of two choices.
+    /// Estimates of two choices by the halves that did not make them.
     pub(super) fn measured(&self, choices: [Choice; 2]) -> Option<Largest> {
         let [Some(a), Some(b)] = [0, 1].map(|parity| self.measure(&choices[parity], parity)) else {
             return None;
@@ -153,7 +153,8 @@ impl Line {
                 let Some(fit) = Fit::new(&points, indices.clone()) else { continue };
                 for (order, at) in self.candidates(&fit, (from, to), least).into_iter().flatten() {
                     let beats = |score: f64| best.is_none_or(|b| score > b.score);
-                    // Residuals owe nothing to the value: all points may say whether the fit describes them.
+                    // Residuals are independent of the value: all points may test whether the fit
+                    // describes them.
                     let describes = || {
                         order == Order::Mean
                             || Fit::new(&points, from..to)
@@ -201,7 +202,7 @@ impl Line {
     fn ends_at(&self, index: usize, step: isize) -> bool {
         let inside = |i: isize| (0..self.len() as isize).contains(&i);
         let index = index as isize;
-        // Blur rounds the corner itself off: the second to fifth point beyond it tell.
+        // Blur rounds the corner itself off: the second to fifth point beyond it are compared.
         let beyond = index + 2 * step;
         if !inside(beyond) || (self.x[beyond as usize] - self.x[index as usize]).abs() > BRIDGE_PX {
             return true;
@@ -214,7 +215,7 @@ impl Line {
         mean(index, -step) - mean(beyond, step) > (SHOULDER * self.sd[index as usize]).max(SHOULDER_PX)
     }
 
-    /// What the points between those that chose say of a stretch.
+    /// Estimate of a stretch by the points that did not choose it.
     fn measure(&self, choice: &Choice, parity: usize) -> Option<Estimate> {
         let points = Points { x: &self.x, y: &self.shown, sd: &self.sd };
         let (mut from, mut to) = (choice.from, choice.to);

@@ -62,8 +62,8 @@ fn a_narrow_frame_of_noise_keeps_its_columns() {
 mod bumps {
     use super::*;
 
-    /// Edges of a piece 512 columns long whose centreline deviates by `wander`, with films on the
-    /// upper edge: (first column, length, height / px).
+    /// Edges of a piece 512 columns long with a centreline deviation of `wander` px and films on
+    /// the upper edge: (first column, length, height / px).
     fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
         let edge =
             |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };
