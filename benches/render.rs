@@ -1,4 +1,4 @@
-//! Each kernel of the renderer by itself, on the CPU: the device's times are `render --bench`'s.
+//! Each kernel of the renderer by itself, on the CPU: the device's times are `render --setup`'s.
 //!
 //! 2048 x 2048 pixels, 12 bit; `job` is what the host prepares for a frame, `frame` the twin's kernels.
 
@@ -10,18 +10,18 @@ use shadowgauge::render::contamination::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, WindowDroplets,
 };
 use shadowgauge::render::lens::FieldLight;
-use shadowgauge::render::settings::{BenchSettings, Departures};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 
-fn scene(set: impl FnOnce(&mut BenchSettings)) -> Result<Scene, RenderError> {
-    let mut settings = BenchSettings { departures: Departures::none(), ..BenchSettings::default() };
+fn scene(set: impl FnOnce(&mut SetupSettings)) -> Result<Scene, RenderError> {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..SetupSettings::default() };
     settings.camera.rows = 2048;
     settings.camera.columns = 2048;
     set(&mut settings);
     let mut shaft = Shaft::cylinder(25.0);
     shaft.pose.tilt_mrad = 2.0;
-    Scene::new(&OpticalBench::resolve(&settings, 1)?, shaft)
+    Scene::new(&OpticalSetup::resolve(&settings, 1)?, shaft)
 }
 
 fn dirty() -> Contamination {

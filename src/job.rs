@@ -30,7 +30,7 @@ use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
-use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
 use crate::shaft::ShaftForm;
 pub use edge::{NominalEdge, sampled_edge};
 pub use error::{JobError, from_render};
@@ -82,7 +82,7 @@ pub struct Job {
     /// What soils the view; clean by default.
     pub contamination: Contamination,
     /// How far the true optics and sensor may lie from their nominal values (drawn by seed).
-    pub departures: Departures,
+    pub departures: SetupDeviations,
     /// The turning process.
     pub process: ProcessSettings,
     /// The gauge.
@@ -114,7 +114,7 @@ impl Default for Job {
             sensor: Sensor::default(),
             motion: Motion::default(),
             contamination: Contamination::default(),
-            departures: Departures::default(),
+            departures: SetupDeviations::default(),
             process: ProcessSettings::default(),
             gauge: GaugeSettings::default(),
             probe: None,
@@ -126,8 +126,8 @@ impl Default for Job {
 
 impl Job {
     /// The bench of the simulator, put together.
-    pub fn bench_settings(&self) -> BenchSettings {
-        BenchSettings {
+    pub fn setup_settings(&self) -> SetupSettings {
+        SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
             light: self.light.clone(),
@@ -207,11 +207,11 @@ impl Job {
     }
 
     fn nominal_mm_per_px(&self) -> f64 {
-        self.bench_settings().nominal_pixel_mm()
+        self.setup_settings().nominal_pixel_mm()
     }
 
     fn check_stages(&self) -> Result<(), JobError> {
-        self.bench_settings().check().map_err(from_render)?;
+        self.setup_settings().check().map_err(from_render)?;
         self.gauge.validate().map_err(|e| {
             JobError::at(
                 format!("gauge.{}", e.key),

@@ -9,8 +9,8 @@ use shadowgauge::render::contamination::{
     AdheringFilms, AirDroplets, Chips, Contamination, ContaminationField, Dirt, FieldGeometry, Film, Films,
     Mist, Scratches, SizeDistribution, TransmissionMap, WindowDroplets, mask,
 };
-use shadowgauge::render::settings::{BenchSettings, Departures};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ProfileKnot, Shaft};
 
 fn close(found: f64, wanted: f64, tolerance: f64, what: &str) {
@@ -266,16 +266,16 @@ fn a_film_raises_the_edge_when_it_faces_it() {
 /// Films cover corners of the outline as they cover its straight edges: no step where profiles of their own begin.
 #[test]
 fn films_adhere_beside_a_shoulder_as_elsewhere() {
-    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     (settings.camera.rows, settings.camera.columns) = (400, 300);
     (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 0.2);
     let films = Films { per_cm2: 60.0, half_extent_um: alike(900.0), thickness_um: alike(30.0) };
     settings.contamination = Contamination { films, ..Contamination::default() };
-    let bench = OpticalBench::resolve(&settings, 5).unwrap();
+    let setup = OpticalSetup::resolve(&settings, 5).unwrap();
     let mut shaft = Shaft::cylinder(4.0);
     shaft.profile =
         vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.9 }, ProfileKnot { z_mm: 0.0, radius_mm: 2.1 }];
-    let scene = Scene::new(&bench, shaft).unwrap();
+    let scene = Scene::new(&setup, shaft).unwrap();
     let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let dark = |scene: &Scene| -> Vec<f64> {

@@ -200,11 +200,11 @@ fn a_bench_reports_its_times_and_beside_what_threads_gain_what_the_machine_gives
         let args = ["--json", "--bench", "20", "--threads", threads].map(Path::new);
         let output = measure(&[&[frame.as_path()], &args[..]].concat());
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        let bench = serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["bench"].clone();
-        let positive = |key: &str| bench[key].as_f64().is_some_and(|v| v > 0.0);
-        assert!(positive("ms_per_frame_median") && positive("first_frame_ms"), "{bench}");
+        let setup = serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["bench"].clone();
+        let positive = |key: &str| setup[key].as_f64().is_some_and(|v| v > 0.0);
+        assert!(positive("ms_per_frame_median") && positive("first_frame_ms"), "{setup}");
         for key in ["speedup", "speedup_within_a_frame", "speedup_of_independent_streams"] {
-            assert_eq!(positive(key), threads == "2", "{bench}");
+            assert_eq!(positive(key), threads == "2", "{setup}");
         }
     }
 }

@@ -10,9 +10,9 @@ use proptest::prelude::*;
 use shadowgauge::frame::{PixelFormat, Roi};
 use shadowgauge::render::form::form_shaft;
 use shadowgauge::render::reference::GaussianReference;
-use shadowgauge::render::settings::{BenchSettings, Departures};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::silhouette::Outline;
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::{
     AxisKnot, Eccentricity, Lobe, Pose, ProfileKnot, Shaft, ShaftForm, SurfaceTexture, TextureForm,
 };
@@ -236,8 +236,8 @@ fn worst_against_reference(renderer: &Renderer) -> f64 {
             if rows == 64 && degrees > 12.0 {
                 continue;
             }
-            let bench = bench(rows, 9, sigma);
-            let scene = Scene::new(&bench, cone(&bench, row, f64::to_radians(degrees).tan())).unwrap();
+            let setup = setup(rows, 9, sigma);
+            let scene = Scene::new(&setup, cone(&setup, row, f64::to_radians(degrees).tan())).unwrap();
             let frame = renderer.render(&scene, &noise_free(0.0, PixelFormat::F32), None).unwrap();
             let levels = scene.levels(PixelFormat::F32);
             let reference =
@@ -277,9 +277,9 @@ fn rough_edges_meet_the_two_dimensional_blur() {
         }),
         ..Default::default()
     };
-    let bench = bench(256, 300, 1.2);
+    let setup = setup(256, 300, 1.2);
     let knots = vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.4 }];
-    let scene = Scene::new(&bench, form_shaft(knots, &form, 20.0, 7).unwrap()).unwrap();
+    let scene = Scene::new(&setup, form_shaft(knots, &form, 20.0, 7).unwrap()).unwrap();
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let frame = twin.render(&scene, &noise_free(10.0, PixelFormat::F32), None).unwrap();
     let levels = scene.levels(PixelFormat::F32);
@@ -294,12 +294,12 @@ fn rough_edges_meet_the_two_dimensional_blur() {
 // ---- twin against device, windows, formats
 
 fn ordinary_scene(rows: u32, columns: u32) -> Scene {
-    let bench = bench(rows, columns, 1.2);
-    let radius = 0.4 * f64::from(rows) * bench.pixel_mm;
+    let setup = setup(rows, columns, 1.2);
+    let radius = 0.4 * f64::from(rows) * setup.pixel_mm;
     let mut shaft = Shaft::cylinder(2.0 * radius);
     shaft.lobes = vec![Lobe { order_upr: 3, amplitude_mm: 0.01, phase_deg: 0.0 }];
     shaft.pose.tilt_mrad = 2.0;
-    Scene::new(&bench, shaft).unwrap()
+    Scene::new(&setup, shaft).unwrap()
 }
 
 fn noisy(frame_id: u64) -> FrameRequest {
@@ -373,26 +373,26 @@ fn other_frames_and_seeds_have_other_noise() {
 
 #[test]
 fn true_bench_departs_from_nominal_by_seed_and_not_without() {
-    let settings = BenchSettings::default();
-    let a = OpticalBench::resolve(&settings, 1).unwrap();
-    assert_eq!(a, OpticalBench::resolve(&settings, 1).unwrap());
-    assert_ne!(a.pixel_mm, OpticalBench::resolve(&settings, 2).unwrap().pixel_mm);
+    let settings = SetupSettings::default();
+    let a = OpticalSetup::resolve(&settings, 1).unwrap();
+    assert_eq!(a, OpticalSetup::resolve(&settings, 1).unwrap());
+    assert_ne!(a.pixel_mm, OpticalSetup::resolve(&settings, 2).unwrap().pixel_mm);
     assert_ne!(a.pixel_mm, settings.nominal_pixel_mm());
     assert!((a.pixel_mm / settings.nominal_pixel_mm() - 1.0).abs() < 2.6e-3);
-    let exact = BenchSettings { departures: Departures::none(), ..Default::default() };
-    assert_eq!(OpticalBench::resolve(&exact, 1).unwrap().pixel_mm, exact.nominal_pixel_mm());
+    let exact = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
+    assert_eq!(OpticalSetup::resolve(&exact, 1).unwrap().pixel_mm, exact.nominal_pixel_mm());
 }
 
 #[test]
 fn default_camera_shows_25_mm_over_80_percent_of_its_height() {
-    let bench = BenchSettings::default();
-    let share = 25.0 / (bench.nominal_pixel_mm() * f64::from(bench.camera.rows));
+    let setup = SetupSettings::default();
+    let share = 25.0 / (setup.nominal_pixel_mm() * f64::from(setup.camera.rows));
     assert!((share - 0.8).abs() < 0.002, "{share}");
 }
 
 #[test]
 fn settings_out_of_range_name_their_key() {
-    type Spoil = fn(&mut BenchSettings);
+    type Spoil = fn(&mut SetupSettings);
     let cases: [(&str, Spoil); 6] = [
         ("optics.magnification", |s| s.optics.magnification = 0.0),
         ("camera.columns", |s| s.camera.columns = 0),
@@ -402,21 +402,21 @@ fn settings_out_of_range_name_their_key() {
         ("departures.blur_rel", |s| s.departures.blur_rel = 3.0),
     ];
     for (key, spoil) in cases {
-        let mut settings = BenchSettings::default();
+        let mut settings = SetupSettings::default();
         spoil(&mut settings);
-        let error = OpticalBench::resolve(&settings, 0).unwrap_err();
+        let error = OpticalSetup::resolve(&settings, 0).unwrap_err();
         assert!(matches!(&error, RenderError::Setting { key: k, .. } if *k == key), "{key}: {error}");
     }
 }
 
 #[test]
 fn shaft_larger_than_the_field_is_refused() {
-    let bench = bench(100, 100, 1.0);
-    let error = Scene::new(&bench, Shaft::cylinder(2.0)).unwrap_err();
+    let setup = setup(100, 100, 1.0);
+    let error = Scene::new(&setup, Shaft::cylinder(2.0)).unwrap_err();
     assert!(matches!(error, RenderError::Field { .. }), "{error}");
     let mut shaft = Shaft::cylinder(1.0);
     shaft.pose.x_mm = 0.5;
-    let scene = Scene::new(&bench, shaft).unwrap();
+    let scene = Scene::new(&setup, shaft).unwrap();
     let error = scene.geometric_edges(&FrameRequest::default()).unwrap_err();
     assert!(matches!(error, RenderError::Field { .. }), "{error}");
 }

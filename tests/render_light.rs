@@ -12,8 +12,8 @@ use shadowgauge::render::contamination::{
 };
 use shadowgauge::render::lens::FieldLight;
 use shadowgauge::render::reference::GaussianReference;
-use shadowgauge::render::settings::{BenchSettings, Departures};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 use shadowgauge::truth::true_edges;
 use support::{counts, device, exact, shifts, worst};
@@ -40,19 +40,20 @@ fn dirty() -> Contamination {
     }
 }
 
-fn bench(light: FieldLight, contamination: Contamination) -> OpticalBench {
-    let mut settings = BenchSettings { departures: Departures::none(), contamination, ..Default::default() };
+fn setup(light: FieldLight, contamination: Contamination) -> OpticalSetup {
+    let mut settings =
+        SetupSettings { departures: SetupDeviations::none(), contamination, ..Default::default() };
     settings.light.field = light;
     settings.camera.rows = 320;
     settings.camera.columns = 401;
     settings.camera.pixel_um = 3.0;
     settings.optics.magnification = 0.2;
     settings.optics.defocus_na = 0.01;
-    OpticalBench::resolve(&settings, 5).unwrap()
+    OpticalSetup::resolve(&settings, 5).unwrap()
 }
 
 fn scene(light: FieldLight, contamination: Contamination) -> Scene {
-    Scene::new(&bench(light, contamination), Shaft::cylinder(3.0)).unwrap()
+    Scene::new(&setup(light, contamination), Shaft::cylinder(3.0)).unwrap()
 }
 
 fn request(noise: bool) -> FrameRequest {
@@ -66,7 +67,7 @@ fn twin() -> Renderer {
 fn reference(scene: &Scene, factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let levels = scene.levels(PixelFormat::F32);
     let judge = GaussianReference { sigma_px: 1.2, shadow: levels.shadow, bright: levels.bright };
-    judge.lit_frame(scene.bench().rows(), scene.bench().columns(), exact(scene, 0.0, 0.0), factor)
+    judge.lit_frame(scene.setup().rows(), scene.setup().columns(), exact(scene, 0.0, 0.0), factor)
 }
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {
@@ -168,10 +169,10 @@ fn films_raise_the_drawn_edge_not_the_truth_and_turn_with_the_shaft() {
 #[test]
 fn device_and_twin_agree_on_dirty_noisy_frames() {
     let Some(device) = device() else { return };
-    let mut bench = bench(UNEVEN, dirty());
-    bench.nominal.sensor.prnu_rel = 0.01;
-    bench.nominal.sensor.dsnu_e = 3.0;
-    let scene = Scene::new(&bench, Shaft::cylinder(3.0)).unwrap();
+    let mut setup = setup(UNEVEN, dirty());
+    setup.nominal.sensor.prnu_rel = 0.01;
+    setup.nominal.sensor.dsnu_e = 3.0;
+    let scene = Scene::new(&setup, Shaft::cylinder(3.0)).unwrap();
     for format in [PixelFormat::Mono8, PixelFormat::Mono12, PixelFormat::F32] {
         let request = FrameRequest { format: Some(format), ..request(true) };
         let [a, b] = [&device, &twin()].map(|r| counts(&r.render(&scene, &request, None).unwrap()));

@@ -6,9 +6,9 @@
 mod support;
 
 use shadowgauge::frame::PixelFormat;
-use shadowgauge::render::settings::{BenchSettings, Departures};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::shadowgraph::standard_normal;
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 use support::counts;
 
@@ -79,13 +79,13 @@ fn moments(rows: &[Vec<f64>]) -> Moments {
 
 /// Rows of flat field: bright where `bright`, else shadow.
 fn sample(renderer: &Renderer, bright: bool, format: PixelFormat) -> (Vec<Vec<f64>>, Expected) {
-    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     settings.camera.rows = 2048;
     settings.light.shadow_counts = 80.0;
-    let bench = OpticalBench::resolve(&settings, 0).unwrap();
+    let setup = OpticalSetup::resolve(&settings, 0).unwrap();
     // A wire for the bright field, a shaft that fills the frame for the shadow.
-    let scene = Scene::new(&bench, Shaft::cylinder(if bright { 0.5 } else { 30.0 })).unwrap();
-    let columns = bench.columns();
+    let scene = Scene::new(&setup, Shaft::cylinder(if bright { 0.5 } else { 30.0 })).unwrap();
+    let columns = setup.columns();
     let mut rows = Vec::new();
     let mut frame_id = 0;
     while rows.len() * columns < SAMPLE {

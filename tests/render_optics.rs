@@ -12,8 +12,8 @@ use shadowgauge::render::esf_families::{
     EdgeSpread, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge, Shifts,
 };
 use shadowgauge::render::reference::StraightReference;
-use shadowgauge::render::settings::{BenchSettings, Departures, Esf};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::{AxisKnot, ProfileKnot, Shaft};
 use support::*;
 
@@ -108,29 +108,29 @@ fn families() -> Vec<(&'static str, Esf)> {
     ]
 }
 
-fn family_bench(rows: u32, esf: &Esf) -> OpticalBench {
-    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+fn family_bench(rows: u32, esf: &Esf) -> OpticalSetup {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     (settings.camera.rows, settings.camera.columns) = (rows, 9);
     (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 0.2);
     settings.optics.esf = esf.clone();
     // Rings reach 1.37 times the field's light: the full well must not clip them.
     settings.light.bright_counts = 2000.0;
-    OpticalBench::resolve(&settings, 0).unwrap()
+    OpticalSetup::resolve(&settings, 0).unwrap()
 }
 
 /// Worst signed shift, px, of noise-free frames of straight edges against the closed form over the pixel.
-fn worst_of_family(renderer: &Renderer, bench: &OpticalBench, row: f64) -> f64 {
-    let rows = bench.rows() as u32;
+fn worst_of_family(renderer: &Renderer, setup: &OpticalSetup, row: f64) -> f64 {
+    let rows = setup.rows() as u32;
     let mut all: f64 = 0.0;
     for degrees in [0.0, 0.3, 12.0, 45.0, 60.0] {
         let slope = f64::to_radians(degrees).tan();
-        let scene = Scene::new(bench, cone(bench, row, slope)).unwrap();
+        let scene = Scene::new(setup, cone(setup, row, slope)).unwrap();
         let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
         let frame = counts(&renderer.render(&scene, &request, None).unwrap());
         let edges = scene.geometric_edges(&request).unwrap();
         let levels = scene.levels(PixelFormat::F32);
         let table = scene.edge_spreads()[0].clone();
-        let reference = StraightReference { esf: &table, pixel_um: bench.pixel_mm * 1e3 };
+        let reference = StraightReference { esf: &table, pixel_um: setup.pixel_mm * 1e3 };
         let truth: Vec<f64> = (0..rows)
             .flat_map(|r| edges.iter().map(move |e| (f64::from(r), e)))
             .map(|(r, e)| reference.light(e.top_px - r, slope) + reference.light(r - e.bottom_px, slope))
@@ -147,9 +147,9 @@ fn worst_of_family(renderer: &Renderer, bench: &OpticalBench, row: f64) -> f64 {
 fn twin_and_device_meet_every_family_to_row_4096_and_60_degrees() {
     let renderers = [Some(Renderer::new(BackendChoice::Cpu).unwrap()), device()];
     for (name, esf) in families() {
-        let bench = family_bench(4200, &esf);
+        let setup = family_bench(4200, &esf);
         for renderer in renderers.iter().flatten() {
-            let worst = worst_of_family(renderer, &bench, 180.37);
+            let worst = worst_of_family(renderer, &setup, 180.37);
             println!("{name} by {}: {worst:.2e} px against the f64 reference", renderer.adapter_name());
             assert!(worst < 1e-4, "{name}: {worst} px");
         }
@@ -186,8 +186,8 @@ fn against_table(scene: &Scene, table: &EdgeSpread) -> f64 {
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(scene, &request, None).unwrap());
     let edge = scene.geometric_edges(&request).unwrap()[4].top_px;
     let levels = scene.levels(PixelFormat::F32);
-    let reference = StraightReference { esf: table, pixel_um: scene.bench().pixel_mm * 1e3 };
-    (0..scene.bench().rows() / 2)
+    let reference = StraightReference { esf: table, pixel_um: scene.setup().pixel_mm * 1e3 };
+    (0..scene.setup().rows() / 2)
         .map(|r| {
             let light = (frame[r * 9 + 4] - levels.shadow) / (levels.bright - levels.shadow);
             (light - reference.light(edge - r as f64, 0.0)).abs()
@@ -199,8 +199,8 @@ fn against_table(scene: &Scene, table: &EdgeSpread) -> f64 {
 fn every_family_follows_the_axis_out_of_focus() {
     let y_mm = 0.83;
     for (name, esf) in families() {
-        let bench = family_bench(600, &esf);
-        let mut shaft = Shaft::cylinder(300.3 * bench.pixel_mm);
+        let setup = family_bench(600, &esf);
+        let mut shaft = Shaft::cylinder(300.3 * setup.pixel_mm);
         shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm }];
         let table = match &esf {
             Esf::PartiallyCoherent(p) => {
@@ -219,7 +219,7 @@ fn every_family_follows_the_axis_out_of_focus() {
             }
             _ => unreachable!(),
         };
-        let worst = against_table(&Scene::new(&bench, shaft).unwrap(), &table.unwrap());
+        let worst = against_table(&Scene::new(&setup, shaft).unwrap(), &table.unwrap());
         println!("{name}, {y_mm} mm out of focus: {worst:.1e} of full intensity");
         assert!(worst < 3e-4, "{name}: {worst}");
     }
@@ -230,19 +230,19 @@ fn a_polished_shaft_reflects_by_its_own_radius() {
     let reflection =
         GrazingReflection { source_half_angle_deg: 4.0, polished_share: 1.0, ..Default::default() };
     for esf in [Esf::default(), Esf::PartiallyCoherent(PartiallyCoherentEdge::default())] {
-        let mut bench = family_bench(1000, &esf);
-        bench.nominal.optics.reflection = Some(reflection.clone());
+        let mut setup = family_bench(1000, &esf);
+        setup.nominal.optics.reflection = Some(reflection.clone());
         let dull = family_bench(1000, &esf);
         for radius_px in [100.15, 450.15] {
-            let mut shaft = Shaft::cylinder(2.0 * radius_px * bench.pixel_mm);
+            let mut shaft = Shaft::cylinder(2.0 * radius_px * setup.pixel_mm);
             // Elsewhere a thicker and a thinner piece.
             let radius_mm = shaft.profile[0].radius_mm;
             let far = |z_mm, radius_mm| ProfileKnot { z_mm, radius_mm };
             shaft.profile = vec![
-                far(-50.0, 100.15 * bench.pixel_mm),
+                far(-50.0, 100.15 * setup.pixel_mm),
                 far(-40.0, radius_mm),
                 far(40.0, radius_mm),
-                far(50.0, 450.15 * bench.pixel_mm),
+                far(50.0, 450.15 * setup.pixel_mm),
             ];
             let knife = Scene::new(&dull, shaft.clone()).unwrap();
             let edge = match knife.edge_spreads().first() {
@@ -252,7 +252,7 @@ fn a_polished_shaft_reflects_by_its_own_radius() {
                     .unwrap(),
             };
             let table = reflection.edge_spread(&edge, radius_mm).unwrap();
-            let worst = against_table(&Scene::new(&bench, shaft).unwrap(), &table);
+            let worst = against_table(&Scene::new(&setup, shaft).unwrap(), &table);
             println!("R {radius_mm} mm: {worst:.1e}");
             // Radii share a table within 1 %.
             assert!(worst < 2e-3, "R {radius_mm}: {worst}");
@@ -264,12 +264,12 @@ fn a_polished_shaft_reflects_by_its_own_radius() {
 
 #[test]
 fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
-    let bench = bench(200, 9, 1.0);
-    let mut shaft = Shaft::cylinder(100.4 * bench.pixel_mm);
+    let setup = setup(200, 9, 1.0);
+    let mut shaft = Shaft::cylinder(100.4 * setup.pixel_mm);
     shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm: 3.0 }];
     let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
-    let scene = Scene::new(&bench, shaft).unwrap();
+    let scene = Scene::new(&setup, shaft).unwrap();
     let frame = counts(&twin.render(&scene, &request, None).unwrap());
     let levels = scene.levels(PixelFormat::F32);
     // Variance of the line spread along a column, the pixel's 1/12 taken off: σ² + (y·NA)²/4.
@@ -280,7 +280,7 @@ fn an_edge_out_of_focus_is_blurred_by_half_the_aperture() {
     let mean: f64 = spread.iter().map(|(x, w)| x * w).sum();
     let variance: f64 =
         spread.iter().map(|(x, w)| (x - mean).powi(2) * w).sum::<f64>() - 1.0 / 12.0 - 1.0 / 12.0;
-    let expected = 1.0 + (3.0 * 0.02 / 2.0 / bench.pixel_mm).powi(2);
+    let expected = 1.0 + (3.0 * 0.02 / 2.0 / setup.pixel_mm).powi(2);
     // Differences of pixels put a second box of one pixel on the spread.
     assert!((variance / expected - 1.0).abs() < 2e-3, "{variance} {expected}");
     let edges = scene.geometric_edges(&request).unwrap()[4];
@@ -296,16 +296,16 @@ struct Flat {
 }
 
 /// Mean, temporal and spatial variance of a flat field of `bright` counts from `frames` frames.
-fn flat_field(renderer: &Renderer, settings: &BenchSettings, bright: f64, frames: u64) -> Flat {
+fn flat_field(renderer: &Renderer, settings: &SetupSettings, bright: f64, frames: u64) -> Flat {
     let mut settings = settings.clone();
     settings.light.bright_counts = bright;
-    let bench = OpticalBench::resolve(&settings, 5).unwrap();
-    let scene = Scene::new(&bench, Shaft::cylinder(0.2)).unwrap();
+    let setup = OpticalSetup::resolve(&settings, 5).unwrap();
+    let scene = Scene::new(&setup, Shaft::cylinder(0.2)).unwrap();
     let (mut sum, mut squares) = (Vec::new(), Vec::new());
     for frame_id in 0..frames {
         let request = FrameRequest { frame_id, noise: true, seed: 3, ..Default::default() };
         let frame = counts(&renderer.render(&scene, &request, None).unwrap());
-        let field = &frame[..bench.columns() * bench.rows() / 3];
+        let field = &frame[..setup.columns() * setup.rows() / 3];
         sum.resize(field.len(), 0.0);
         squares.resize(field.len(), 0.0);
         for ((s, q), v) in sum.iter_mut().zip(&mut squares).zip(field) {
@@ -320,8 +320,8 @@ fn flat_field(renderer: &Renderer, settings: &BenchSettings, bright: f64, frames
     Flat { mean, temporal, spatial }
 }
 
-fn emva_bench() -> BenchSettings {
-    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+fn emva_bench() -> SetupSettings {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     settings.camera.rows = 900;
     settings.camera.columns = 1200;
     settings.light.shadow_counts = 64.0;
@@ -382,7 +382,7 @@ fn full_well_clips_and_hot_pixels_stay() {
     let ceiling = 64.0 + 5000.0 / 2.6;
     assert!((clipped.mean - ceiling).abs() < 1.0 && clipped.temporal < 1e-6, "{}", clipped.mean);
     settings.light.bright_counts = 64.0;
-    let dark = OpticalBench::resolve(&settings, 5).unwrap();
+    let dark = OpticalSetup::resolve(&settings, 5).unwrap();
     let scene = Scene::new(&dark, Shaft::cylinder(0.2)).unwrap();
     let hot = |frame_id| -> Vec<usize> {
         let request = FrameRequest { frame_id, noise: true, ..Default::default() };

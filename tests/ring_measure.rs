@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::calibration::{
-    Adjusted, BenchCalibration, Conditions, CovariancePart, LensModel, Validity,
+    Adjusted, Conditions, CovariancePart, LensModel, SetupCalibration, Validity,
 };
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};
 use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};
@@ -354,8 +354,8 @@ fn a_calibration_takes_distortion_and_keystone_out_of_a_ring() {
         residuals: Vec::new(),
     };
     let validity = Validity { date: "2026-01-01".parse().unwrap(), valid_days: 365 };
-    let bench = BenchCalibration::new(&adjusted, SIZE, validity, RING.sigma);
-    let full = Calibration::of_bench(&adjusted, plain.masters.clone(), bench);
+    let setup = SetupCalibration::new(&adjusted, SIZE, validity, RING.sigma);
+    let full = Calibration::of_setup(&adjusted, plain.masters.clone(), setup);
     let warm = Conditions { temperature_c: 30.0, ..Conditions::default() };
     found.calibrate(&full, &warm, 50.0).unwrap();
     let (out, bore) = (found.outer.mm.unwrap(), found.inner.as_ref().unwrap().mm.unwrap());

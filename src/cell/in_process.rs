@@ -5,7 +5,7 @@ use super::turning_cell::{CellError, FollowedCut, TurningCell as _};
 use crate::frame::{Frame, FrameSource, SourceError};
 use crate::plan::{DiameterOffset, FollowFrame, FollowPlan, PassPlan};
 use crate::process::FollowedPass;
-use crate::render::{FrameRequest, OpticalBench, RenderError, Scene};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Scene};
 
 /// A pass of the simulated cell under way.
 pub(super) struct SimulatedCut<'c, 'r> {
@@ -13,7 +13,7 @@ pub(super) struct SimulatedCut<'c, 'r> {
     plan: PassPlan,
     follow: FollowPlan,
     /// The bench with spindle and carriage in motion.
-    bench: OpticalBench,
+    setup: OpticalSetup,
     pass: FollowedPass,
     next: usize,
     begun_ns: u64,
@@ -28,12 +28,12 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
     ) -> Result<Self, CellError> {
         let pass = cell.process.followed(plan)?;
         cell.begin_pass(plan.pass);
-        let mut bench = cell.bench.clone();
-        bench.nominal.motion.spindle_rpm = follow.spindle_rpm;
-        bench.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
+        let mut setup = cell.setup.clone();
+        setup.nominal.motion.spindle_rpm = follow.spindle_rpm;
+        setup.nominal.motion.carriage_mm_s = follow.carriage_mm_s;
         let begun_ns = cell.clock_ns;
         let (plan, follow) = (plan.clone(), follow.clone());
-        Ok(Self { cell, plan, follow, bench, pass, next: 0, begun_ns, spare: None })
+        Ok(Self { cell, plan, follow, setup, pass, next: 0, begun_ns, spare: None })
     }
 
     fn time_ns(&self, turns: f64) -> u64 {
@@ -42,8 +42,8 @@ impl<'c, 'r> SimulatedCut<'c, 'r> {
 
     fn draw(&mut self, at: &FollowFrame) -> Result<Frame, RenderError> {
         let shaft = self.cell.clamped(self.pass.at(at.tool_z_mm));
-        let scene = Scene::new(&self.bench, shaft)?;
-        let camera = &self.bench.nominal.camera;
+        let scene = Scene::new(&self.setup, shaft)?;
+        let camera = &self.setup.nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: self.cell.frame_id,

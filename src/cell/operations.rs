@@ -27,7 +27,7 @@ impl TurningCell for SimulatedCell<'_> {
     }
 
     fn scan(&mut self, plan: &ScanPlan) -> Result<Box<dyn FrameSource + '_>, CellError> {
-        let scene = Scene::new(&self.bench, self.process.as_scanned(&self.part))?;
+        let scene = Scene::new(&self.setup, self.process.as_scanned(&self.part))?;
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
         Ok(self.film(vec![scene], stops, Film::Part))
@@ -42,7 +42,7 @@ impl TurningCell for SimulatedCell<'_> {
         let scenes: Result<Vec<Scene>, RenderError> = poses
             .into_iter()
             .map(|pose| {
-                Scene::new(&self.bench, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
+                Scene::new(&self.setup, Shaft { pose, ..Shaft::cylinder(diameter_mm) }).map(Scene::wiped)
             })
             .collect();
         self.master_frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);

@@ -11,13 +11,13 @@ use crate::job::{Job, MasterPin};
 use crate::process::bending::sum_of_lines;
 use crate::process::{BaseForm, Stock, TurningProcess};
 use crate::render::form::form_shaft;
-use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, ProfileKnot, Shaft};
 
 /// Process and renderer in place of a lathe and a camera.
 pub struct SimulatedCell<'a> {
     pub(super) renderer: &'a Renderer,
-    pub(super) bench: OpticalBench,
+    pub(super) setup: OpticalSetup,
     pub(super) process: TurningProcess,
     /// The part at 20 °C.
     pub(super) part: Shaft,
@@ -91,7 +91,7 @@ impl<'a> SimulatedCell<'a> {
     /// # Errors
     /// Where a stage refuses its settings.
     pub fn new(job: &Job, renderer: &'a Renderer) -> Result<Self, CellError> {
-        let bench = OpticalBench::resolve(&job.bench_settings(), job.seed)?;
+        let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed)?;
         let stock = Stock { diameter_mm: job.part.stock_diameter_mm, length_mm: job.part.length_mm };
         let formed = formed(job)?;
         let form = base_form_of(&formed);
@@ -101,7 +101,7 @@ impl<'a> SimulatedCell<'a> {
         let part = Shaft { deflection, spindle: formed.spindle, ..blank };
         Ok(Self {
             renderer,
-            bench,
+            setup,
             process,
             part,
             deflection: formed.deflection,
@@ -196,7 +196,7 @@ impl FrameSource for SimulatedFrames<'_> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         let Some(&(z_mm, angle_deg)) = self.stops.get(self.next) else { return Ok(None) };
         let scene = &self.scenes[self.next.min(self.scenes.len() - 1)];
-        let camera = &scene.bench().nominal.camera;
+        let camera = &scene.setup().nominal.camera;
         let windows = camera.windows.map(|w| w.rois(camera.columns));
         let request = FrameRequest {
             frame_id: *self.frame_id,
@@ -215,7 +215,7 @@ impl FrameSource for SimulatedFrames<'_> {
         })?;
         self.next += 1;
         *self.frame_id += 1;
-        *self.clock_ns += (scene.bench().nominal.camera.period_ms() * 1e6) as u64;
+        *self.clock_ns += (scene.setup().nominal.camera.period_ms() * 1e6) as u64;
         Ok(Some(frame))
     }
 

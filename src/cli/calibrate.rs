@@ -120,40 +120,40 @@ fn choose_edge(
 }
 
 fn check(calibration: &Calibration) -> bool {
-    calibration.bench.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
+    calibration.setup.as_ref().and_then(|b| b.check).is_none_or(|c| c.accepted)
 }
 
 fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
     let calibration = &calibrated.calibration;
-    let Some(bench) = &calibration.bench else { return };
+    let Some(setup) = &calibration.setup else { return };
     if args.json {
-        let residual_um = rms(bench.residuals.iter().map(|r| 1e3 * r.residual_mm));
+        let residual_um = rms(setup.residuals.iter().map(|r| 1e3 * r.residual_mm));
         say_line!(
             "{}",
             json!({
                 // Without a check pin the masters are the only evidence for the calibration.
-                "accepted": bench.check.map(|c| c.accepted),
+                "accepted": setup.check.map(|c| c.accepted),
                 "optics_id": calibration.optics_id,
                 "scale_mm_per_px": calibration.scale_mm_per_px,
                 "offset_mm": calibration.offset_mm,
-                "lens": bench.lens,
-                "birge_ratio": bench.birge_ratio,
+                "lens": setup.lens,
+                "birge_ratio": setup.birge_ratio,
                 "rms_residual_um": residual_um,
-                "check": bench.check,
+                "check": setup.check,
                 "edge_model": calibration.edge_model,
                 "unlearnt_frames": calibrated.unlearnt_frames,
                 "misfit_chi2": calibration.systematic_residual().map(|m| m.chi2),
-                "expires": bench.validity.expires(),
-                "sensor": bench.sensor.as_ref().map(|s| json!({
+                "expires": setup.validity.expires(),
+                "sensor": setup.sensor.as_ref().map(|s| json!({
                     "gain_counts_per_electron": s.gain_counts_per_electron,
                     "read_noise_electrons": s.read_noise_electrons,
                     "prnu": s.prnu,
                     "black_counts": s.black_counts,
                 })),
-                "defective_pixels": bench.flat_field.as_ref().map(|f| f.defects.len()),
+                "defective_pixels": setup.flat_field.as_ref().map(|f| f.defects.len()),
                 // For one version also under the name of the list in the calibration file.
-                "defects": bench.flat_field.as_ref().map(|f| f.defects.len()),
-                "response": bench.flat_field.as_ref().and_then(|f| f.response),
+                "defects": setup.flat_field.as_ref().map(|f| f.defects.len()),
+                "response": setup.flat_field.as_ref().and_then(|f| f.response),
             })
         );
         return;
@@ -171,8 +171,8 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * systematic_residual.norm(1)
         );
     }
-    say_line!("Birge ratio {:.3}, valid until {}", bench.birge_ratio, bench.validity.expires());
-    if let Some(sensor) = &bench.sensor {
+    say_line!("Birge ratio {:.3}, valid until {}", setup.birge_ratio, setup.validity.expires());
+    if let Some(sensor) = &setup.sensor {
         say_line!(
             "sensor: {:.4} electrons a count, read noise {:.2} e, PRNU {:.3} %",
             1.0 / sensor.gain_counts_per_electron,
@@ -180,14 +180,14 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * sensor.prnu
         );
     }
-    if let Some(field) = &bench.flat_field {
+    if let Some(field) = &setup.flat_field {
         say_line!(
             "flat field: {} defective pixels, light falls by {:.2} %",
             field.defects.len(),
             1e2 * field.fall_off
         );
     }
-    if let Some(response) = bench.flat_field.as_ref().and_then(|f| f.response) {
+    if let Some(response) = setup.flat_field.as_ref().and_then(|f| f.response) {
         say_line!(
             "response: departs from a line by {:.1} % of full scale, undone (exponent {:.3}, curvature {:.3}, {:.2} % left)",
             1e2 * response.departure,
@@ -196,10 +196,10 @@ fn say(args: &CalibrateArgs, calibrated: &Calibrated) {
             1e2 * response.residual
         );
     }
-    if bench.check.is_none() {
+    if setup.check.is_none() {
         say_line!("no check pin: nothing but the masters themselves speaks for this calibration");
     }
-    if let Some(check) = bench.check {
+    if let Some(check) = setup.check {
         let [error_um, expanded_um] = stated(1e3 * check.error_mm, 1e3 * check.expanded_u_mm);
         say_line!(
             "check pin: {}{error_um} um off, U = {expanded_um} um (k = {:.2}), E_n = {:.2}: {}",

@@ -50,12 +50,12 @@ pub fn of_text(text: ConfigText, folder: PathBuf) -> Result<LoadedPlan, Failure>
     let mut plan: CalibrationPlan = text.parse()?;
     if let Some(simulate) = &mut plan.simulate {
         if let Some(name) = simulate.config.take() {
-            if !simulate.has_no_bench() {
+            if !simulate.has_no_setup() {
                 let beside = "stands beside tables of a bench; give one of them";
                 return Err(text.refuse(format!("simulate.config: {}: {beside}", name.display())));
             }
             let job = config::load(&folder.join(&name)).map_err(Failure::refused)?;
-            *simulate = simulate.before_bench_of(&job);
+            *simulate = simulate.before_setup_of(&job);
         }
         config::read_measured_edge(&mut simulate.optics.esf, &folder)
             .map_err(|e| text.refuse(format!("simulate.{e}")))?;

@@ -12,7 +12,7 @@ use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::calibration::Date;
 use crate::job::NominalEdge;
-use crate::render::settings::{BenchSettings, Esf, Optics};
+use crate::render::settings::{Esf, Optics, SetupSettings};
 
 /// What `optics` shows.
 #[derive(Debug, clap::Subcommand)]
@@ -64,15 +64,15 @@ impl NominalOptics {
     /// # Errors
     /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no optics.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let of = |bench: BenchSettings, radius_mm| Self {
-            pixel_mm: bench.nominal_pixel_mm(),
-            optics: bench.optics,
+        let of = |setup: SetupSettings, radius_mm| Self {
+            pixel_mm: setup.nominal_pixel_mm(),
+            optics: setup.optics,
             radius_mm,
         };
         if !is_plan(&ConfigText::read(path)?.text) {
             let job = config::load(path).map_err(Failure::refused)?;
             let last = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
-            return Ok(of(job.bench_settings(), 0.5 * last));
+            return Ok(of(job.setup_settings(), 0.5 * last));
         }
         let plan = calibration_plan::load(path, Date::of(SystemTime::now()))?.plan;
         let Some(simulate) = &plan.simulate else {
@@ -81,11 +81,11 @@ impl NominalOptics {
             return Err(Failure::refuse(format!("{}: {what}", path.display())));
         };
         simulate
-            .bench()
+            .setup()
             .check()
             .map_err(|e| Failure::refuse(format!("{}: simulate: {e}", path.display())))?;
         let sum: f64 = plan.masters.iter().map(|m| 0.5 * m.diameter_mm).sum();
-        Ok(of(simulate.bench(), sum / plan.masters.len().max(1) as f64))
+        Ok(of(simulate.setup(), sum / plan.masters.len().max(1) as f64))
     }
 
     /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` before the plane of focus.

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Shaft`](crate::shaft::Shaft), the settings of an optical setup ([`settings`]) and the
 //! seed of its departures. Out: frames in counts, with the true rows of both edges.
-//! [`OpticalBench::resolve`] draws the true setup, [`Scene::new`] puts a shaft before it,
+//! [`OpticalSetup::resolve`] draws the true setup, [`Scene::new`] puts a shaft before it,
 //! [`Renderer::render`] takes a frame.
 //!
 //! From the body to the pixel: [`form`] (a body from the `[shaft]` table), [`silhouette`] (its
@@ -30,4 +30,4 @@ pub use error::RenderError;
 pub use kernel::{column_edges as columns, light_map, noise, params, reference, shadowgraph};
 pub use optics::{edge_spread as esf_families, esf_table as esf, lens};
 pub use renderer::{BackendChoice, Renderer};
-pub use scene::{FrameRequest, OpticalBench, Scene};
+pub use scene::{FrameRequest, OpticalSetup, Scene};

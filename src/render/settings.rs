@@ -183,8 +183,8 @@ impl Light {
 
 /// How far the true bench may lie from the nominal one: standard deviations of the seeded draws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Departures {
+#[serde(rename = "Departures", deny_unknown_fields, default)]
+pub struct SetupDeviations {
     /// Relative standard deviation of the magnification.
     pub magnification_rel: f64,
     /// Relative standard deviation of the blur.
@@ -193,13 +193,13 @@ pub struct Departures {
     pub gain_rel: f64,
 }
 
-impl Default for Departures {
+impl Default for SetupDeviations {
     fn default() -> Self {
         Self { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 }
     }
 }
 
-impl Departures {
+impl SetupDeviations {
     /// An optical setup exactly at its nominal values.
     pub fn none() -> Self {
         Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
@@ -218,8 +218,8 @@ impl Departures {
 
 /// Everything a user sets about the bench.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct BenchSettings {
+#[serde(rename = "BenchSettings", deny_unknown_fields, default)]
+pub struct SetupSettings {
     /// The pixel matrix.
     pub camera: Camera,
     /// Lens and edge spread.
@@ -233,10 +233,10 @@ pub struct BenchSettings {
     /// What soils the view.
     pub contamination: Contamination,
     /// Distance of the true bench from the nominal one.
-    pub departures: Departures,
+    pub departures: SetupDeviations,
 }
 
-impl BenchSettings {
+impl SetupSettings {
     /// Checks every part.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::SystematicResidual;
-use crate::gauge::calibration::{BenchCalibration, Residual};
+use crate::gauge::calibration::{Residual, SetupCalibration};
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 
@@ -16,29 +16,29 @@ use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, 
 pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Result<String, ReportError> {
     let calibration = &calibrated.calibration;
     let mut page = Page::new(format!("Calibration of {}", plan.optics_id));
-    let Some(bench) = &calibration.bench else { return Ok(page.finish()) };
+    let Some(setup) = &calibration.setup else { return Ok(page.finish()) };
     page.text(&format!(
         "Made on {}, valid until {}. Frames of {} rows x {} columns. Masters at {} ± {} °C.{}",
-        bench.validity.date,
-        bench.validity.expires(),
-        bench.rows,
-        bench.columns,
+        setup.validity.date,
+        setup.validity.expires(),
+        setup.rows,
+        setup.columns,
         plan.thermometer.temperature_c,
         plan.thermometer.limit_temperature_k,
         if plan.simulate.is_some() { " The frames were rendered, not recorded." } else { "" }
     ));
-    verdict(&mut page, bench);
+    verdict(&mut page, setup);
     let rows: Vec<Vec<String>> = parameter_table(calibration).into_iter().map(Vec::from).collect();
     page.heading("Bench").table(&["parameter", "value", "standard uncertainty"], &rows).text(&format!(
         "√(χ²/ν) = {:.3}: {}",
-        bench.birge_ratio,
-        if bench.birge_ratio > 1.0 {
+        setup.birge_ratio,
+        if setup.birge_ratio > 1.0 {
             "the edges' own uncertainties were multiplied by it."
         } else {
             "the residuals scatter no more than the edges' own uncertainties say."
         }
     ));
-    residuals(&mut page, plan, &bench.residuals)?;
+    residuals(&mut page, plan, &setup.residuals)?;
     page.heading("Edge model").text(&format!("{}.", edge_model_line(calibrated)));
     systematic_residual(&mut page, calibration.systematic_residual())?;
     if let Some(budget) = &calibrated.example {
@@ -46,12 +46,12 @@ pub fn calibration_report(plan: &CalibrationPlan, calibrated: &Calibrated) -> Re
             .text(&budget_words(budget, budget.factor_or(None)));
         page.table(&BUDGET_HEADER, &budget_rows(budget));
     }
-    sensor(&mut page, bench)?;
+    sensor(&mut page, setup)?;
     Ok(page.finish())
 }
 
-fn verdict(page: &mut Page, bench: &BenchCalibration) {
-    let Some(check) = bench.check else {
+fn verdict(page: &mut Page, setup: &SetupCalibration) {
+    let Some(check) = setup.check else {
         page.text(
             "No check pin was measured: nothing but the masters themselves speaks for this calibration.",
         );
@@ -149,12 +149,12 @@ fn systematic_residual(
     Ok(())
 }
 
-fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> {
-    if bench.flat_field.is_none() && bench.sensor.is_none() {
+fn sensor(page: &mut Page, setup: &SetupCalibration) -> Result<(), ReportError> {
+    if setup.flat_field.is_none() && setup.sensor.is_none() {
         return Ok(());
     }
     page.heading("Sensor and light");
-    if let Some(field) = &bench.flat_field {
+    if let Some(field) = &setup.flat_field {
         page.text(&format!(
             "{} defective pixels; the light falls by {:.2} % over the field ({}); PRNU {:.3} %, DSNU {:.2} counts, black {:.2} counts. \
              Pixel-to-pixel response is not divided out: over columns it averages as noise does.",
@@ -166,7 +166,7 @@ fn sensor(page: &mut Page, bench: &BenchCalibration) -> Result<(), ReportError> 
             field.black_counts
         ));
     }
-    let Some(sensor) = &bench.sensor else { return Ok(()) };
+    let Some(sensor) = &setup.sensor else { return Ok(()) };
     page.text(&format!(
         "Photon transfer (EMVA 1288): {:.4} electrons a count (± {:.2} %), read noise {:.2} e, PRNU {:.3} %, linearity error {:.2} %.",
         1.0 / sensor.gain_counts_per_electron,

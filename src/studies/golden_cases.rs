@@ -5,8 +5,8 @@
 use crate::frame::{PixelFormat, Pixels};
 use crate::render::contamination::Contamination;
 use crate::render::form::form_shaft;
-use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
-use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{ProfileKnot, ShaftForm};
 use crate::truth::true_edges;
 
@@ -74,18 +74,18 @@ impl GoldenCase {
     /// # Errors
     /// When its optics or its shaft are refused.
     pub fn scene(&self) -> Result<Scene, RenderError> {
-        let settings = BenchSettings {
+        let settings = SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
             light: self.light.clone(),
             sensor: self.sensor.clone(),
             motion: Default::default(),
             contamination: self.contamination.clone(),
-            departures: Departures::none(),
+            departures: SetupDeviations::none(),
         };
-        let bench = OpticalBench::resolve(&settings, self.seed)?;
+        let setup = OpticalSetup::resolve(&settings, self.seed)?;
         let shaft = form_shaft(self.profile(), &self.shaft, self.length_mm, self.seed)?;
-        Scene::new(&bench, shaft)
+        Scene::new(&setup, shaft)
     }
 
     /// The frame that is drawn of it: 16 bit.

@@ -31,7 +31,7 @@ impl PartView {
         calibration: &Calibration,
         conditions: &Conditions,
     ) -> Option<Self> {
-        let lens = &calibration.bench.as_ref()?.lens;
+        let lens = &calibration.setup.as_ref()?.lens;
         let middle = lens.centre_row_px;
         let at = |half_px: f64| WidthReading {
             column_px: lens.centre_column_px,
@@ -175,7 +175,7 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     }
     // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it stands.
     let calibrated =
-        |source: &str| calibration.bench.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
+        |source: &str| calibration.setup.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
     let others = part.budget.contributions.iter();
     for row in others.filter(|r| !calibrated(&r.source) && !OF_CONDITIONS.contains(&r.source.as_str())) {
         all.push(input(row.source.clone(), 0.0, row.distribution()));
@@ -192,10 +192,10 @@ pub fn uncertainty(
     trials: Trials,
     seed: u64,
 ) -> Option<Uncertainty> {
-    let bench = calibration.bench.as_ref()?;
+    let setup = calibration.setup.as_ref()?;
     let model = Model {
         solver: adjustment.solver()?,
-        perfect: LensModel::perfect(bench.rows, bench.columns),
+        perfect: LensModel::perfect(setup.rows, setup.columns),
         reading: part.reading.clone(),
         deviations: adjustment.inputs(),
     };

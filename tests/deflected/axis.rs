@@ -3,7 +3,7 @@
 use shadowgauge::gauge::axis_line::{AxisAverager, AxisLine};
 use shadowgauge::shaft::{AxisKnot, Bow, Deflection, Eccentricity, Shaft, ShaftForm};
 
-use crate::bench::{Case, Head, Measured};
+use crate::setup::{Case, Head, Measured};
 
 pub const CASE: Case = Case {
     diameter_mm: 8.0,

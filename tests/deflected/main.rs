@@ -2,5 +2,5 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 mod axis;
-mod bench;
+mod setup;
 mod sweep;

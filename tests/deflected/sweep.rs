@@ -3,7 +3,7 @@
 use shadowgauge::shaft::{Bow, Deflection, Eccentricity, ShaftForm};
 use shadowgauge::truth::station_diameters_mm;
 
-use crate::bench::{Case, Head};
+use crate::setup::{Case, Head};
 
 /// Errors over their standard uncertainties.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,10 +6,10 @@ use shadowgauge::render::esf_families::fresnel_integrals::fresnel;
 use shadowgauge::render::form::{contour_knots, form_shaft};
 use shadowgauge::render::reference::GaussianReference;
 use shadowgauge::render::settings::Esf;
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ContourPoint, Pose, ProfileKnot, Shaft, ShaftForm, Thread};
 
-use crate::support::{bench, counts, device, exact, shifts, worst};
+use crate::support::{counts, device, exact, setup, shifts, worst};
 
 fn request() -> FrameRequest {
     FrameRequest { format: Some(PixelFormat::F32), ..Default::default() }
@@ -43,25 +43,25 @@ fn apart(scene: &Scene, renderer: &Renderer, truth: impl Fn(&GaussianReference) 
     let frame = counts(&renderer.render(scene, &request(), None).unwrap());
     let levels = scene.levels(PixelFormat::F32);
     let sigma_px =
-        if let Esf::Gaussian(g) = &scene.bench().esf { g.sigma_px } else { panic!("not Gaussian") };
+        if let Esf::Gaussian(g) = &scene.setup().esf { g.sigma_px } else { panic!("not Gaussian") };
     let truth = truth(&GaussianReference { sigma_px, shadow: levels.shadow, bright: levels.bright });
     let contrast = levels.bright - levels.shadow;
     let pixel = frame.iter().zip(&truth).map(|(a, b)| (a - b).abs() / contrast).fold(0.0, f64::max);
-    (worst(&shifts(&frame, &truth, scene.bench().columns(), contrast)), pixel)
+    (worst(&shifts(&frame, &truth, scene.setup().columns(), contrast)), pixel)
 }
 
 #[test]
 fn a_shoulder_is_the_closed_form() {
     // Light above e1 before x0 and above e2 behind it: A(x)·B(e1 - y) + (1 - A(x))·B(e2 - y).
     let (sigma, x0, r1, r2) = (1.2, 17.3, 60.2, 71.9);
-    let bench = bench(200, 40, sigma);
+    let setup = setup(200, 40, sigma);
     let mut shaft = Shaft::cylinder(1.0);
-    let z = (x0 - bench.centre_column()) * bench.pixel_mm;
+    let z = (x0 - setup.centre_column()) * setup.pixel_mm;
     shaft.profile = vec![
-        ProfileKnot { z_mm: z, radius_mm: r1 * bench.pixel_mm },
-        ProfileKnot { z_mm: z, radius_mm: r2 * bench.pixel_mm },
+        ProfileKnot { z_mm: z, radius_mm: r1 * setup.pixel_mm },
+        ProfileKnot { z_mm: z, radius_mm: r2 * setup.pixel_mm },
     ];
-    let scene = Scene::new(&bench, shaft).unwrap();
+    let scene = Scene::new(&setup, shaft).unwrap();
     let levels = scene.levels(PixelFormat::F32);
     let step = |u: f64| {
         let v = u / sigma;
@@ -77,7 +77,7 @@ fn a_shoulder_is_the_closed_form() {
             for column in 0..40usize {
                 let share = boxed(x0 - column as f64);
                 let light = |r: f64| {
-                    let (top, bottom) = (bench.centre_row() - r, bench.centre_row() + r);
+                    let (top, bottom) = (setup.centre_row() - r, setup.centre_row() + r);
                     boxed(top - row as f64) + boxed(row as f64 - bottom)
                 };
                 let wanted = share * light(r1) + (1.0 - share) * light(r2);
@@ -94,10 +94,10 @@ fn a_shoulder_is_the_closed_form() {
 fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
     let renderers = [Some(Renderer::new(BackendChoice::Cpu).unwrap()), device()];
     for sigma in [0.7, 1.2] {
-        let bench = bench(200, 120, sigma);
-        let scene = Scene::new(&bench, stepped()).unwrap();
+        let setup = setup(200, 120, sigma);
+        let scene = Scene::new(&setup, stepped()).unwrap();
         let corners: Vec<f64> = scene.outline().shaft().profile.iter().map(|k| k.z_mm).collect();
-        let corners: Vec<f64> = corners.iter().map(|z| bench.centre_column() + z / bench.pixel_mm).collect();
+        let corners: Vec<f64> = corners.iter().map(|z| setup.centre_column() + z / setup.pixel_mm).collect();
         let truth = std::cell::OnceCell::new();
         for renderer in renderers.iter().flatten() {
             let (shift, pixel) = apart(&scene, renderer, |r| {
@@ -115,11 +115,11 @@ fn steps_chamfers_fillets_and_grooves_meet_the_two_dimensional_integral() {
 
 /// The outline as a closed polygon of (column, row), turned by the tilt: plain geometry, none of the silhouette's code.
 fn polygon(scene: &Scene, tilt_mrad: f64) -> Vec<[f64; 2]> {
-    let bench = scene.bench();
+    let setup = scene.setup();
     let (sin, cos) = (1e-3 * tilt_mrad).sin_cos();
     let place = |s: f64, x: f64| {
         let (z, x) = (s * cos - x * sin, s * sin + x * cos);
-        [bench.centre_column() + z / bench.pixel_mm, bench.centre_row() - x / bench.pixel_mm]
+        [setup.centre_column() + z / setup.pixel_mm, setup.centre_row() - x / setup.pixel_mm]
     };
     let knots = &scene.outline().shaft().profile;
     let upper = knots.iter().map(|k| place(k.z_mm, k.radius_mm));
@@ -186,7 +186,7 @@ fn polygon_rows(polygon: &[[f64; 2]], column: f64) -> Vec<f64> {
 #[test]
 fn a_leaning_shoulder_meets_the_two_dimensional_integral() {
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
-    let leaning = bench(200, 70, 1.2);
+    let leaning = setup(200, 70, 1.2);
     for tilt_mrad in [60.0, -60.0, 5.0] {
         let mut shaft = stepped();
         shaft.pose = Pose { tilt_mrad, ..Pose::default() };
@@ -209,8 +209,8 @@ fn a_thread_meets_the_two_dimensional_integral() {
         ..Default::default()
     };
     let plain = vec![ProfileKnot { z_mm: 0.0, radius_mm: 1.5 }];
-    let bench = bench(240, 50, 1.2);
-    let scene = Scene::new(&bench, form_shaft(plain, &form, 1.0, 0).unwrap()).unwrap();
+    let setup = setup(240, 50, 1.2);
+    let scene = Scene::new(&setup, form_shaft(plain, &form, 1.0, 0).unwrap()).unwrap();
     let (shift, pixel) = apart(&scene, &twin, |r| r.frame_at(240, 50, 0.016, exact(&scene, 0.0, 0.0)));
     println!("thread: {shift:.1e} px, {pixel:.1e}");
     assert!(shift < 2e-4 && pixel < 1e-4, "{shift} {pixel}");
@@ -232,24 +232,24 @@ fn quadrant(vx: f64, vy: f64) -> f64 {
 
 /// Light, as a share of the bright field, on 900 x 200 pixels about the end of a shaft at column 99.5: a corner of the shadow, its far
 /// side out of reach.
-fn corner_light(esf: Esf, pixel_um: f64) -> (Vec<f64>, OpticalBench) {
-    let mut settings = shadowgauge::render::settings::BenchSettings {
-        departures: shadowgauge::render::settings::Departures::none(),
+fn corner_light(esf: Esf, pixel_um: f64) -> (Vec<f64>, OpticalSetup) {
+    let mut settings = shadowgauge::render::settings::SetupSettings {
+        departures: shadowgauge::render::settings::SetupDeviations::none(),
         ..Default::default()
     };
     (settings.camera.rows, settings.camera.columns) = (900, 200);
     (settings.camera.pixel_um, settings.optics.magnification) = (pixel_um, 1.0);
     settings.light.bright_counts = 2000.0;
     settings.optics.esf = esf;
-    let bench = OpticalBench::resolve(&settings, 0).unwrap();
+    let setup = OpticalSetup::resolve(&settings, 0).unwrap();
     let mut shaft = Shaft::cylinder(1.0);
-    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * bench.pixel_mm };
+    let knot = |radius_px: f64| ProfileKnot { z_mm: 0.0, radius_mm: radius_px * setup.pixel_mm };
     shaft.profile = vec![knot(330.0), knot(8.0)];
-    let scene = Scene::new(&bench, shaft).unwrap();
+    let scene = Scene::new(&setup, shaft).unwrap();
     let frame = counts(&Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(), None).unwrap());
     let levels = scene.levels(PixelFormat::F32);
     let light = frame.iter().map(|c| (c - levels.shadow) / (levels.bright - levels.shadow)).collect();
-    (light, bench)
+    (light, setup)
 }
 
 #[test]
@@ -262,13 +262,13 @@ fn a_shoulder_in_laser_light_is_the_product_of_amplitudes() {
         ..Default::default()
     };
     let unit_px = laser.unit_um() / 3.0;
-    let (light, bench) = corner_light(Esf::Fresnel(laser), 3.0);
+    let (light, setup) = corner_light(Esf::Fresnel(laser), 3.0);
     let (mut near, mut along) = (0.0f64, 0.0f64);
     for row in 60..230usize {
         for column in 0..200usize {
             let v = |d: f64| d / unit_px;
             let (vx, vy) =
-                (v(column as f64 - bench.centre_column()), v(bench.centre_row() - 330.0 - row as f64));
+                (v(column as f64 - setup.centre_column()), v(setup.centre_row() - 330.0 - row as f64));
             let difference = (light[row * 200 + column] - quadrant(vx, vy)).abs();
             near = near.max(difference);
             if vx < -6.0 {

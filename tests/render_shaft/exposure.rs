@@ -3,8 +3,8 @@
 use shadowgauge::frame::PixelFormat;
 use shadowgauge::render::esf_families::PartiallyCoherentEdge;
 use shadowgauge::render::motion::{Motion, Strobe, Vibration};
-use shadowgauge::render::settings::{BenchSettings, Departures, Esf};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{Eccentricity, Flat, Pose, Shaft};
 
 use crate::close;
@@ -12,18 +12,18 @@ use crate::support::{counts, device};
 
 const EXPOSURE_US: f64 = 400.0;
 
-fn bench(motion: Motion, esf: Esf) -> OpticalBench {
-    let mut settings = BenchSettings { departures: Departures::none(), motion, ..Default::default() };
+fn setup(motion: Motion, esf: Esf) -> OpticalSetup {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), motion, ..Default::default() };
     (settings.camera.rows, settings.camera.columns) = (220, 24);
     (settings.camera.pixel_um, settings.optics.magnification) = (3.0, 0.2);
     settings.camera.exposure_us = EXPOSURE_US;
     settings.optics.esf = esf;
     settings.light.bright_counts = 2000.0;
-    OpticalBench::resolve(&settings, 0).unwrap()
+    OpticalSetup::resolve(&settings, 0).unwrap()
 }
 
-fn still(bench: &OpticalBench) -> OpticalBench {
-    let mut still = bench.clone();
+fn still(setup: &OpticalSetup) -> OpticalSetup {
+    let mut still = setup.clone();
     still.nominal.motion = Motion::default();
     still
 }
@@ -42,7 +42,7 @@ fn shaft() -> Shaft {
 
 /// Frames at many instants, the shaft lifted by hand, and their mean; mean top edges too.
 fn averaged(
-    bench: &OpticalBench,
+    setup: &OpticalSetup,
     shaft: &Shaft,
     pose: impl Fn(f64) -> (f64, f64, f64),
 ) -> (Vec<f64>, Vec<f64>) {
@@ -52,7 +52,7 @@ fn averaged(
     let lifted = |lift: f64| {
         let mut lifted = shaft.clone();
         lifted.pose.x_mm += lift;
-        Scene::new(bench, lifted).unwrap()
+        Scene::new(setup, lifted).unwrap()
     };
     let level = lifted(0.0);
     for i in 0..n {
@@ -96,11 +96,11 @@ fn a_moving_edge_is_the_mean_of_its_images() {
         ("coherent", Motion { spindle_rpm: rpm, ..Default::default() }, coherent, 4e-4),
     ];
     for (name, motion, esf, limit) in cases {
-        let bench = bench(motion.clone(), esf);
-        let scene = Scene::new(&bench, shaft()).unwrap();
+        let setup = setup(motion.clone(), esf);
+        let scene = Scene::new(&setup, shaft()).unwrap();
         let frame =
             Renderer::new(BackendChoice::Cpu).unwrap().render(&scene, &request(60.0, 0.0), None).unwrap();
-        let (mean, edges) = averaged(&still(&bench), &shaft(), |t_us| {
+        let (mean, edges) = averaged(&still(&setup), &shaft(), |t_us| {
             let t = t_us * 1e-6;
             let wave = |v: &Vibration| {
                 1e-3 * v.amplitude_um
@@ -130,9 +130,9 @@ fn a_moving_edge_is_the_mean_of_its_images() {
 fn a_strobe_freezes_what_moves() {
     let fast = Motion { spindle_rpm: 12_000.0, ..Default::default() };
     let flash = Motion { strobe: Some(Strobe { delay_us: 100.0, pulse_us: 0.05 }), ..fast };
-    let bench = bench(flash, Esf::default());
-    let scene = Scene::new(&bench, shaft()).unwrap();
-    let frozen = Scene::new(&still(&bench), shaft()).unwrap();
+    let setup = setup(flash, Esf::default());
+    let scene = Scene::new(&setup, shaft()).unwrap();
+    let frozen = Scene::new(&still(&setup), shaft()).unwrap();
     let twin = Renderer::new(BackendChoice::Cpu).unwrap();
     let a = counts(&twin.render(&scene, &request(60.0, 0.0), None).unwrap());
     // 100 µs at 12 000 rev/min: 7.2°.

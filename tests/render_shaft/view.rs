@@ -10,7 +10,7 @@ use shadowgauge::render::{BackendChoice, FrameRequest, Renderer, Scene};
 use shadowgauge::shaft::{AxisKnot, Flat, Keyway, Lobe, Pose, ProfileKnot, Shaft};
 
 use crate::close;
-use crate::support::{bench, counts, exact, shifts, worst};
+use crate::support::{counts, exact, setup, shifts, worst};
 
 fn shoulder() -> Shaft {
     let mut shaft = Shaft::cylinder(25.0);
@@ -124,39 +124,39 @@ fn lobes_flats_and_keyways_in_oblique_views_meet_painting() {
 
 #[test]
 fn a_chief_ray_at_an_angle_moves_an_edge_by_its_depth() {
-    let mut bench = bench(400, 60, 1.2);
+    let mut setup = setup(400, 60, 1.2);
     let radius_px = 100.0;
-    let mut shaft = Shaft::cylinder(2.0 * radius_px * bench.pixel_mm);
+    let mut shaft = Shaft::cylinder(2.0 * radius_px * setup.pixel_mm);
     let y_mm = 0.7;
     shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm }];
     let straight =
-        Scene::new(&bench, shaft.clone()).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
-    bench.nominal.optics.telecentricity_mrad = 5.0;
-    let seen = Scene::new(&bench, shaft).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
+        Scene::new(&setup, shaft.clone()).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
+    setup.nominal.optics.telecentricity_mrad = 5.0;
+    let seen = Scene::new(&setup, shaft).unwrap().geometric_edges(&FrameRequest::default()).unwrap();
     let half_diagonal = 0.5 * 400f64.hypot(60.0);
     // y tan ε with ε in proportion to the height: 2 y tan ε of diameter.
-    let shift_px = y_mm / bench.pixel_mm * (5e-3f64).tan() * radius_px / half_diagonal;
+    let shift_px = y_mm / setup.pixel_mm * (5e-3f64).tan() * radius_px / half_diagonal;
     let wider = (seen[30].bottom_px - seen[30].top_px) - (straight[30].bottom_px - straight[30].top_px);
     close(wider, 2.0 * shift_px, 0.01 * shift_px, "wider by 2 y tan ε");
 }
 
 #[test]
 fn distorted_edges_are_drawn_where_the_lens_puts_them() {
-    let mut bench = bench(500, 400, 1.2);
-    bench.nominal.optics.distortion =
+    let mut setup = setup(500, 400, 1.2);
+    setup.nominal.optics.distortion =
         Distortion { k1: -0.03, k2: 0.008, p1: 0.002, p2: -0.0015, ..Default::default() };
-    let radius = |px: f64| px * bench.pixel_mm;
+    let radius = |px: f64| px * setup.pixel_mm;
     let mut shaft = Shaft::cylinder(2.0 * radius(180.0));
     shaft.pose.tilt_mrad = 30.0;
-    let scene = Scene::new(&bench, shaft.clone()).unwrap();
-    let mut plain = bench.clone();
+    let scene = Scene::new(&setup, shaft.clone()).unwrap();
+    let mut plain = setup.clone();
     plain.nominal.optics.distortion = Distortion::default();
     let ideal = Scene::new(&plain, shaft).unwrap();
     let request = FrameRequest { format: Some(PixelFormat::F32), ..Default::default() };
     let straight = exact(&ideal, 0.0, 0.0);
     let seen = exact(&scene, 0.0, 0.0);
     for column in [3.0, 120.25, 380.0] {
-        let (row, at) = bench.nominal.optics.distortion.distort_px(straight(column)[0], column, 500, 400);
+        let (row, at) = setup.nominal.optics.distortion.distort_px(straight(column)[0], column, 500, 400);
         close(seen(at)[0], row, 1e-8, "a point of the edge");
     }
     let truth = scene.geometric_edges(&request).unwrap();
@@ -172,8 +172,8 @@ fn distorted_edges_are_drawn_where_the_lens_puts_them() {
 
 #[test]
 fn a_pinhole_inside_the_shaft_is_refused() {
-    let mut bench = bench(400, 60, 1.2);
-    bench.nominal.optics.entocentric = Some(Entocentric { distance_mm: 2.0 });
-    let text = Scene::new(&bench, Shaft::cylinder(4.0)).unwrap_err().to_string();
+    let mut setup = setup(400, 60, 1.2);
+    setup.nominal.optics.entocentric = Some(Entocentric { distance_mm: 2.0 });
+    let text = Scene::new(&setup, Shaft::cylinder(4.0)).unwrap_err().to_string();
     assert!(text.contains("optics.entocentric.distance_mm"), "{text}");
 }

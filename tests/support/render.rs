@@ -1,28 +1,28 @@
 //! Benches, scenes and comparisons for the renderer's tests.
 
 use shadowgauge::frame::{Frame, Pixels};
-use shadowgauge::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
-use shadowgauge::render::{BackendChoice, OpticalBench, Renderer, Scene};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ProfileKnot, Shaft};
 
 /// A bench with nominal optics of the size and blur given; 15 µm a pixel.
-pub fn bench(rows: u32, columns: u32, sigma_px: f64) -> OpticalBench {
-    let mut settings = BenchSettings { departures: Departures::none(), ..Default::default() };
+pub fn setup(rows: u32, columns: u32, sigma_px: f64) -> OpticalSetup {
+    let mut settings = SetupSettings { departures: SetupDeviations::none(), ..Default::default() };
     settings.camera.rows = rows;
     settings.camera.columns = columns;
     settings.camera.pixel_um = 3.0;
     settings.optics.magnification = 0.2;
     settings.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px });
-    OpticalBench::resolve(&settings, 0).unwrap()
+    OpticalSetup::resolve(&settings, 0).unwrap()
 }
 
 /// A cone whose upper edge crosses the central column at `row` and falls along z with slope tan β = `slope`.
 ///
 /// The field's centre is z = 0.
-pub fn cone(bench: &OpticalBench, row: f64, slope: f64) -> Shaft {
-    let radius = (bench.centre_row() - row) * bench.pixel_mm;
+pub fn cone(setup: &OpticalSetup, row: f64, slope: f64) -> Shaft {
+    let radius = (setup.centre_row() - row) * setup.pixel_mm;
     // Straight beyond the frame as far as any blur reaches.
-    let half = (bench.columns() + 40) as f64 * bench.pixel_mm;
+    let half = (setup.columns() + 40) as f64 * setup.pixel_mm;
     let mut shaft = Shaft::cylinder(2.0 * radius);
     shaft.profile = vec![
         ProfileKnot { z_mm: -half, radius_mm: radius + half * slope },

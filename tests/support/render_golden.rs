@@ -115,7 +115,7 @@ impl GoldenScene {
         let (scene, request) = (case.scene().unwrap(), case.request());
         let edges = shadowgauge::truth::true_edges(&scene, &request).unwrap();
         let levels = scene.levels(PixelFormat::Mono16);
-        let sigma_px = match &scene.bench().esf {
+        let sigma_px = match &scene.setup().esf {
             Esf::Gaussian(g) => Some(g.sigma_px),
             _ => None,
         };
@@ -143,22 +143,22 @@ impl GoldenScene {
 
     /// Whether light is even and clean, no well is full and the blur Gaussian: what a gauge may take for granted.
     pub fn is_plain(&self) -> bool {
-        let bench = self.scene.bench();
+        let setup = self.scene.setup();
         let levels = self.scene.levels(PixelFormat::Mono16);
         self.sigma_px.is_some()
-            && bench.soiling.is_none()
-            && bench.nominal.light.field.is_even()
+            && setup.soiling.is_none()
+            && setup.nominal.light.field.is_even()
             && levels.black + levels.full_well_e / levels.electrons_per_count > levels.bright
     }
 
     /// Counts by the f64 reference, its edges moved down by `shift_px`.
     pub fn reference(&self, shift_px: f64) -> Vec<f64> {
-        let bench = self.scene.bench();
+        let setup = self.scene.setup();
         let levels = self.scene.levels(PixelFormat::Mono16);
-        let (rows, columns) = (bench.rows(), bench.columns());
+        let (rows, columns) = (setup.rows(), setup.columns());
         let clear = self.clear_light();
         let factor = |r: usize, c: usize| {
-            let field = bench.nominal.light.field.at_px(r as f64, c as f64, rows, columns);
+            let field = setup.nominal.light.field.at_px(r as f64, c as f64, rows, columns);
             field * clear.as_ref().map_or(1.0, |map| f64::from(map.values()[r * columns + c]))
         };
         let edges = self.drawn_edges(shift_px);
@@ -173,12 +173,12 @@ impl GoldenScene {
 
     /// Edges as drawn: those of the part, raised by its films.
     fn drawn_edges(&self, shift_px: f64) -> impl Fn(f64) -> [f64; 2] + '_ {
-        let bench = self.scene.bench();
+        let setup = self.scene.setup();
         let shaft = self.scene.outline().shaft();
         let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
-        let half_mm = bench.columns() as f64 * bench.pixel_mm;
+        let half_mm = setup.columns() as f64 * setup.pixel_mm;
         let z = self.request.z_mm;
-        let films = bench
+        let films = setup
             .soiling
             .as_ref()
             .map(|soiling| soiling.films(radius_mm, z - half_mm..z + half_mm).unwrap())
@@ -186,9 +186,9 @@ impl GoldenScene {
         let turned = self.scene.outline().turned(self.request.angle_deg);
         move |column: f64| {
             let e = self.scene.edges_at(&turned, z, column);
-            let radius_mm = 0.5 * (e.bottom_px - e.top_px) * bench.pixel_mm;
-            let rise = bench.soiling.as_ref().map_or_else(Rise::default, |soiling| {
-                soiling.rise(&films, radius_mm, bench.column_z_mm(z, column), self.request.angle_deg)
+            let radius_mm = 0.5 * (e.bottom_px - e.top_px) * setup.pixel_mm;
+            let rise = setup.soiling.as_ref().map_or_else(Rise::default, |soiling| {
+                soiling.rise(&films, radius_mm, setup.column_z_mm(z, column), self.request.angle_deg)
             });
             [e.top_px - rise.top_px + shift_px, e.bottom_px + rise.bottom_px + shift_px]
         }
@@ -196,34 +196,34 @@ impl GoldenScene {
 
     /// What window and air leave of the light, drawn apart from the renderer.
     fn clear_light(&self) -> Option<TransmissionMap> {
-        let bench = self.scene.bench();
-        bench.soiling.as_ref().filter(|s| s.dims())?;
+        let setup = self.scene.setup();
+        setup.soiling.as_ref().filter(|s| s.dims())?;
         let geometry = FieldGeometry {
-            rows: bench.rows(),
-            columns: bench.columns(),
-            pixel_um: bench.pixel_mm * 1e3,
-            effective_na: bench.nominal.optics.defocus_na,
-            sigma_um: self.sigma_px? * bench.pixel_mm * 1e3,
+            rows: setup.rows(),
+            columns: setup.columns(),
+            pixel_um: setup.pixel_mm * 1e3,
+            effective_na: setup.nominal.optics.defocus_na,
+            sigma_um: self.sigma_px? * setup.pixel_mm * 1e3,
         };
         let field =
-            ContaminationField::new(&bench.nominal.contamination, geometry, self.seed ^ 0x736f_696c).unwrap();
-        Some(field.frame(self.request.frame_id, 0, 0, bench.rows(), bench.columns()).unwrap())
+            ContaminationField::new(&setup.nominal.contamination, geometry, self.seed ^ 0x736f_696c).unwrap();
+        Some(field.frame(self.request.frame_id, 0, 0, setup.rows(), setup.columns()).unwrap())
     }
 
     /// A frame of straight edges of any family.
     fn straight(&self, edges: impl Fn(f64) -> [f64; 2], factor: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-        let bench = self.scene.bench();
+        let setup = self.scene.setup();
         let levels = self.scene.levels(PixelFormat::Mono16);
         let esf = self.scene.edge_spreads().first().expect("a family has a table");
-        let judge = StraightReference { esf, pixel_um: bench.pixel_mm * 1e3 };
-        let mut counts = vec![0.0; bench.rows() * bench.columns()];
-        for column in 0..bench.columns() {
+        let judge = StraightReference { esf, pixel_um: setup.pixel_mm * 1e3 };
+        let mut counts = vec![0.0; setup.rows() * setup.columns()];
+        for column in 0..setup.columns() {
             let [here, next] = [0.0, 1.0].map(|ahead| edges(column as f64 + ahead));
-            for row in 0..bench.rows() {
+            for row in 0..setup.rows() {
                 let y = row as f64;
                 let light =
                     judge.light(here[0] - y, next[0] - here[0]) + judge.light(y - here[1], here[1] - next[1]);
-                counts[row * bench.columns() + column] =
+                counts[row * setup.columns() + column] =
                     levels.shadow + (levels.bright - levels.shadow) * light * factor(row, column);
             }
         }
@@ -232,9 +232,9 @@ impl GoldenScene {
 
     /// The reference as a 16-bit frame.
     pub fn quantised(&self, shift_px: f64) -> Shot {
-        let bench = self.scene.bench();
+        let setup = self.scene.setup();
         let pixels = self.reference(shift_px).iter().map(|v| v.round().clamp(0.0, 65535.0) as u16).collect();
-        Shot::new(bench.rows(), bench.columns(), pixels)
+        Shot::new(setup.rows(), setup.columns(), pixels)
     }
 
     pub fn golden(&self) -> Option<(GoldenFrame, Truth)> {

@@ -5,11 +5,11 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use shadowgauge::frame::{Frame, PixelFormat, Pixels};
-use shadowgauge::render::{BackendChoice, OpticalBench, Renderer};
+use shadowgauge::render::{BackendChoice, OpticalSetup, Renderer};
 use shadowgauge::shaft::{Lobe, Shaft};
-use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedBench};
+use shadowgauge::studies::calibration::{CalibrationPlan, Laid, SimulatedSetup};
 
-/// A small bench without distortion (its truth is drawn apart from [`true_bench`]); every test changes what it needs.
+/// A small bench without distortion (its truth is drawn apart from [`true_setup`]); every test changes what it needs.
 pub const PLAN: &str = r#"
 optics_id = "small bench"
 date = "2026-11-22"
@@ -85,10 +85,10 @@ pub fn save(frame: &Frame, to: &Path) {
 }
 
 /// The true bench behind [`PLAN`], and its renderer.
-pub fn true_bench(plan: &str) -> OpticalBench {
+pub fn true_setup(plan: &str) -> OpticalSetup {
     let plan: CalibrationPlan = toml::from_str(plan).unwrap();
     let simulate = plan.simulate.unwrap();
-    OpticalBench::resolve(&simulate.bench(), simulate.seed).unwrap()
+    OpticalSetup::resolve(&simulate.setup(), simulate.seed).unwrap()
 }
 
 pub fn laid(diameter_mm: f64, angle_deg: f64, lobes: Vec<Lobe>) -> Laid {
@@ -111,9 +111,9 @@ fn part(folder: &Path, frames: usize) -> String {
 /// The same before the bench of another plan.
 fn part_before(folder: &Path, frames: usize, plan: &str) -> String {
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let mut bench = SimulatedBench::new(&renderer, true_bench(plan), 0.0, 3);
+    let mut setup = SimulatedSetup::new(&renderer, true_setup(plan), 0.0, 3);
     for i in 0..frames {
-        save(&bench.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.join(format!("part/{i:03}.png")));
+        save(&setup.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.join(format!("part/{i:03}.png")));
     }
     path(folder, "part")
 }
@@ -352,12 +352,12 @@ fn a_calibration_without_a_check_pin_is_not_called_accepted() {
 fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
     let folder = tempfile::tempdir().unwrap();
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let bench = true_bench(PLAN);
-    let pixel_mm = bench.pixel_mm;
-    let mut bench = SimulatedBench::new(&renderer, bench, 0.0, 3);
+    let setup = true_setup(PLAN);
+    let pixel_mm = setup.pixel_mm;
+    let mut setup = SimulatedSetup::new(&renderer, setup, 0.0, 3);
     for (name, diameter_mm) in [("small", 4.0), ("large", 6.6), ("check", 5.2)] {
         for i in 0..2 {
-            let frame = bench.frame(&laid(diameter_mm, 0.0, Vec::new())).unwrap();
+            let frame = setup.frame(&laid(diameter_mm, 0.0, Vec::new())).unwrap();
             save(&frame, &folder.path().join(format!("{name}/{i}.png")));
         }
     }
@@ -389,12 +389,12 @@ fn recorded_frames_calibrate_and_a_wrong_check_pin_refuses() {
 fn a_turn_shows_sizes_and_lobes_of_the_silhouette() {
     let folder = tempfile::tempdir().unwrap();
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let mut bench = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
+    let mut setup = SimulatedSetup::new(&renderer, true_setup(PLAN), 0.0, 3);
     let lobe = |order_upr, amplitude_mm| Lobe { order_upr, amplitude_mm, phase_deg: 20.0 };
     let mut table = "frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n".to_owned();
     for i in 0..16 {
         let angle = 22.5 * f64::from(i);
-        let frame = bench.frame(&laid(5.0, angle, vec![lobe(2, 0.003), lobe(3, 0.002)])).unwrap();
+        let frame = setup.frame(&laid(5.0, angle, vec![lobe(2, 0.003), lobe(3, 0.002)])).unwrap();
         save(&frame, &folder.path().join(format!("frames/{i:06}.png")));
         table += &format!("{i:06},0,0.0,{angle},50,12,15.27\n");
     }

@@ -1,8 +1,8 @@
 //! Calibration of a bench, its budget, Monte Carlo and coverage.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-mod bench;
 mod cli;
 mod coverage;
 mod jcgm_101;
+mod setup;
 mod trust;

@@ -3,9 +3,9 @@
 use serde_json::Value;
 use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::shaft::Lobe;
-use shadowgauge::studies::calibration::SimulatedBench;
+use shadowgauge::studies::calibration::SimulatedSetup;
 
-use crate::cli::{PLAN, calibrate, json, laid, path, save, shadowgauge, text, true_bench};
+use crate::cli::{PLAN, calibrate, json, laid, path, save, shadowgauge, text, true_setup};
 
 /// Partially coherent light of a slow lens: far from Gaussian.
 const COHERENT: &str = r#"
@@ -144,13 +144,13 @@ fn the_edge_spread_function_is_chosen_on_the_command_line() {
 fn a_station_that_jumps_against_an_earlier_turn_is_a_gap() {
     let folder = tempfile::tempdir().unwrap();
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let mut bench = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
+    let mut setup = SimulatedSetup::new(&renderer, true_setup(PLAN), 0.0, 3);
     let oval = Lobe { order_upr: 2, amplitude_mm: 0.02, phase_deg: 20.0 };
     let mut table = "frame,t_ns,z_mm,angle_deg,exposure_us,bit_depth,um_per_px\n".to_owned();
     for i in 0..16 {
         let angle = 45.0 * f64::from(i);
         let grown = if i == 11 { 0.07 } else { 0.0 };
-        let frame = bench.frame(&laid(5.0 + grown, angle, vec![oval])).unwrap();
+        let frame = setup.frame(&laid(5.0 + grown, angle, vec![oval])).unwrap();
         save(&frame, &folder.path().join(format!("frames/{i:06}.png")));
         table += &format!("{i:06},0,0.0,{angle},50,12,15.27\n");
     }
@@ -190,8 +190,8 @@ fn a_frame_out_of_focus_gives_no_diameter() {
     let sigma_px = 1.5 * known["bench"]["sigma_px"].as_f64().unwrap();
     let plan = format!("{PLAN}\n[simulate.optics.esf.gaussian]\nsigma_px = {sigma_px}\n");
     let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let mut sharp = SimulatedBench::new(&renderer, true_bench(PLAN), 0.0, 3);
-    let mut lost = SimulatedBench::new(&renderer, true_bench(&plan), 0.0, 3);
+    let mut sharp = SimulatedSetup::new(&renderer, true_setup(PLAN), 0.0, 3);
+    let mut lost = SimulatedSetup::new(&renderer, true_setup(&plan), 0.0, 3);
     save(&sharp.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.path().join("part/a.png"));
     save(&lost.frame(&laid(5.0, 0.0, Vec::new())).unwrap(), &folder.path().join("part/b.png"));
     let input = path(folder.path(), "part");

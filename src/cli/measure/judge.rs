@@ -167,7 +167,7 @@ pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditio
 
 /// Whether all there is is a scale: no masters, no uncertainty.
 fn is_uncalibrated(calibration: &Calibration) -> bool {
-    calibration.bench.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
+    calibration.setup.is_none() && calibration.masters.is_empty() && calibration.covariance == [0.0; 3]
 }
 
 /// A frame's largest diameter.
@@ -327,8 +327,8 @@ impl<'a> InspectionReport<'a> {
 
     /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
     fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
-        let bench = self.calibration.bench.as_ref();
-        if let Some(Err(error)) = bench.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
+        let setup = self.calibration.setup.as_ref();
+        if let Some(Err(error)) = setup.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
             tracing::warn!("frame {}: {error}", meta.frame_id);
             add_warning(out, &error.to_string());
         }

@@ -71,7 +71,7 @@ impl Writer<'_> {
     fn write(mut self, renderer: &Renderer) -> Result<usize, Failure> {
         let mut recordings = SimulatedRecordings::new(self.plan, renderer).map_err(Failure::refuse)?;
         let simulate = self.plan.simulate.clone().unwrap_or_default();
-        self.um_per_px = 1e3 * simulate.bench().nominal_pixel_mm();
+        self.um_per_px = 1e3 * simulate.setup().nominal_pixel_mm();
         let mut recorded = CalibrationPlan { simulate: None, ..self.plan.clone() };
         let dark = recordings.dark(self.plan).map_err(Failure::fail)?;
         if !dark.is_empty() {
@@ -91,10 +91,10 @@ impl Writer<'_> {
                 let name = format!("pin_{index}_{place}");
                 let mut frames = Vec::new();
                 for (k, (laid, number)) in recordings.laid(index, position).into_iter().enumerate() {
-                    let bench = recordings.bench();
-                    frames.push(bench.numbered(&laid, number, !self.args.no_noise).map_err(of_render)?);
+                    let setup = recordings.setup();
+                    frames.push(setup.numbered(&laid, number, !self.args.no_noise).map_err(of_render)?);
                     let request = crate::render::FrameRequest::default();
-                    let scene = bench.scene(&laid).map_err(of_render)?;
+                    let scene = setup.scene(&laid).map_err(of_render)?;
                     for (column, e) in
                         truth::true_edges(&scene, &request).map_err(of_render)?.iter().enumerate()
                     {

@@ -42,7 +42,7 @@ impl Timing {
 ///
 /// # Errors
 /// As `render`.
-pub(super) fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
+pub(super) fn benchmark(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
     let scene = scene(job)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let windows = match args.windows {

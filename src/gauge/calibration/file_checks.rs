@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 
 use super::adjustment::CovariancePart;
 use super::imaging_model::{LensModel, PARAMETERS};
-use super::optical_setup::BenchCalibration;
+use super::optical_setup::SetupCalibration;
 use crate::gauge::sensor::{FlatField, Response};
 
 /// A key, its value, and what would be right.
@@ -25,7 +25,7 @@ fn first_outside(
     values.into_iter().find(|v| !range.contains(v)).map(|v| (key, v, right))
 }
 
-impl BenchCalibration {
+impl SetupCalibration {
     /// Names what cannot be, if anything; its conditions check themselves.
     pub(crate) fn impossible(&self) -> Option<Impossible> {
         let some = 1.0..=f64::from(u32::MAX);

@@ -16,7 +16,7 @@ use super::axis_zero::AxisZero;
 use super::conditions::Conditions;
 use super::error::{CALIBRATION_VERSION, CalibrationError, LEAST_SPREAD_PX};
 use super::masters::{MasterFigure, MasterMeasurement};
-use super::optical_setup::BenchCalibration;
+use super::optical_setup::SetupCalibration;
 use crate::frame::Encoding;
 use crate::gauge::edge::model::edge_table::EdgeTable;
 use crate::gauge::edge::model::systematic_residual::SystematicResidual;
@@ -48,8 +48,8 @@ pub struct Calibration {
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bench: Option<Box<BenchCalibration>>,
+    #[serde(rename = "bench", default, skip_serializing_if = "Option::is_none")]
+    pub setup: Option<Box<SetupCalibration>>,
     /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
     #[serde(rename = "misfit", default, skip_serializing_if = "Option::is_none")]
     pub systematic_residual: Option<Box<SystematicResidual>>,
@@ -98,7 +98,7 @@ impl Calibration {
             offset_mm: fit.offset,
             covariance: fit.covariance,
             masters: masters.to_vec(),
-            bench: None,
+            setup: None,
             systematic_residual: None,
             edge_model: None,
             edge_table: None,
@@ -108,8 +108,8 @@ impl Calibration {
     }
 
     /// From a bench's adjustment.
-    pub fn of_bench(adjusted: &Adjusted, masters: Vec<MasterFigure>, bench: BenchCalibration) -> Self {
-        let sum = |i: usize, j: usize| bench.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
+    pub fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
+        let sum = |i: usize, j: usize| setup.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {
             version: CALIBRATION_VERSION,
             optics_id: String::new(),
@@ -117,7 +117,7 @@ impl Calibration {
             offset_mm: adjusted.parameters[1],
             covariance: [sum(0, 0), sum(0, 1), sum(1, 1)],
             masters,
-            bench: Some(Box::new(bench)),
+            setup: Some(Box::new(setup)),
             systematic_residual: None,
             edge_model: None,
             edge_table: None,
@@ -191,7 +191,7 @@ impl Calibration {
     pub fn check_encoding(&self, found: Encoding) -> Result<(), CalibrationError> {
         let calibrated = match &self.encoding {
             Some(own) if own.is_same(&found) => return Ok(()),
-            None if found.is_linear() || (self.masters.is_empty() && self.bench.is_none()) => return Ok(()),
+            None if found.is_linear() || (self.masters.is_empty() && self.setup.is_none()) => return Ok(()),
             Some(own) => format!("was {own}"),
             None => "is not known (a calibration of an earlier version)".to_owned(),
         };
@@ -228,7 +228,7 @@ impl Calibration {
             offset_mm: 0.0,
             covariance: [0.0; 3],
             masters: Vec::new(),
-            bench: None,
+            setup: None,
             systematic_residual: None,
             edge_model: None,
             edge_table: None,
@@ -277,7 +277,7 @@ impl Calibration {
             return Err(CalibrationError::Value { key, value, right });
         }
         calibration.check_masters()?;
-        calibration.check_bench()?;
+        calibration.check_setup()?;
         Ok(calibration)
     }
 
@@ -298,8 +298,8 @@ impl Calibration {
         if self.masters.is_empty() { Ok(()) } else { check_spread(&self.masters) }
     }
 
-    fn check_bench(&self) -> Result<(), CalibrationError> {
-        if let Some((key, value, right)) = self.bench.as_ref().and_then(|b| b.impossible()) {
+    fn check_setup(&self) -> Result<(), CalibrationError> {
+        if let Some((key, value, right)) = self.setup.as_ref().and_then(|b| b.impossible()) {
             return Err(CalibrationError::Value { key, value, right });
         }
         self.conditions().validate().map_err(|e| CalibrationError::Setting(e.to_string()))
@@ -323,7 +323,7 @@ impl Calibration {
     /// The calibration of the same bench for frames read column by column (a vertical shaft).
     #[must_use]
     pub fn transposed(&self) -> Self {
-        Self { bench: self.bench.as_ref().map(|bench| Box::new(bench.transposed())), ..self.clone() }
+        Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
     }
 
     /// Diameter of a width across the axis, mm.
@@ -339,7 +339,7 @@ impl Calibration {
 
     /// What the heights of an axis count from: the middle between the first and the last of `rows` rows, or the axis of the lens.
     pub fn axis_zero(&self, rows: f64) -> AxisZero {
-        let height_mm = match self.bench {
+        let height_mm = match self.setup {
             Some(_) => 0.0,
             None => -0.5 * (rows - 1.0) * self.scale_mm_per_px,
         };
@@ -354,8 +354,8 @@ impl Calibration {
 
     /// Conditions of use that the calibration itself assumes; exact ones where it states none.
     pub fn conditions(&self) -> Conditions {
-        match (&self.bench, &self.conditions) {
-            (Some(bench), _) => bench.conditions,
+        match (&self.setup, &self.conditions) {
+            (Some(setup), _) => setup.conditions,
             (None, Some(known)) => **known,
             (None, None) => Conditions::default(),
         }
@@ -369,7 +369,7 @@ impl Calibration {
 
     /// Whether it was made on masters and states no conditions of use.
     pub fn leaves_conditions_open(&self) -> bool {
-        self.bench.is_none() && self.conditions.is_none() && !self.masters.is_empty()
+        self.setup.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 

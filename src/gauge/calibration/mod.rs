@@ -1,7 +1,7 @@
 //! Pixels to millimetres: calibration from frames of master pins at several heights.
 //!
 //! In: edges of certified masters, the conditions they were recorded under, limits of what the lens may be. Out: a
-//! [`Calibration`](crate::gauge::Calibration) (scale and edge offset) with [`BenchCalibration`] (distortion, keystone and telecentricity by
+//! [`Calibration`](crate::gauge::Calibration) (scale and edge offset) with [`SetupCalibration`] (distortion, keystone and telecentricity by
 //! least squares), every source of uncertainty kept apart, as a file of its own version.
 //!
 //! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`, `thermometer` and `finish` state
@@ -38,7 +38,7 @@ pub use masters::{
     CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
 };
 pub use observation::{Observation, observe};
-pub use optical_setup::{BenchCalibration, BenchError, Validity};
+pub use optical_setup::{BenchError, SetupCalibration, Validity};
 pub use thermometer::Thermometer;
 pub use unstated::Unstated;
 pub use verification::{CheckPin, CheckResult};

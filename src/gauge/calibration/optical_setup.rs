@@ -85,7 +85,7 @@ pub const FOCUS: f64 = 0.223;
 /// The bench behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BenchCalibration {
+pub struct SetupCalibration {
     /// Rows of the frames calibrated.
     pub rows: usize,
     /// Columns of the frames calibrated.
@@ -119,7 +119,7 @@ pub struct BenchCalibration {
     pub check: Option<CheckResult>,
 }
 
-impl BenchCalibration {
+impl SetupCalibration {
     /// A bench from its adjustment.
     pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
         Self {

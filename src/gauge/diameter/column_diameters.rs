@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
     fn new(calibration: &'a Calibration, conditions: &'a Conditions, slope: AxisSlope) -> Self {
         let mut covariance =
             CovariancePart { source: String::new(), matrix: [[0.0; PARAMETERS]; PARAMETERS] };
-        for part in calibration.bench.iter().flat_map(|b| &b.parts) {
+        for part in calibration.setup.iter().flat_map(|b| &b.parts) {
             let entries = covariance.matrix.iter_mut().flatten().zip(part.matrix.iter().flatten());
             entries.for_each(|(sum, value)| *sum += value);
         }
@@ -124,18 +124,18 @@ impl<'a> Reader<'a> {
     /// Width across the axis, px, as a perfect lens would have shown it.
     fn width_px(&self, column: usize, top_px: f64, bottom_px: f64) -> f64 {
         let factor = self.slope.factor(column);
-        let Some(bench) = &self.calibration.bench else { return (bottom_px - top_px) * factor };
-        let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
-        let near = 1.0 + bench.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
+        let Some(setup) = &self.calibration.setup else { return (bottom_px - top_px) * factor };
+        let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
+        let near = 1.0 + setup.lens.telecentricity_per_mm * self.conditions.axis_y_mm;
         (row(bottom_px) - row(top_px)) * factor * near
     }
 
     /// Height of the middle of two edges above a fixed row of the frame, mm.
     fn middle_mm(&self, column: usize, rows_px: (f64, f64)) -> f64 {
         let middle = |rows: (f64, f64)| -0.5 * (rows.0 + rows.1) * self.calibration.scale_mm_per_px;
-        match &self.calibration.bench {
-            Some(bench) => {
-                let row = |r| bench.lens.ideal_row(column as f64, r) - bench.lens.centre_row_px;
+        match &self.calibration.setup {
+            Some(setup) => {
+                let row = |r| setup.lens.ideal_row(column as f64, r) - setup.lens.centre_row_px;
                 middle((row(rows_px.0), row(rows_px.1)))
             }
             None => middle(rows_px),
@@ -151,11 +151,11 @@ impl<'a> Reader<'a> {
     fn u_common_mm(&self, column: usize, rows_px: (f64, f64), width_px: f64) -> f64 {
         let d_mm = self.calibration.diameter_mm(width_px);
         let conditions = conditions_variance(self.calibration, self.conditions, d_mm);
-        let Some(bench) = &self.calibration.bench else {
+        let Some(setup) = &self.calibration.setup else {
             return self.calibration.u_common_mm(width_px).hypot(conditions.sqrt());
         };
         let scale = self.calibration.scale_mm_per_px;
-        let by = bench.diameter_by(
+        let by = setup.diameter_by(
             scale,
             ColumnSpread::at(column as f64),
             rows_px,
@@ -169,7 +169,7 @@ impl<'a> Reader<'a> {
 /// Variance by the conditions, mm².
 fn conditions_variance(calibration: &Calibration, conditions: &Conditions, d_mm: f64) -> f64 {
     let (t, u_t) = calibration
-        .bench
+        .setup
         .as_ref()
         .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
     [

@@ -77,7 +77,7 @@ impl RingMeasurement {
 
 impl Mapping<'_> {
     fn lens(&self) -> Option<&LensModel> {
-        self.calibration.bench.as_ref().map(|b| &b.lens)
+        self.calibration.setup.as_ref().map(|b| &b.lens)
     }
 
     fn mm_per_px(&self) -> f64 {
@@ -113,13 +113,13 @@ impl Mapping<'_> {
         let side = if outline.outer { 1.0 } else { -1.0 };
         let mut budget = Budget { diameter_mm: at_t, contributions: Vec::new() };
         add_conditions(&mut budget, self.calibration, self.conditions, at_t);
-        let Some(bench) = &self.calibration.bench else {
+        let Some(setup) = &self.calibration.setup else {
             let [vs, c, vo] = self.calibration.covariance;
             let variance = (d * d * vs + 2.0 * side * d * c + vo).max(0.0);
             return Ok(budget.u_common_mm().hypot(variance.sqrt()));
         };
-        let by = self.by_parameters(&bench.lens, outline, d, side)?;
-        bench.parts.iter().for_each(|part| budget.push(common(part, &by)));
+        let by = self.by_parameters(&setup.lens, outline, d, side)?;
+        setup.parts.iter().for_each(|part| budget.push(common(part, &by)));
         Ok(budget.u_common_mm())
     }
 

@@ -239,22 +239,22 @@ impl WidthReading {
     /// The diameter at 20 °C and its budget.
     pub fn budget(&self, calibration: &Calibration, conditions: &Conditions) -> Budget {
         let scale = calibration.scale_mm_per_px;
-        let (width_px, by) = match &calibration.bench {
-            Some(bench) => {
+        let (width_px, by) = match &calibration.setup {
+            Some(setup) => {
                 let columns =
                     ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
-                let by = bench.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
+                let by = setup.diameter_by(scale, columns, self.rows_px, self.chord, conditions.axis_y_mm);
                 (by[0], Some(by))
             }
             None => ((self.rows_px.1 - self.rows_px.0) * self.chord, None),
         };
         let at_t = calibration.diameter_mm(width_px);
         let mut budget = Budget { diameter_mm: at_t * conditions.to_reference(), contributions: Vec::new() };
-        self.add_edges(&mut budget, scale * self.chord, calibration.bench.as_ref().map(|b| &b.lens));
+        self.add_edges(&mut budget, scale * self.chord, calibration.setup.as_ref().map(|b| &b.lens));
         budget.push(self.place(calibration));
-        match (&calibration.bench, by) {
-            (Some(bench), Some(by)) => {
-                for part in &bench.parts {
+        match (&calibration.setup, by) {
+            (Some(setup), Some(by)) => {
+                for part in &setup.parts {
                     budget.push(common(part, &by));
                 }
             }

@@ -27,7 +27,7 @@ pub(crate) struct Row {
 /// The rows of the conditions of use; `at_t` is the diameter at the part's temperature, mm.
 pub(crate) fn rows(calibration: &Calibration, conditions: &Conditions, at_t: f64) -> [Row; 5] {
     let (t, u_t) = calibration
-        .bench
+        .setup
         .as_ref()
         .map_or((0.0, 0.0), |b| (b.lens.telecentricity_per_mm, b.u_telecentricity_per_mm()));
     let unstated = conditions.unstated;

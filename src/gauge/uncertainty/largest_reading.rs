@@ -11,9 +11,9 @@ impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`crate::gauge::largest_caliper`] finds it, behind the
     /// lens of a calibration.
     pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
-        let largest = match &calibration.bench {
-            Some(bench) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
-                let row = |row_px| bench.lens.ideal_row(column as f64, row_px);
+        let largest = match &calibration.setup {
+            Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
+                let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
                 row(bottom_px) - row(top_px)
             }),
             None => largest_caliper_over(edges, least_columns),

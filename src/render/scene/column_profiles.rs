@@ -86,12 +86,12 @@ pub(crate) struct Profiles<'a> {
 impl Scene {
     /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
     fn gaps_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> [Option<[f64; 2]>; 2] {
-        if !(self.is_straight() && self.bench.nominal.optics.distortion.is_none()) {
+        if !(self.is_straight() && self.setup.nominal.optics.distortion.is_none()) {
             return [None; 2];
         }
-        let z = self.bench.column_z_mm(field_z_mm, sensor_column);
+        let z = self.setup.column_z_mm(field_z_mm, sensor_column);
         let rows = |ends: [f64; 2]| {
-            let [a, b] = ends.map(|x| self.bench.row_of_x(x));
+            let [a, b] = ends.map(|x| self.setup.row_of_x(x));
             [a.min(b), a.max(b)]
         };
         [true, false].map(|top| turned.gap(z, top).map(rows))
@@ -110,28 +110,28 @@ impl Scene {
         }
         let mut reach_px = 5.25 * self.largest_sigma_px + 1.0;
         if let Some(laser) = self.laser_shoulders() {
-            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.bench.pixel_mm);
+            reach_px = reach_px.max(SEEN_UNITS * laser.unit_um() * 1e-3 / self.setup.pixel_mm);
         }
-        let reach_mm = reach_px * self.bench.pixel_mm + self.margin_mm;
+        let reach_mm = reach_px * self.setup.pixel_mm + self.margin_mm;
         let column = f64::from(frame.window.column) + column as f64;
         frame.instants.iter().any(|i| {
-            let z = self.bench.column_z_mm(i.field_z_mm, column);
+            let z = self.setup.column_z_mm(i.field_z_mm, column);
             self.outline.is_broken(z - reach_mm, z + reach_mm)
         })
     }
 
     /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
     fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
-        let bench = &self.bench;
-        let (rows, columns) = (bench.rows(), bench.columns());
-        let distortion = &bench.nominal.optics.distortion;
-        let z = |column: f64| bench.column_z_mm(instant.field_z_mm, column);
+        let setup = &self.setup;
+        let (rows, columns) = (setup.rows(), setup.columns());
+        let distortion = &setup.nominal.optics.distortion;
+        let z = |column: f64| setup.column_z_mm(instant.field_z_mm, column);
         let (from, to) = (z(low) - self.margin_mm, z(high) + self.margin_mm);
         let mut corners = Vec::new();
         for s in self.outline.breaks_mm(from, to) {
             for (z_mm, x_mm) in instant.turned.corner_seen(s) {
-                let column = bench.centre_column() + (z_mm - instant.field_z_mm) / bench.pixel_mm;
-                let row = bench.row_of_x(x_mm);
+                let column = setup.centre_column() + (z_mm - instant.field_z_mm) / setup.pixel_mm;
+                let row = setup.row_of_x(x_mm);
                 corners.push(if distortion.is_none() {
                     column
                 } else {
@@ -329,7 +329,7 @@ impl Profiles<'_> {
     fn laser_line(&self, column: usize, side: usize, laser: &LaserShadow) -> Option<Line> {
         let at = f64::from(self.window.column) + column as f64;
         let place = self.table(column, 0.0);
-        let laser = LaserShoulder::new(laser, self.scene.bench().pixel_mm * 1e3, place.scale_px);
+        let laser = LaserShoulder::new(laser, self.scene.setup().pixel_mm * 1e3, place.scale_px);
         let pieces: Vec<Pieces> = self.instants.iter().map(|i| self.pieces(i, &laser, at, side)).collect();
         let seen = pieces.iter().flat_map(|p| laser.rows_seen(p, at));
         let range = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| (a.min(row), b.max(row)));

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::request::FrameRequest;
-use super::true_optics::OpticalBench;
+use super::true_optics::OpticalSetup;
 use crate::render::contamination::{Rise, TransmissionRequest, mark_rise};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::ColumnEdges;
@@ -15,15 +15,15 @@ use crate::shaft::Shaft;
 ///
 /// `edges` reach `halo` columns beyond the window at either end.
 pub(crate) fn raise_edges(
-    bench: &OpticalBench,
+    setup: &OpticalSetup,
     shaft: &Shaft,
     request: &FrameRequest,
     window: Window,
     edges: &mut [ColumnEdges],
 ) -> Result<Vec<Rise>, RenderError> {
-    let Some(soiling) = &bench.soiling else { return Ok(Vec::new()) };
+    let Some(soiling) = &setup.soiling else { return Ok(Vec::new()) };
     let halo = (edges.len() - window.columns as usize) as f64 / 2.0;
-    let z_mm = |i: f64| bench.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
+    let z_mm = |i: f64| setup.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
     // One radius for the whole shaft, so that every field draws the same films.
     let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
     let films = soiling.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
@@ -31,7 +31,7 @@ pub(crate) fn raise_edges(
         return Ok(Vec::new());
     }
     let raise = |(i, e): (usize, &mut ColumnEdges)| {
-        let radius_mm = 0.5 * (e.bottom_px - e.top_px) * bench.pixel_mm;
+        let radius_mm = 0.5 * (e.bottom_px - e.top_px) * setup.pixel_mm;
         let rise = soiling.rise(&films, radius_mm, z_mm(i as f64), request.angle_deg);
         e.top_px -= rise.top_px;
         e.bottom_px += rise.bottom_px;
@@ -54,13 +54,13 @@ pub(crate) struct WindowView<'a> {
 ///
 /// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
 pub(crate) fn contamination(
-    bench: &OpticalBench,
+    setup: &OpticalSetup,
     request: &FrameRequest,
     windows: Windows,
     seen: &WindowView<'_>,
     with_mask: bool,
 ) -> Result<Option<LightMap>, RenderError> {
-    let Some(soiling) = &bench.soiling else { return Ok(None) };
+    let Some(soiling) = &setup.soiling else { return Ok(None) };
     let frame = windows.frame();
     let size = [frame.rows as usize, frame.columns as usize];
     let mut map = LightMap::default();

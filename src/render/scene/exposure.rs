@@ -46,14 +46,14 @@ pub(crate) fn instants<'a>(
     window: Window,
     halo: usize,
 ) -> Result<Vec<Instant<'a>>, RenderError> {
-    let nominal = &scene.bench().nominal;
+    let nominal = &scene.setup().nominal;
     let shifted_rows = nominal.optics.distortion.is_none() && scene.is_straight();
     let poses = nominal.motion.instants(nominal.camera.exposure_us, scene.outline().undulations());
     let mut instants: Vec<Instant<'a>> = Vec::with_capacity(poses.len());
     let mut before: Option<(f64, f64, f64)> = None;
     for pose in poses {
         let (angle, z) = (request.angle_deg + pose.angle_deg, request.z_mm + pose.z_mm);
-        let lift_px = pose.lift_mm / scene.bench().pixel_mm;
+        let lift_px = pose.lift_mm / scene.setup().pixel_mm;
         let turned = scene.turned(request, angle).shifted(pose.lift_mm, 0.0);
         let same = before.filter(|b| shifted_rows && (b.0, b.1) == (angle, z)).map(|b| b.2);
         let edges = match (same, instants.last()) {
@@ -109,7 +109,7 @@ fn edges_over(
 
 fn check_field(scene: &Scene, edges: &[ColumnEdges], window: Window) -> Result<(), RenderError> {
     let row0 = f64::from(window.row);
-    let last = scene.bench().rows() as f64 - 1.0;
+    let last = scene.setup().rows() as f64 - 1.0;
     let outside = edges.iter().position(|e| !(e.top_px + row0 >= 0.0 && e.bottom_px + row0 <= last));
     let Some(column) = outside else { return Ok(()) };
     let e = edges[column];

@@ -48,7 +48,7 @@ impl Scene {
             for instant in &mut instants {
                 let edges = &mut instant.edges;
                 instant.rises = contamination_layer::raise_edges(
-                    &self.bench,
+                    &self.setup,
                     self.outline.shaft(),
                     request,
                     window,
@@ -94,11 +94,11 @@ impl Scene {
             dark: bands.dark.clone(),
         };
         let contamination =
-            contamination_layer::contamination(&self.bench, request, windows, &seen, with_mask)?;
+            contamination_layer::contamination(&self.setup, request, windows, &seen, with_mask)?;
         let keys = FrameKeys {
             seed: request.seed,
             frame_id: request.frame_id,
-            pattern_seed: self.bench.pattern_seed,
+            pattern_seed: self.setup.pattern_seed,
         };
         let mut params = Params::new(windows, format, &self.levels(format), request.noise, keys);
         params.flat_bright = noise_polynomial(&params, params.shadow + params.contrast);
@@ -127,14 +127,14 @@ impl Scene {
     fn light_params(&self, params: &mut Params, contamination: Option<&LightMap>) {
         params.light = match contamination {
             Some(map) if !map.words.is_empty() => 2,
-            _ => u32::from(!self.bench.nominal.light.field.is_even()),
+            _ => u32::from(!self.setup.nominal.light.field.is_even()),
         };
-        let light = &self.bench.nominal.light.field;
+        let light = &self.setup.nominal.light.field;
         params.field = [light.vignetting_2, light.vignetting_4, light.gradient_along, light.gradient_down]
             .map(|k| k as f32);
         params.sag = light.sag as f32;
-        params.half_diagonals = (2.0 / (self.bench.rows() as f64).hypot(self.bench.columns() as f64)) as f32;
-        params.axis = [self.bench.centre_column() as f32, self.bench.centre_row() as f32];
+        params.half_diagonals = (2.0 / (self.setup.rows() as f64).hypot(self.setup.columns() as f64)) as f32;
+        params.axis = [self.setup.centre_column() as f32, self.setup.centre_row() as f32];
     }
 
     /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
@@ -144,7 +144,7 @@ impl Scene {
         }
         let view = self.view(instant.field_z_mm);
         (window.column..window.column + window.columns)
-            .map(|c| self.bench.column_z_mm(instant.field_z_mm, f64::from(c)))
+            .map(|c| self.setup.column_z_mm(instant.field_z_mm, f64::from(c)))
             .map(|z| Depth {
                 y_mm: instant.turned.axis_depth_mm(z, &view),
                 radius_mm: self.outline.mean_radius_mm(z),
@@ -162,7 +162,7 @@ impl Scene {
     /// Takes a frame's contamination back for its memory and gives out its mask.
     pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
         let mask = std::mem::take(&mut map.mask);
-        if let Some(soiling) = &self.bench.soiling {
+        if let Some(soiling) = &self.setup.soiling {
             soiling.recycle(map);
         }
         mask

@@ -1,6 +1,6 @@
 //! Scene: one instant of a shaft before a camera, and the exposure as a sum of instants.
 //!
-//! In: a shaft, an [`OpticalBench`] (the true optical setup, drawn once from settings and seed) and
+//! In: a shaft, an [`OpticalSetup`] (the true optical setup, drawn once from settings and seed) and
 //! a [`FrameRequest`] (spindle angle, axial field, seed of the noise). Out: the true rows of both
 //! edges of every column, and the [`Job`](super::kernel::job::Job) that the kernel computes.
 //!
@@ -20,4 +20,4 @@ pub(crate) mod true_optics;
 
 pub use request::FrameRequest;
 pub use scene::Scene;
-pub use true_optics::OpticalBench;
+pub use true_optics::OpticalSetup;

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
 use super::request::FrameRequest;
-use super::true_optics::OpticalBench;
+use super::true_optics::OpticalSetup;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
@@ -27,7 +27,7 @@ const CLEARANCE_MM: f64 = 1.0;
 /// One shaft before one bench.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    pub(super) bench: OpticalBench,
+    pub(super) setup: OpticalSetup,
     pub(super) outline: Outline,
     pub(super) esf: Arc<EsfTable>,
     pub(super) blur: RowBlur,
@@ -47,38 +47,38 @@ impl Scene {
     ///
     /// # Errors
     /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses the rest.
-    pub fn new(bench: &OpticalBench, shaft: Shaft) -> Result<Self, RenderError> {
+    pub fn new(setup: &OpticalSetup, shaft: Shaft) -> Result<Self, RenderError> {
         let outline = Outline::new(shaft)?;
-        let field_mm = bench.rows() as f64 * bench.pixel_mm;
+        let field_mm = setup.rows() as f64 * setup.pixel_mm;
         let smallest = 2.0 * outline.smallest_radius_mm();
         if smallest > field_mm {
             return Err(RenderError::Field {
                 what: format!(
                     "the shaft's diameter of {smallest:.3} mm exceeds the field of {field_mm:.3} mm ({} rows of {:.3} µm): lower optics.magnification or take more rows",
-                    bench.rows(),
-                    bench.pixel_mm * 1e3
+                    setup.rows(),
+                    setup.pixel_mm * 1e3
                 ),
             });
         }
-        let per_distance = per_distance(bench, &outline)?;
+        let per_distance = per_distance(setup, &outline)?;
         let pose = outline.shaft().pose;
         let lean = (pose.tilt_to_camera_mrad * 1e-3).sin().abs();
-        let half_mm = 0.5 * bench.columns() as f64 * bench.pixel_mm;
+        let half_mm = 0.5 * setup.columns() as f64 * setup.pixel_mm;
         let depth_mm = outline.largest_depth_mm() + half_mm * lean;
         let radius_mm = outline.mean_radii_mm();
-        let esf = bench.tables.table(
-            &bench.esf,
-            &bench.nominal.optics,
-            &Extent { pixel_mm: bench.pixel_mm, depth_mm, radius_mm },
+        let esf = setup.tables.table(
+            &setup.esf,
+            &setup.nominal.optics,
+            &Extent { pixel_mm: setup.pixel_mm, depth_mm, radius_mm },
         )?;
         let margin_mm = radius_mm.1 * ((pose.tilt_mrad * 1e-3).sin().abs() + lean)
             + (half_mm + radius_mm.1) * radius_mm.1 * per_distance.abs()
-            + sideways_px(bench) * bench.pixel_mm;
+            + sideways_px(setup) * setup.pixel_mm;
         let widest = if esf.widens { esf.place(depth_mm, radius_mm.1, 0.0).scale_px } else { esf.blur_px };
         let blur = RowBlur::new(esf.blur_px);
-        let (bench, largest_sigma_px) = (bench.clone(), widest);
+        let (setup, largest_sigma_px) = (setup.clone(), widest);
         Ok(Self {
-            bench,
+            setup,
             outline,
             esf,
             blur,
@@ -98,8 +98,8 @@ impl Scene {
     }
 
     /// The true bench.
-    pub fn bench(&self) -> &OpticalBench {
-        &self.bench
+    pub fn setup(&self) -> &OpticalSetup {
+        &self.setup
     }
 
     /// The shaft's outline.
@@ -141,7 +141,7 @@ impl Scene {
     }
 
     fn window_of(&self, roi: Option<Roi>, key: &'static str) -> Result<Window, RenderError> {
-        let (rows, columns) = (self.bench.nominal.camera.rows, self.bench.nominal.camera.columns);
+        let (rows, columns) = (self.setup.nominal.camera.rows, self.setup.nominal.camera.columns);
         let Some(roi) = roi else { return Ok(Window { row: 0, column: 0, rows, columns }) };
         let inside = |start: u32, length: u32, all: u32| {
             length > 0 && start.checked_add(length).is_some_and(|end| end <= all)
@@ -183,18 +183,18 @@ impl Scene {
 
     /// Exact edges at a fractional column, in rows of the full sensor.
     pub fn edges_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> ColumnEdges {
-        let distortion = &self.bench.nominal.optics.distortion;
+        let distortion = &self.setup.nominal.optics.distortion;
         let view = self.view(field_z_mm);
         if distortion.is_none() {
-            let pair = turned.edges_seen(self.bench.column_z_mm(field_z_mm, sensor_column), &view);
+            let pair = turned.edges_seen(self.setup.column_z_mm(field_z_mm, sensor_column), &view);
             return ColumnEdges {
-                top_px: self.bench.row_of_x(pair.top_mm),
-                bottom_px: self.bench.row_of_x(pair.bottom_mm),
+                top_px: self.setup.row_of_x(pair.top_mm),
+                bottom_px: self.setup.row_of_x(pair.bottom_mm),
             };
         }
         let ideal = |upper: bool| {
-            distortion.edge_row(sensor_column, self.bench.rows(), self.bench.columns(), |c| {
-                self.bench.row_of_x(turned.edge_seen(self.bench.column_z_mm(field_z_mm, c), &view, upper))
+            distortion.edge_row(sensor_column, self.setup.rows(), self.setup.columns(), |c| {
+                self.setup.row_of_x(turned.edge_seen(self.setup.column_z_mm(field_z_mm, c), &view, upper))
             })
         };
         ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
@@ -202,20 +202,20 @@ impl Scene {
 
     /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
     pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
-        let Esf::Fresnel(laser) = &self.bench.esf else { return None };
-        let optics = &self.bench.nominal.optics;
+        let Esf::Fresnel(laser) = &self.setup.esf else { return None };
+        let optics = &self.setup.nominal.optics;
         let plain = self.is_straight() && optics.distortion.is_none() && optics.reflection.is_none();
         (plain && self.outline.is_stepped()).then_some(laser)
     }
 
     /// Levels in counts of the format asked for.
     pub fn levels(&self, format: PixelFormat) -> Levels {
-        let nominal = &self.bench.nominal;
+        let nominal = &self.setup.nominal;
         Levels {
             shadow: nominal.light.shadow_counts,
-            bright: nominal.light.bright_in(&nominal.sensor, self.bench.electrons_per_count),
+            bright: nominal.light.bright_in(&nominal.sensor, self.setup.electrons_per_count),
             black: nominal.sensor.black_level_counts,
-            electrons_per_count: self.bench.electrons_per_count,
+            electrons_per_count: self.setup.electrons_per_count,
             read_noise_e: nominal.sensor.read_noise_e,
             full_well_e: nominal.sensor.full_well_e,
             prnu: nominal.sensor.prnu_rel,
@@ -228,7 +228,7 @@ impl Scene {
 
     /// Format of the frame asked for.
     pub fn format(&self, request: &FrameRequest) -> PixelFormat {
-        request.format.unwrap_or(self.bench.nominal.sensor.format)
+        request.format.unwrap_or(self.setup.nominal.sensor.format)
     }
 
     /// What stands beside the pixels of the frame asked for.
@@ -236,7 +236,7 @@ impl Scene {
         FrameMeta {
             frame_id: request.frame_id,
             t_ns: request.t_ns,
-            exposure_us: self.bench.nominal.camera.exposure_us,
+            exposure_us: self.setup.nominal.camera.exposure_us,
             angle_deg: request.angle_deg,
             z_mm: request.z_mm,
             roi: request.roi,
@@ -247,9 +247,9 @@ impl Scene {
 
 /// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual
 /// angle at half the diagonal.
-fn per_distance(bench: &OpticalBench, outline: &Outline) -> Result<f64, RenderError> {
-    let optics = &bench.nominal.optics;
-    let half_mm = 0.5 * (bench.rows() as f64).hypot(bench.columns() as f64) * bench.pixel_mm;
+fn per_distance(setup: &OpticalSetup, outline: &Outline) -> Result<f64, RenderError> {
+    let optics = &setup.nominal.optics;
+    let half_mm = 0.5 * (setup.rows() as f64).hypot(setup.columns() as f64) * setup.pixel_mm;
     let per_distance = match optics.entocentric {
         Some(e) => 1.0 / e.distance_mm,
         None => (optics.telecentricity_mrad * 1e-3).tan() / half_mm,
@@ -263,12 +263,12 @@ fn per_distance(bench: &OpticalBench, outline: &Outline) -> Result<f64, RenderEr
 }
 
 /// Farthest that the distortion carries a point of the sensor's border along the row, px.
-fn sideways_px(bench: &OpticalBench) -> f64 {
-    let distortion = &bench.nominal.optics.distortion;
+fn sideways_px(setup: &OpticalSetup) -> f64 {
+    let distortion = &setup.nominal.optics.distortion;
     if distortion.is_none() {
         return 0.0;
     }
-    let (rows, columns) = (bench.rows(), bench.columns());
+    let (rows, columns) = (setup.rows(), setup.columns());
     let border = (0..=16).flat_map(|i| {
         let (r, c) = ((rows - 1) as f64 * f64::from(i) / 16.0, (columns - 1) as f64 * f64::from(i) / 16.0);
         [(r, 0.0), (r, (columns - 1) as f64), (0.0, c), ((rows - 1) as f64, c)]

@@ -9,7 +9,7 @@ use rand_pcg::rand_core::SeedableRng;
 use crate::render::contamination::{FieldGeometry, Soiling};
 use crate::render::error::RenderError;
 use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
-use crate::render::settings::{BenchSettings, Esf, Optics};
+use crate::render::settings::{Esf, Optics, SetupSettings};
 
 /// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
@@ -25,9 +25,9 @@ const LARGEST_DRAW: f64 = 2.5;
 
 /// Camera, lens, light and sensor as they are.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OpticalBench {
+pub struct OpticalSetup {
     /// The nominal settings it was drawn from.
-    pub nominal: BenchSettings,
+    pub nominal: SetupSettings,
     /// True size of a pixel on the object, mm.
     pub pixel_mm: f64,
     /// True edge spread, in image pixels.
@@ -42,12 +42,12 @@ pub struct OpticalBench {
     pub soiling: Option<Arc<Soiling>>,
 }
 
-impl OpticalBench {
+impl OpticalSetup {
     /// Draws the true bench; the same settings and seed give the same bench.
     ///
     /// # Errors
     /// Refuses settings outside their ranges, naming the key.
-    pub fn resolve(settings: &BenchSettings, seed: u64) -> Result<Self, RenderError> {
+    pub fn resolve(settings: &SetupSettings, seed: u64) -> Result<Self, RenderError> {
         settings.check()?;
         let mut random = Pcg64::seed_from_u64(seed ^ DEPARTURE_STREAM);
         let mut factor = |relative: f64| {
@@ -105,7 +105,7 @@ impl OpticalBench {
 
 /// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
 fn soiling(
-    settings: &BenchSettings,
+    settings: &SetupSettings,
     esf: &Esf,
     pixel_mm: f64,
     seed: u64,

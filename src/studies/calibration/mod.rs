@@ -14,13 +14,13 @@ pub use error::CalibrateError;
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, PlanError, Position, SimulatedPlan};
 pub use recordings::Recordings;
-pub use simulated::{Draws, Laid, SimulatedBench, SimulatedRecordings};
+pub use simulated::{Draws, Laid, SimulatedRecordings, SimulatedSetup};
 pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Frame, FrameView};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::calibration::{
-    Adjustment, BenchCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
+    Adjustment, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation, SetupCalibration,
     Thermometer, Validity, observe, shared_source,
 };
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
@@ -63,12 +63,12 @@ pub fn calibrate(
     let adjusted = adjustment.fit()?;
     let (sigma_px, defocus_px_per_mm) = blur(&pins[..masters]);
     let validity = Validity { date: plan.date, valid_days: plan.valid_days };
-    let mut bench = BenchCalibration::new(&adjusted, size, validity, sigma_px);
-    bench.defocus_px_per_mm = defocus_px_per_mm;
-    bench.conditions = plan.conditions;
-    bench.sensor = sensor;
-    bench.flat_field = flat_field;
-    let mut calibration = Calibration::of_bench(&adjusted, figures, bench)
+    let mut setup = SetupCalibration::new(&adjusted, size, validity, sigma_px);
+    setup.defocus_px_per_mm = defocus_px_per_mm;
+    setup.conditions = plan.conditions;
+    setup.sensor = sensor;
+    setup.flat_field = flat_field;
+    let mut calibration = Calibration::of_setup(&adjusted, figures, setup)
         .with_optics_id(&plan.optics_id)
         .with_systematic_residual(systematic_residual)
         .with_edge_model(&plan.gauge.esf)
@@ -78,8 +78,8 @@ pub fn calibrate(
         .as_ref()
         .zip(pins.get(masters))
         .and_then(|(pin, seen)| judge(plan, pin, seen, &calibration));
-    if let Some(bench) = &mut calibration.bench {
-        bench.check = check;
+    if let Some(setup) = &mut calibration.setup {
+        setup.check = check;
     }
     let first = pins[masters / 2].edges.first();
     let reading = first.and_then(|(edges, _)| WidthReading::of_frame(edges, 0..edges.columns()));

@@ -10,7 +10,7 @@ use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
 use crate::job::{Job, MasterPin, NominalEdge};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
-use crate::render::settings::{BenchSettings, Camera, Departures, Light, Optics, Sensor};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
 use crate::source::Channel;
 
 /// Frames of a pin at one place in the field.
@@ -120,7 +120,7 @@ pub struct SimulatedPlan {
     /// What soils the view.
     pub contamination: Contamination,
     /// How far the true bench may lie from these values.
-    pub departures: Departures,
+    pub departures: SetupDeviations,
     /// Whether the lens is as the config says: a job's. Else its distortion, keystone and telecentricity are drawn within the
     /// data sheet's limits about it.
     #[serde(skip)]
@@ -141,7 +141,7 @@ impl Default for SimulatedPlan {
             sensor: Sensor::default(),
             motion: Motion::default(),
             contamination: Contamination::default(),
-            departures: Departures::default(),
+            departures: SetupDeviations::default(),
             lens_as_configured: false,
         }
     }
@@ -149,8 +149,8 @@ impl Default for SimulatedPlan {
 
 impl SimulatedPlan {
     /// The bench's settings.
-    pub fn bench(&self) -> BenchSettings {
-        BenchSettings {
+    pub fn setup(&self) -> SetupSettings {
+        SetupSettings {
             camera: self.camera.clone(),
             optics: self.optics.clone(),
             light: self.light.clone(),
@@ -163,9 +163,9 @@ impl SimulatedPlan {
 
     /// The bench and seed of a job in place of its own.
     #[must_use]
-    pub fn before_bench_of(&self, job: &Job) -> Self {
-        let BenchSettings { camera, optics, light, sensor, motion, contamination, departures } =
-            job.bench_settings();
+    pub fn before_setup_of(&self, job: &Job) -> Self {
+        let SetupSettings { camera, optics, light, sensor, motion, contamination, departures } =
+            job.setup_settings();
         Self {
             seed: job.seed,
             config: None,
@@ -182,8 +182,8 @@ impl SimulatedPlan {
     }
 
     /// Whether no table of a bench of its own is given.
-    pub fn has_no_bench(&self) -> bool {
-        self.bench() == BenchSettings::default()
+    pub fn has_no_setup(&self) -> bool {
+        self.setup() == SetupSettings::default()
     }
 
     fn check(&self) -> Result<(), PlanError> {
@@ -191,7 +191,7 @@ impl SimulatedPlan {
             let beside = "was not read: a calibration is loaded from a file to find the config it names";
             return Err(PlanError::new("simulate.config", format!("{}: {beside}", config.display())));
         }
-        self.bench().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
+        self.setup().check().map_err(|e| PlanError::new("simulate", e.to_string()))?;
         if !(1..=1000).contains(&self.frames_each) {
             return Err(PlanError::new("simulate.frames_each", "must be 1 to 1000"));
         }
@@ -264,7 +264,7 @@ impl CalibrationPlan {
             }
         };
         let frames_each = job.masters.frames_each;
-        let simulate = SimulatedPlan { frames_each, ..SimulatedPlan::default() }.before_bench_of(job);
+        let simulate = SimulatedPlan { frames_each, ..SimulatedPlan::default() }.before_setup_of(job);
         Self {
             optics_id: job.name.clone(),
             channel: None,
@@ -299,14 +299,14 @@ impl CalibrationPlan {
     /// The gauge with the edge-spread function of `[simulate]`'s optics where it asks for it; as it is where they give none, which a
     /// gauge refuses.
     fn gauge_of_optics(&self) -> GaugeSettings {
-        let bench = match &self.simulate {
-            Some(simulate) if self.gauge.esf == (EsfModel::Optics {}) => simulate.bench(),
+        let setup = match &self.simulate {
+            Some(simulate) if self.gauge.esf == (EsfModel::Optics {}) => simulate.setup(),
             _ => return self.gauge.clone(),
         };
         let radius_mm =
             self.masters.iter().map(|m| 0.5 * m.diameter_mm).sum::<f64>() / self.masters.len().max(1) as f64;
-        let pixel_mm = bench.nominal_pixel_mm();
-        let edge = NominalEdge::new(&bench.optics, pixel_mm, radius_mm, 0.0);
+        let pixel_mm = setup.nominal_pixel_mm();
+        let edge = NominalEdge::new(&setup.optics, pixel_mm, radius_mm, 0.0);
         edge.map_or_else(
             |_| self.gauge.clone(),
             |edge| GaugeSettings { esf: edge.model(1e3 * pixel_mm), ..self.gauge.clone() },
@@ -386,8 +386,8 @@ impl CalibrationPlan {
         }
         check_common(key, pin)?;
         if let Some(simulate) = &self.simulate {
-            let bench = simulate.bench();
-            let field_mm = f64::from(bench.camera.rows) * bench.nominal_pixel_mm();
+            let setup = simulate.setup();
+            let field_mm = f64::from(setup.camera.rows) * setup.nominal_pixel_mm();
             if pin.diameter_mm > 0.97 * field_mm {
                 return Err(PlanError::new(
                     format!("{key}.diameter_mm"),

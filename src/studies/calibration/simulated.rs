@@ -14,7 +14,7 @@ use crate::gauge::MasterCertificate;
 use crate::gauge::calibration::{LensLimits, Thermometer};
 use crate::render::optics::lens::Distortion;
 use crate::render::settings::Sensor;
-use crate::render::{FrameRequest, OpticalBench, RenderError, Renderer, Scene};
+use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};
 
 /// Stream of the true values, apart from the bench's own.
@@ -43,24 +43,24 @@ pub struct Laid {
 }
 
 /// The bench as it is.
-pub struct SimulatedBench<'a> {
+pub struct SimulatedSetup<'a> {
     renderer: &'a Renderer,
-    bench: OpticalBench,
+    setup: OpticalSetup,
     /// True telecentricity error, 1/mm.
     pub telecentricity_per_mm: f64,
     seed: u64,
     frame_id: u64,
 }
 
-impl<'a> SimulatedBench<'a> {
+impl<'a> SimulatedSetup<'a> {
     /// A bench with this telecentricity error.
-    pub fn new(renderer: &'a Renderer, bench: OpticalBench, telecentricity_per_mm: f64, seed: u64) -> Self {
-        Self { renderer, bench, telecentricity_per_mm, seed, frame_id: 0 }
+    pub fn new(renderer: &'a Renderer, setup: OpticalSetup, telecentricity_per_mm: f64, seed: u64) -> Self {
+        Self { renderer, setup, telecentricity_per_mm, seed, frame_id: 0 }
     }
 
     /// The true bench.
-    pub fn bench(&self) -> &OpticalBench {
-        &self.bench
+    pub fn setup(&self) -> &OpticalSetup {
+        &self.setup
     }
 
     /// A frame of a shaft. A chief ray at an angle magnifies what stands nearer: the body is scaled by 1 + t·y, and out of
@@ -95,7 +95,7 @@ impl<'a> SimulatedBench<'a> {
         if laid.y_mm != 0.0 {
             shaft.deflection = vec![AxisKnot { z_mm: 0.0, x_mm: 0.0, y_mm: laid.y_mm }];
         }
-        Scene::new(&self.bench, shaft)
+        Scene::new(&self.setup, shaft)
     }
 
     /// A frame without a part at a share of the light, 0 for a dark one.
@@ -109,23 +109,23 @@ impl<'a> SimulatedBench<'a> {
     /// Each half of the field from a scene whose part stands in the other half: light, contamination and sensor are those of any
     /// other frame.
     fn flat_numbered(&self, share: f64, frame_id: u64) -> Result<Frame, RenderError> {
-        let mut bench = self.bench.clone();
-        let Sensor { black_level_counts: black, .. } = bench.nominal.sensor;
-        let light = &mut bench.nominal.light;
-        let bright = light.bright_in(&bench.nominal.sensor, bench.electrons_per_count);
+        let mut setup = self.setup.clone();
+        let Sensor { black_level_counts: black, .. } = setup.nominal.sensor;
+        let light = &mut setup.nominal.light;
+        let bright = light.bright_in(&setup.nominal.sensor, setup.electrons_per_count);
         light.bright_counts = black + share * (bright - black);
         light.shadow_counts = black + share * (light.shadow_counts - black);
         light.bright_photons = None;
-        let (rows, columns) = (bench.rows() as u32, bench.columns() as u32);
+        let (rows, columns) = (setup.rows() as u32, setup.columns() as u32);
         let half = |upper: bool| {
-            let field_mm = f64::from(rows) * bench.pixel_mm;
+            let field_mm = f64::from(rows) * setup.pixel_mm;
             let x_mm = if upper { -0.25 } else { 0.25 } * field_mm;
             let mut thin = Shaft::cylinder(0.02 * field_mm);
             thin.pose = Pose { x_mm, ..Pose::default() };
             let (row, end) = if upper { (0, rows / 2) } else { (rows / 2, rows) };
             let roi = Some(Roi { row, column: 0, rows: end - row, columns });
             let request = FrameRequest { roi, ..self.request(frame_id) };
-            self.renderer.render(&Scene::new(&bench, thin)?, &request, None)
+            self.renderer.render(&Scene::new(&setup, thin)?, &request, None)
         };
         let (above, below) = (half(true)?, half(false)?);
         let meta = above.meta.clone();
@@ -198,10 +198,10 @@ impl SimulatedPlan {
     ///
     /// # Errors
     /// A bench that cannot be.
-    fn true_bench(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalBench, RenderError> {
-        let mut settings = self.bench();
+    fn true_setup(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalSetup, RenderError> {
+        let mut settings = self.setup();
         if self.lens_as_configured {
-            return OpticalBench::resolve(&settings, self.seed);
+            return OpticalSetup::resolve(&settings, self.seed);
         }
         distort(&mut settings.optics.distortion, lens, self.seed);
         let even = draws.even();
@@ -209,7 +209,7 @@ impl SimulatedPlan {
             let angle_mrad = 1e3 * (lens.telecentricity_deg.to_radians().tan() * even).atan();
             settings.optics.telecentricity_mrad += angle_mrad;
         }
-        OpticalBench::resolve(&settings, self.seed)
+        OpticalSetup::resolve(&settings, self.seed)
     }
 }
 
@@ -222,7 +222,7 @@ struct Lying {
 
 /// Frames of a plan's pins on a simulated bench: recorded once, however often they are looked at.
 pub struct SimulatedRecordings<'a> {
-    bench: SimulatedBench<'a>,
+    setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
     draws: Draws,
     true_mm: Vec<f64>,
@@ -239,22 +239,22 @@ impl<'a> SimulatedRecordings<'a> {
         let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();
         let mut draws = Draws::new(simulate.seed);
-        let bench = simulate.true_bench(&plan.lens, &mut draws)?;
+        let setup = simulate.true_setup(&plan.lens, &mut draws)?;
         let thermal = draws.thermal(&plan.thermometer);
         let pins = plan.masters.iter().chain(&plan.check);
         let true_mm = pins.map(|p| draws.certified(&p.certificate())).collect();
-        let bench = SimulatedBench::new(renderer, bench, 0.0, simulate.seed);
-        Ok(Self { bench, simulate, draws, true_mm, thermal, lying: Vec::new() })
+        let setup = SimulatedSetup::new(renderer, setup, 0.0, simulate.seed);
+        Ok(Self { setup, simulate, draws, true_mm, thermal, lying: Vec::new() })
     }
 
     /// The bench, to be measured with.
-    pub fn into_bench(self) -> SimulatedBench<'a> {
-        self.bench
+    pub fn into_setup(self) -> SimulatedSetup<'a> {
+        self.setup
     }
 
     /// The bench.
-    pub fn bench(&self) -> &SimulatedBench<'a> {
-        &self.bench
+    pub fn setup(&self) -> &SimulatedSetup<'a> {
+        &self.setup
     }
 
     /// How pin `index` (masters first, then the check pin) lies at a position, and the numbers of its frames.
@@ -275,8 +275,8 @@ impl<'a> SimulatedRecordings<'a> {
                 tilt_mrad: limit_tilt_mrad * self.draws.even(),
                 angle_deg: 0.0,
             };
-            frames.push((laid, self.bench.frame_id));
-            self.bench.frame_id += 1;
+            frames.push((laid, self.setup.frame_id));
+            self.setup.frame_id += 1;
         }
         self.lying.push(Lying { pin: index, position: position.clone(), frames: frames.clone() });
         frames
@@ -286,19 +286,19 @@ impl<'a> SimulatedRecordings<'a> {
 impl Recordings for SimulatedRecordings<'_> {
     fn pin(&mut self, index: usize, _: &PinPlan, position: &Position) -> Result<Vec<Frame>, CalibrateError> {
         let laid = self.laid(index, position);
-        laid.iter().map(|(laid, number)| Ok(self.bench.numbered(laid, *number, true)?)).collect()
+        laid.iter().map(|(laid, number)| Ok(self.setup.numbered(laid, *number, true)?)).collect()
     }
 
     fn dark(&mut self, plan: &CalibrationPlan) -> Result<Vec<Frame>, CalibrateError> {
         if plan.fields.flats.is_empty() {
             return Ok(Vec::new());
         }
-        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.bench.flat(0.0)?)).collect()
+        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.setup.flat(0.0)?)).collect()
     }
 
     fn flat(&mut self, plan: &CalibrationPlan, index: usize) -> Result<Vec<Frame>, CalibrateError> {
         let most = plan.fields.flats.iter().map(|f| f.exposure).fold(0.0, f64::max);
         let share = plan.fields.flats[index].exposure / most.max(f64::MIN_POSITIVE);
-        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.bench.flat(share)?)).collect()
+        (0..self.simulate.frames_each.max(2)).map(|_| Ok(self.setup.flat(share)?)).collect()
     }
 }

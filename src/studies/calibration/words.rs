@@ -7,7 +7,7 @@ use crate::gauge::stated::stated;
 /// Which edge-spread function was fitted to the masters' edges, for people.
 pub fn edge_model_line(calibrated: &Calibrated) -> String {
     let calibration = &calibrated.calibration;
-    let blur = calibration.bench.as_ref().map_or(f64::NAN, |b| b.sigma_px);
+    let blur = calibration.setup.as_ref().map_or(f64::NAN, |b| b.sigma_px);
     let table = calibration.edge_table.as_ref().map_or(String::new(), |t| {
         let ends = (t.distance_um.first(), t.distance_um.last());
         let (Some(low), Some(high)) = ends else { return String::new() };
@@ -27,9 +27,9 @@ pub fn edge_model_line(calibrated: &Calibrated) -> String {
 
 /// The adjusted parameters by name with unit and standard uncertainty, for reports.
 pub fn parameter_table(calibration: &Calibration) -> Vec<[String; 3]> {
-    let Some(bench) = &calibration.bench else { return Vec::new() };
-    let u = |i: usize| bench.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
-    let lens = &bench.lens;
+    let Some(setup) = &calibration.setup else { return Vec::new() };
+    let u = |i: usize| setup.parts.iter().map(|p| p.matrix[i][i]).sum::<f64>().max(0.0).sqrt();
+    let lens = &setup.lens;
     let row = |name: &str, unit: f64, value: f64, index: usize| {
         let [value, u] = stated(unit * value, unit * u(index));
         [name.to_owned(), value, u]

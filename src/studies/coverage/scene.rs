@@ -10,12 +10,12 @@ use crate::gauge::{
 };
 use crate::render::form::form_shaft;
 use crate::render::optics::edge_spread::PartiallyCoherentEdge;
-use crate::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
-use crate::render::{OpticalBench, RenderError, Renderer};
+use crate::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
+use crate::render::{OpticalSetup, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
-    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedBench, SimulatedPlan,
-    SimulatedRecordings, calibrate,
+    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedPlan,
+    SimulatedRecordings, SimulatedSetup, calibrate,
 };
 use crate::truth;
 
@@ -61,8 +61,8 @@ struct Drawn {
 /// An edge as the gauge is given it, for the nominal pixel.
 fn samples(edge: &PartiallyCoherentEdge, simulate: &SimulatedPlan) -> Result<EsfSamples, RenderError> {
     let table = edge.edge_spread()?;
-    let nominal = BenchSettings { departures: Departures::none(), ..simulate.bench() };
-    let pixel_um = 1e3 * OpticalBench::resolve(&nominal, 0)?.pixel_mm;
+    let nominal = SetupSettings { departures: SetupDeviations::none(), ..simulate.setup() };
+    let pixel_um = 1e3 * OpticalSetup::resolve(&nominal, 0)?.pixel_mm;
     let distance_px: Vec<f64> = (-240..=240).map(|i| f64::from(i) / 20.0).collect();
     let light = distance_px.iter().map(|d| table.value(d * pixel_um)).collect();
     Ok(EsfSamples { distance_px, light })
@@ -200,21 +200,21 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     let drawn = draw(class, seed, &mut draws)?;
     let mut recordings = SimulatedRecordings::new(&drawn.plan, renderer)?;
     let calibration = calibrate(&drawn.plan, &mut recordings)?.calibration;
-    let mut bench = recordings.into_bench();
+    let mut setup = recordings.into_setup();
     if class == Class::OtherLight {
-        bench = in_other_light(&drawn, seed, renderer)?;
+        setup = in_other_light(&drawn, seed, renderer)?;
     }
     if class == Class::Clipped {
         let times = 1.2 + 0.3 * draws.even();
         let light = |simulate: &mut SimulatedPlan| simulate.light.bright_counts = 4095.0 * times;
-        bench = changed(&drawn, seed, renderer, light)?;
+        setup = changed(&drawn, seed, renderer, light)?;
     }
     let d20_mm = 5.3 + 1.5 * draws.even();
     let laid = lay(&drawn, d20_mm, seed, &mut draws)?;
     if matches!(class, Class::Form | Class::Lobes) {
-        return measure_stations(&drawn, &calibration, &mut bench, (&laid, d20_mm));
+        return measure_stations(&drawn, &calibration, &mut setup, (&laid, d20_mm));
     }
-    let frame = expose(&drawn, &mut bench, &laid)?;
+    let frame = expose(&drawn, &mut setup, &laid)?;
     Ok(judge(&drawn, &calibration, &frame, d20_mm))
 }
 
@@ -223,7 +223,7 @@ fn in_other_light<'a>(
     drawn: &Drawn,
     seed: u64,
     renderer: &'a Renderer,
-) -> Result<SimulatedBench<'a>, CalibrateError> {
+) -> Result<SimulatedSetup<'a>, CalibrateError> {
     changed(drawn, seed, renderer, |simulate| {
         simulate.optics.esf = Esf::PartiallyCoherent(coherent(false, OTHER_KIND));
     })
@@ -235,14 +235,14 @@ fn changed<'a>(
     seed: u64,
     renderer: &'a Renderer,
     change: impl FnOnce(&mut SimulatedPlan),
-) -> Result<SimulatedBench<'a>, CalibrateError> {
+) -> Result<SimulatedSetup<'a>, CalibrateError> {
     let mut plan = drawn.plan.clone();
     if let Some(simulate) = &mut plan.simulate {
         change(simulate);
     }
-    let other = SimulatedRecordings::new(&plan, renderer)?.into_bench();
+    let other = SimulatedRecordings::new(&plan, renderer)?.into_setup();
     // Noise of its own, not that of the first master's frames.
-    Ok(SimulatedBench::new(renderer, other.bench().clone(), other.telecentricity_per_mm, !seed))
+    Ok(SimulatedSetup::new(renderer, other.setup().clone(), other.telecentricity_per_mm, !seed))
 }
 
 /// The part as it really lies, drawn from the conditions; what lies outside them, for the classes that are.
@@ -304,23 +304,23 @@ fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid,
 }
 
 /// The frame, with what goes wrong during the exposure.
-fn expose(drawn: &Drawn, bench: &mut SimulatedBench<'_>, laid: &Laid) -> Result<Frame, RenderError> {
+fn expose(drawn: &Drawn, setup: &mut SimulatedSetup<'_>, laid: &Laid) -> Result<Frame, RenderError> {
     match drawn.class {
         Class::Vibration => {
             // Two places 3 px apart within one exposure.
-            let shift = 1.5 * bench.bench().pixel_mm;
-            let one = bench.frame(&Laid { height_mm: laid.height_mm + shift, ..laid.clone() })?;
-            let two = bench.frame(&Laid { height_mm: laid.height_mm - shift, ..laid.clone() })?;
+            let shift = 1.5 * setup.setup().pixel_mm;
+            let one = setup.frame(&Laid { height_mm: laid.height_mm + shift, ..laid.clone() })?;
+            let two = setup.frame(&Laid { height_mm: laid.height_mm - shift, ..laid.clone() })?;
             Ok(mean_of(one, &two))
         }
         Class::Overexposed => {
-            let mut frame = bench.frame(laid)?;
+            let mut frame = setup.frame(laid)?;
             if let crate::frame::PixelsMut::U16(pixels) = frame.pixels_mut() {
                 pixels.iter_mut().for_each(|p| *p = p.saturating_mul(3).min(4095));
             }
             Ok(frame)
         }
-        _ => bench.frame(laid),
+        _ => setup.frame(laid),
     }
 }
 
@@ -360,7 +360,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
     if edges.figures.reduced_chi2 > 1.5 {
         return "residual".to_owned();
     }
-    match calibration.bench.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
+    match calibration.setup.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {
         Some(Err(_)) => "blur".to_owned(),
         _ => String::new(),
     }
@@ -398,7 +398,7 @@ fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
 fn measure_stations(
     drawn: &Drawn,
     calibration: &Calibration,
-    bench: &mut SimulatedBench<'_>,
+    setup: &mut SimulatedSetup<'_>,
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
     let gauge =
@@ -408,7 +408,7 @@ fn measure_stations(
     let (mut common, mut flags) = (None, Vec::new());
     for k in 0..ANGLES {
         let angle_deg = laid.angle_deg + 180.0 * k as f64 / ANGLES as f64;
-        let frame = bench.frame(&Laid { angle_deg, ..laid.clone() })?;
+        let frame = setup.frame(&Laid { angle_deg, ..laid.clone() })?;
         let edges = match gauge.edges(&frame.view()) {
             Ok(edges) => edges,
             Err(e) => return Ok(refused(e.reason.to_string())),

@@ -10,8 +10,8 @@ use shadowgauge::gauge::{
 };
 use shadowgauge::profile::DiameterProfile;
 use shadowgauge::render::form::form_shaft;
-use shadowgauge::render::settings::{BenchSettings, Departures, Esf, GaussianEsf};
-use shadowgauge::render::{BackendChoice, FrameRequest, OpticalBench, Renderer, Scene};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
+use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{Pose, ProfileKnot, Shaft, ShaftForm};
 
 /// Expanded uncertainty of the masters' certificates, mm (k = 2).
@@ -53,13 +53,13 @@ impl Case {
             .collect()
     }
 
-    fn bench(&self, seed: u64) -> OpticalBench {
-        let departures = Departures { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 };
-        let mut settings = BenchSettings { departures, ..Default::default() };
+    fn setup(&self, seed: u64) -> OpticalSetup {
+        let departures = SetupDeviations { magnification_rel: 1e-3, blur_rel: 0.05, gain_rel: 0.05 };
+        let mut settings = SetupSettings { departures, ..Default::default() };
         settings.camera.rows = self.rows;
         settings.camera.columns = self.columns;
         settings.optics.esf = Esf::Gaussian(GaussianEsf { sigma_px: 1.2 });
-        OpticalBench::resolve(&settings, seed).unwrap()
+        OpticalSetup::resolve(&settings, seed).unwrap()
     }
 }
 
@@ -67,7 +67,7 @@ impl Case {
 pub struct Head {
     pub case: Case,
     pub seed: u64,
-    pub bench: OpticalBench,
+    pub setup: OpticalSetup,
     pub gauge: Gauge,
     pub calibration: Calibration,
     pub renderer: Renderer,
@@ -82,7 +82,7 @@ pub struct Measured {
 impl Head {
     pub fn new(case: Case, seed: u64) -> Self {
         let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-        let bench = case.bench(seed);
+        let setup = case.setup(seed);
         let gauge = Gauge::new(GaugeSettings::default()).unwrap();
         let mut rng = Pcg64::seed_from_u64(seed ^ 0x6d61_7374);
         let mut draw = |size: f64| -> f64 {
@@ -98,7 +98,7 @@ impl Head {
                 let frames = (0..8)
                     .map(|i| {
                         let pose = Pose { x_mm: draw(0.05), tilt_mrad: draw(0.3), ..Pose::default() };
-                        let scene = Scene::new(&bench, Shaft { pose, ..Shaft::cylinder(truth) }).unwrap();
+                        let scene = Scene::new(&setup, Shaft { pose, ..Shaft::cylinder(truth) }).unwrap();
                         let id = 1_000_000 + 1000 * k as u64 + i;
                         let request =
                             FrameRequest { frame_id: id, noise: true, seed, ..FrameRequest::default() };
@@ -111,7 +111,7 @@ impl Head {
             })
             .collect();
         let calibration = Calibration::fit(&masters).unwrap().with_edge_model(&gauge.settings().esf);
-        Self { case, seed, bench, gauge, calibration, renderer }
+        Self { case, seed, setup, gauge, calibration, renderer }
     }
 
     pub fn shaft(&self, form: &ShaftForm) -> Shaft {
@@ -135,7 +135,7 @@ impl Head {
     }
 
     fn scan_beside(&self, shaft: &Shaft, mut beside: impl FnMut(&Frame, &Self)) -> Vec<Measured> {
-        let scene = Scene::new(&self.bench, shaft.clone()).unwrap();
+        let scene = Scene::new(&self.setup, shaft.clone()).unwrap();
         let mut stream = self.gauge.stream();
         let mut edges = FrameEdges::default();
         let mut spare: Option<Frame> = None;
