@@ -97,7 +97,7 @@ impl Diameter {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reading {
-    /// A trusted value.
+    /// A usable value.
     Value(Diameter),
     /// Refused.
     Gap(Reason),

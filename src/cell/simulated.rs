@@ -86,7 +86,7 @@ pub fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
 }
 
 impl<'a> SimulatedCell<'a> {
-    /// A cell with the stock clamped and the true bench drawn from the job's seed.
+    /// A cell with the stock clamped and the true optical setup drawn from the job's seed.
     ///
     /// # Errors
     /// Where a stage refuses its settings.

@@ -1,4 +1,4 @@
-//! `shadowgauge calibrate`: a bench from dark and flat fields, master pins and a check pin.
+//! `shadowgauge calibrate`: an optical setup from dark and flat fields, master pins and a check pin.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};

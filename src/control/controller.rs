@@ -1,4 +1,4 @@
-//! What the loop asks of a controller.
+//! The interface of a controller.
 
 use super::context::{PartStart, PassContext};
 use crate::plan::{Decision, DiameterOffset, PassPlan};

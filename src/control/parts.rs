@@ -100,7 +100,7 @@ impl PartLoop {
         self.forecast.get(index).filter(|f| !f.is_empty()).map(Vec::as_slice)
     }
 
-    /// Remembers what a pass should have been offset by.
+    /// Stores the offset that a pass should have had.
     pub(crate) fn record(&mut self, pass: u32, in_force: &[f64], errors: &[f64], gain: f64) {
         let Some(index) = (pass as usize).checked_sub(1).filter(|_| self.settings.enabled) else {
             return;

@@ -19,7 +19,7 @@ struct Gains {
     settings: PidSettings,
 }
 
-/// What one loop remembers.
+/// State of one loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Loop {
     passes: u32,

@@ -7,7 +7,7 @@ use crate::profile::Reason;
 /// Whether an edge may be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeState {
-    /// Trusted.
+    /// Usable without reservation.
     Good,
     /// Usable with the larger uncertainty stated; the reason is what impairs it.
     Impaired(Reason),

@@ -122,7 +122,7 @@ pub struct TurningProcess {
 }
 
 impl TurningProcess {
-    /// Clamps a blank. `seed` alone (with the number of the pass) decides every random feature.
+    /// Clamps a blank. `seed` alone (with the number of the pass) determines every random feature.
     ///
     /// # Errors
     /// Refuses settings out of range and a blank without extent.

@@ -1,4 +1,4 @@
-//! What a user sets about camera, optics, light and sensor: the nominal bench.
+//! What a user sets about camera, optics, light and sensor: the nominal optical setup.
 //!
 //! The true setup differs from it by seeded amounts ([`SetupDeviations`]) that are part of `truth`
 //! alone; the gauge gets frames and has to be calibrated. Levels are grey values in counts,

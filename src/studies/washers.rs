@@ -27,7 +27,7 @@ use crate::gauge::ring::{EdgeCircle, RingError, RingMeasurement, RingSettings, m
 pub type Pair = [f64; 2];
 /// Names of a pair.
 pub const SIDES: [&str; 2] = ["outer", "inner"];
-/// Grey value at which the plain method sees the edge.
+/// Grey value at which the plain method places the edge.
 pub const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
 pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
@@ -157,7 +157,7 @@ pub struct Comparison {
 pub struct WashersStudy {
     /// Files.
     pub names: Vec<String>,
-    /// The gauge, as the ball of ISO 12181-2 feels the outline.
+    /// The gauge, with the outline as traced by the ball of ISO 12181-2.
     pub ours: MethodFigures,
     /// The gauge's optical edge, calipers with burrs refused.
     pub optical: MethodFigures,

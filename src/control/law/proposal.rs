@@ -1,4 +1,4 @@
-//! What a law sees of a pass, and what it proposes for the next.
+//! What a law gets of a pass, and what it proposes for the next.
 
 use crate::control::context::NextPass;
 use crate::control::fit::{self, Fit};
@@ -6,7 +6,7 @@ use crate::control::readings::Errors;
 use crate::plan::PassPlan;
 use nalgebra::{DMatrix, DVector};
 
-/// What a law sees of the pass measured.
+/// Results of the pass measured, as given to a law.
 pub(crate) struct Observation<'a> {
     /// What was commanded, with the offsets in force.
     pub plan: &'a PassPlan,

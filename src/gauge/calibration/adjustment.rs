@@ -1,6 +1,6 @@
 //! Least squares over the masters' observations and everything that is uncertain about the masters themselves.
 //!
-//! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
+//! Unknowns are the optical setup's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
 //! certificate has for itself, an error γ_g that the certificates of one laboratory share (GUM F.1.2.3: a common standard makes them
 //! correlated, cov(D_p, D_q) = c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of
 //! a frame share, and an error w_y that all frames out of the masters' plane by the same distance y share.
@@ -113,7 +113,8 @@ fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
     (sum / n.max(1.0)).sqrt()
 }
 
-/// Distances from the masters' plane at which something was seen, but for the least: what the offset swallows there.
+/// Distances from the masters' plane at which masters were seen, but for the least: there w_y is
+/// part of the offset.
 fn out_of_plane(observations: &[Observation]) -> Vec<f64> {
     let mut all: Vec<f64> = observations.iter().map(|o| o.axis_y_mm).collect();
     all.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.total_cmp(b)));
@@ -380,7 +381,7 @@ impl Adjustment {
         normal
     }
 
-    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the bench.
+    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the optical setup.
     fn solve(&self, deviations: Option<&[f64]>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
         let mut z = self.start.clone();
         let mut last = None;
@@ -415,10 +416,10 @@ impl Adjustment {
         right
     }
 
-    /// Fits the bench. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
+    /// Fits the optical setup. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
     ///
     /// # Errors
-    /// Where the masters do not determine the bench.
+    /// Where the masters do not determine the optical setup.
     pub fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
         let undetermined = || CalibrationError::SameSize { spread_px: 0.0 };
         self.look_for_misfit().ok_or_else(undetermined)?;
@@ -438,7 +439,7 @@ impl Adjustment {
                     column_px: o.column_px,
                     middle_px: 0.5 * (o.top_px + o.bottom_px),
                     axis_y_mm: o.axis_y_mm,
-                    // The nuisances are the masters' and the frames' business: shown is what the bench leaves.
+                    // The nuisances are the masters' and the frames' business: shown is what the optical setup leaves.
                     residual_mm: self.residual(&self.without_nuisances(&z), &lens, index, 0.0),
                     u_mm: self.sigma[index],
                 }
@@ -498,13 +499,13 @@ impl Adjustment {
         seen + z.iter().skip(2).map(|v| v * v).sum::<f64>()
     }
 
-    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no bench.
+    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no optical setup.
     pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
         let (z, _, _) = self.solve(Some(deviations))?;
         Some(std::array::from_fn(|k| z[k] * self.unit[k]))
     }
 
-    /// A solver for many sets of deviated data; `None` where the masters determine no bench.
+    /// A solver for many sets of deviated data; `None` where the masters determine no optical setup.
     pub fn solver(&self) -> Option<Solver<'_>> {
         let (start, inverse, _) = self.solve(None)?;
         Some(Solver { adjustment: self, start, inverse })

@@ -1,4 +1,5 @@
-//! What a bench read from a file cannot be: a calibration is trusted with every diameter, so a damaged one is refused when it is read.
+//! Values that a calibration file cannot have: every diameter rests on the calibration, so a
+//! damaged file is refused when it is read.
 
 use nalgebra::SMatrix;
 

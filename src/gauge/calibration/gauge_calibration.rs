@@ -56,7 +56,8 @@ pub struct Calibration {
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_table: Option<Box<EdgeTable>>,
-    /// Conditions of use that were known when it was made without a bench (a run's own); none where nobody stated them.
+    /// Conditions of use that were known when it was made without an optical setup (a run's own);
+    /// none where none were stated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Box<Conditions>>,
 }
@@ -107,7 +108,7 @@ impl Calibration {
         })
     }
 
-    /// From a bench's adjustment.
+    /// From an optical setup's adjustment.
     pub fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
         let sum = |i: usize, j: usize| setup.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {
@@ -320,7 +321,7 @@ impl Calibration {
         }
     }
 
-    /// The calibration of the same bench for frames read column by column (a vertical shaft).
+    /// The calibration of the same optical setup for frames read column by column (a vertical shaft).
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
@@ -361,7 +362,7 @@ impl Calibration {
         }
     }
 
-    /// Keeps the conditions of use of a calibration without a bench.
+    /// Keeps the conditions of use of a calibration without an optical setup.
     #[must_use]
     pub fn with_conditions(self, conditions: Conditions) -> Self {
         Self { conditions: Some(Box::new(conditions)), ..self }

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::range_check::{SettingError, within};
 
-/// Number of parameters of a bench: s, o, a, q, g, t.
+/// Number of parameters of an optical setup: s, o, a, q, g, t.
 pub const PARAMETERS: usize = 6;
 
 /// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until masters say more.

@@ -82,7 +82,7 @@ impl MasterFigure {
     }
 }
 
-/// A master as the adjustment sees it.
+/// A master as used in the adjustment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MasterPrior {

@@ -82,7 +82,7 @@ pub enum BenchError {
 /// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or a fifth less.
 pub const FOCUS: f64 = 0.223;
 
-/// The bench behind a calibration.
+/// The optical setup behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SetupCalibration {
@@ -120,7 +120,7 @@ pub struct SetupCalibration {
 }
 
 impl SetupCalibration {
-    /// A bench from its adjustment.
+    /// An optical setup from its adjustment.
     pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
         Self {
             rows: size.0,
@@ -139,7 +139,7 @@ impl SetupCalibration {
         }
     }
 
-    /// The bench as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
+    /// The optical setup as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
     /// other's place. What a decentred lens does differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]):
     /// a share of its own. The flat field stays that of the sensor.
     #[must_use]

@@ -1,4 +1,5 @@
-//! Limits of what nobody stated. A quantity that is not stated is not known exactly: it has a row of its own in every budget.
+//! Limits of quantities that are not stated. Such a quantity is not known exactly: it has a row of
+//! its own in every budget.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 //! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
 //! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. A bent
 //! part has a τ at every column ([`AxisSlope`]); a slope towards the camera leaves a telecentric width as it is. Before
-//! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
+//! that each edge is freed of the bias of its curvature and, where the optical setup is calibrated, of the lens' distortion; after it the
 //! diameter is taken to 20 °C.
 
 use crate::frame::FrameMeta;

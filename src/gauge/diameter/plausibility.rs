@@ -71,7 +71,7 @@ impl TurnHistory {
     }
 
     /// Compares a frame's diameters with those of the same angle in earlier turns. Stretches that jump become gaps
-    /// ([`Reason::Implausible`]); the others are remembered.
+    /// ([`Reason::Implausible`]); the others become the reference of the next revolution.
     pub fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
         let mut jumps = Vec::new();
         let angle = (meta.angle_deg.rem_euclid(180.0) * 1e6).round() as i64 % 180_000_000;

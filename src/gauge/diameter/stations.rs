@@ -45,7 +45,8 @@ impl StationColumns {
     }
 
     /// What the mean of the columns seen may be off the station's: their own slope times the distance of their centroid from its
-    /// middle. The rest of the station was not seen; that it goes on like this is a guess, so the mean is left and its uncertainty takes it.
+    /// middle. That the unobserved part continues with this slope is not certain, so the mean is
+    /// left and the difference is its uncertainty.
     pub(crate) fn u_unobserved(&self) -> f64 {
         let spread = self.xx - self.x * self.x / self.n;
         if self.n < 3.0 || !(spread > 0.0) {

@@ -213,7 +213,7 @@ impl SideState {
 
     /// Reads the windows anew around the edges in `line`. Where windows were centred by the area of their light, a pixel of noise far out
     /// moved the window that it lies in, so that the flat ends, chosen after a look at them, are no fair sample of the levels. A fitted
-    /// edge owes nothing to the flat ends: centred on it they are.
+    /// edge is independent of the flat ends: centred on it they are.
     pub(crate) fn recentre<T: Sample>(&mut self, plane: &Plane<'_, T>, line: &[Edge]) {
         for (centre, edge) in self.windows.centre.iter_mut().zip(line).filter(|(_, e)| e.is_usable()) {
             *centre = Ok((edge.row_px + 0.5).floor() as i32);

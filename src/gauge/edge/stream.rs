@@ -40,7 +40,8 @@ const LEAST_ROWS: usize = 24;
 pub(crate) const LEAST_COLUMNS: usize = 16;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
-/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
+/// Median residual above which a followed frame's blur is searched again, as a multiple of the last
+/// full search's.
 const MOST_CHI2: f64 = 1.1;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
@@ -201,7 +202,7 @@ impl AreaStream {
             return false;
         }
         self.update_track(out, last.size, last.frames + 1);
-        // The yardstick stays that of the search, so that a slow loss of focus is noticed.
+        // The reference remains that of the search, so that a slow loss of focus is noticed.
         if let Some(kept) = &mut self.last {
             kept.reduced_chi2 = last.reduced_chi2;
         }
@@ -228,7 +229,7 @@ impl AreaStream {
         false
     }
 
-    /// Remembers where the edges are.
+    /// Keeps where the edges are for the next frame.
     fn update_track(&mut self, out: &FrameEdges, size: (usize, usize), frames: u32) {
         let valid = self.valid(out);
         let unbroken = self.is_unbroken();

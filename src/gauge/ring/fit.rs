@@ -49,7 +49,7 @@ pub(super) struct Caliper {
     pub(super) u_shift: f64,
     /// Σ(residual/σ_n)² over its pixels − 1.
     pub(super) reduced_chi2: f64,
-    /// Whether it can be trusted.
+    /// Whether it is usable.
     pub(super) good: bool,
     /// Where the grey values of a caliper that is refused cross the middle of the levels, px towards the light: the outline
     /// of a burr, which no model of one edge fits. `None` where they do not, and for a good caliper.

@@ -1,4 +1,4 @@
-//! The outline of an edge: caliper by caliper, its roundness, and how a ball would feel it.
+//! The outline of an edge: caliper by caliper, its roundness, and the outline as traced by a ball.
 
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -11,7 +11,7 @@ use super::fit::EdgeFit;
 /// How a point of an outline was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointOrigin {
-    /// An edge was fitted and is trusted.
+    /// An edge was fitted and is usable.
     Fitted,
     /// Refused as burr or contamination: where the grey values cross the middle of the levels.
     Crossing,
@@ -81,7 +81,8 @@ impl Outline {
         roundness_of(&self.trusted_radii(), cutoff_upr)
     }
 
-    /// Least-squares diameter of the outline as a ball of this radius feels it, burrs included, px.
+    /// Least-squares diameter of the outline as traced by a ball of this radius, burrs included,
+    /// px.
     ///
     /// # Errors
     /// A ball that does not fit the bore.

@@ -83,7 +83,8 @@ pub struct Budget {
     pub contributions: Vec<Contribution>,
 }
 
-/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+/// Probability of the intervals where no coverage factor is given: that of k = 2 for a normal
+/// distribution.
 pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
 
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
@@ -349,7 +350,7 @@ pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
     }
 }
 
-/// Without a bench only scale and offset are known, with their covariance.
+/// Without an optical setup only scale and offset are known, with their covariance.
 fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64) {
     let row = |source: &str, input: String, u_mm: f64| Contribution {
         source: source.to_owned(),

@@ -24,7 +24,7 @@ const CELL_WORDS: usize = CELL / 2;
 pub struct LightMap {
     /// Two factors a word, rows padded to whole words.
     pub words: Vec<u32>,
-    /// Bits of [`crate::render::contamination::mask`], row-major; empty where nobody asked for it.
+    /// Bits of [`crate::render::contamination::mask`], row-major; empty where not requested.
     pub mask: Vec<u8>,
     /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
     pub touched: Vec<bool>,

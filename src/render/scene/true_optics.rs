@@ -43,7 +43,7 @@ pub struct OpticalSetup {
 }
 
 impl OpticalSetup {
-    /// Draws the true bench; the same settings and seed give the same bench.
+    /// Draws the true optical setup; the same settings and seed give the same optical setup.
     ///
     /// # Errors
     /// Refuses settings outside their ranges, naming the key.

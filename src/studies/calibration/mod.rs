@@ -1,4 +1,4 @@
-//! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
+//! Calibration of an optical setup: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
 //! its residuals and the verdict of a check pin.
 
 mod calibrated;
@@ -41,7 +41,7 @@ struct PinEdges {
 /// Makes a calibration.
 ///
 /// # Errors
-/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no bench.
+/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no optical setup.
 pub fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,

@@ -91,8 +91,8 @@ pub struct Fields {
     pub flats: Vec<FlatPlan>,
 }
 
-/// A bench to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
-/// file draws the same bench.
+/// An optical setup to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
+/// file draws the same optical setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
@@ -100,7 +100,7 @@ pub struct SimulatedPlan {
     pub seed: u64,
     /// Frames of each position and exposure.
     pub frames_each: usize,
-    /// A job's config beside this file: its bench and seed, exactly as `render` and `run` draw them, in place of the tables below.
+    /// A job's config beside this file: its optical setup and seed, exactly as `render` and `run` draw them, in place of the tables below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub config: Option<PathBuf>,
     /// Pins are laid obliquely in the image plane by up to this, mrad. 0 ..= 100.
@@ -119,7 +119,7 @@ pub struct SimulatedPlan {
     pub motion: Motion,
     /// What soils the view.
     pub contamination: Contamination,
-    /// How far the true bench may lie from these values.
+    /// How far the true optical setup may lie from these values.
     pub departures: SetupDeviations,
     /// Whether the lens is as the config says: a job's. Else its distortion, keystone and telecentricity are drawn within the
     /// data sheet's limits about it.
@@ -148,7 +148,7 @@ impl Default for SimulatedPlan {
 }
 
 impl SimulatedPlan {
-    /// The bench's settings.
+    /// The optical setup's settings.
     pub fn setup(&self) -> SetupSettings {
         SetupSettings {
             camera: self.camera.clone(),
@@ -161,7 +161,7 @@ impl SimulatedPlan {
         }
     }
 
-    /// The bench and seed of a job in place of its own.
+    /// The optical setup and seed of a job in place of its own.
     #[must_use]
     pub fn before_setup_of(&self, job: &Job) -> Self {
         let SetupSettings { camera, optics, light, sensor, motion, contamination, departures } =
@@ -181,7 +181,7 @@ impl SimulatedPlan {
         }
     }
 
-    /// Whether no table of a bench of its own is given.
+    /// Whether no table of an optical setup of its own is given.
     pub fn has_no_setup(&self) -> bool {
         self.setup() == SetupSettings::default()
     }
@@ -219,7 +219,7 @@ pub struct CalibrationPlan {
     /// Days the calibration is valid.
     #[serde(default = "a_year")]
     pub valid_days: u32,
-    /// What the lens' data sheet promises.
+    /// Limits of the lens by its data sheet.
     #[serde(default)]
     pub lens: LensLimits,
     /// Temperature of the masters.
@@ -247,7 +247,7 @@ fn a_year() -> u32 {
 }
 
 impl CalibrationPlan {
-    /// The calibration of a job's own bench on its own master pins, each at three heights of the field.
+    /// The calibration of a job's own optical setup on its own master pins, each at three heights of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
         let pin = |(index, pin): (usize, &MasterPin)| {
             let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);

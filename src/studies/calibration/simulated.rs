@@ -17,13 +17,13 @@ use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};
 
-/// Stream of the true values, apart from the bench's own.
+/// Stream of the true values, apart from the optical setup's own.
 const TRUTH_STREAM: u64 = 0x0063_616c_6962;
 
 /// Stream of the lens' true distortion.
 const LENS_STREAM: u64 = 0x6c65_6e73;
 
-/// A shaft laid before a simulated bench.
+/// A shaft laid before a simulated optical setup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laid {
     /// Its form at 20 °C; pose and deflection are set here.
@@ -42,7 +42,7 @@ pub struct Laid {
     pub angle_deg: f64,
 }
 
-/// The bench as it is.
+/// The optical setup as it is.
 pub struct SimulatedSetup<'a> {
     renderer: &'a Renderer,
     setup: OpticalSetup,
@@ -53,12 +53,12 @@ pub struct SimulatedSetup<'a> {
 }
 
 impl<'a> SimulatedSetup<'a> {
-    /// A bench with this telecentricity error.
+    /// An optical setup with this telecentricity error.
     pub fn new(renderer: &'a Renderer, setup: OpticalSetup, telecentricity_per_mm: f64, seed: u64) -> Self {
         Self { renderer, setup, telecentricity_per_mm, seed, frame_id: 0 }
     }
 
-    /// The true bench.
+    /// The true optical setup.
     pub fn setup(&self) -> &OpticalSetup {
         &self.setup
     }
@@ -81,7 +81,7 @@ impl<'a> SimulatedSetup<'a> {
         self.renderer.render(&self.scene(laid)?, &request, None)
     }
 
-    /// The scene of a shaft before the bench.
+    /// The scene of a shaft before the optical setup.
     ///
     /// # Errors
     /// As [`Self::frame`].
@@ -193,11 +193,11 @@ fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
 }
 
 impl SimulatedPlan {
-    /// The bench as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
+    /// The optical setup as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
     /// telecentricity lie within the data sheet's limits about the config's, unless the config itself is the truth.
     ///
     /// # Errors
-    /// A bench that cannot be.
+    /// An optical setup that cannot be.
     fn true_setup(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalSetup, RenderError> {
         let mut settings = self.setup();
         if self.lens_as_configured {
@@ -220,7 +220,7 @@ struct Lying {
     frames: Vec<(Laid, u64)>,
 }
 
-/// Frames of a plan's pins on a simulated bench: recorded once, however often they are looked at.
+/// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are looked at.
 pub struct SimulatedRecordings<'a> {
     setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
@@ -231,10 +231,10 @@ pub struct SimulatedRecordings<'a> {
 }
 
 impl<'a> SimulatedRecordings<'a> {
-    /// The bench of a plan that has a `[simulate]` table.
+    /// The optical setup of a plan that has a `[simulate]` table.
     ///
     /// # Errors
-    /// A bench that cannot be.
+    /// An optical setup that cannot be.
     pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
         let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();
@@ -247,12 +247,12 @@ impl<'a> SimulatedRecordings<'a> {
         Ok(Self { setup, simulate, draws, true_mm, thermal, lying: Vec::new() })
     }
 
-    /// The bench, to be measured with.
+    /// The optical setup, to be measured with.
     pub fn into_setup(self) -> SimulatedSetup<'a> {
         self.setup
     }
 
-    /// The bench.
+    /// The optical setup.
     pub fn setup(&self) -> &SimulatedSetup<'a> {
         &self.setup
     }

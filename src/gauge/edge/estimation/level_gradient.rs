@@ -165,7 +165,7 @@ impl LevelGradient {
         }
     }
 
-    /// Knows nothing of the light beyond the windows.
+    /// Clears what was known of the light beyond the windows.
     pub(crate) fn clear(&mut self) {
         self.tiles.clear();
         (self.levelled, self.bend) = (false, None);

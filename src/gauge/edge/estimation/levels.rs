@@ -93,7 +93,7 @@ impl LevelPool {
     fn search(&mut self, columns: usize, variance: f64, max_knots: usize) -> Found {
         let (mut least, mut reduced_chi2) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
-        // Twice as many knots that serve worse twice in a row end the search.
+        // Doubling the knots twice in a row without a smaller penalised χ² ends the search.
         while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.at.len()) && worse < 2 {
             let chi2 = self.trial.fit(&self.bins, columns, knots, variance);
             let penalised = chi2 + KNOT_PENALTY * knots as f64;

@@ -1,7 +1,8 @@
 //! What the masters' edges leave of the edge model, and what a part's edges leave beyond it.
 //!
 //! An edge model that is not the light's own places every edge wrongly by b. Where calibration and use share model, optics and light, b is the
-//! same in both and the masters' offset has swallowed it (GUM 5.2: a systematic effect common to both cancels in their difference). What a
+//! same in both and part of the masters' offset (GUM 5.2: a systematic effect common to both
+//! cancels in their difference). What a
 //! residual r may hide, u = ‖r‖/√J with the edge's information J, must then not be stated in full, but only what may have changed:
 //!
 //! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over the distance d from the edge, χ² is taken of

@@ -36,7 +36,7 @@ impl NoiseModel {
         (self.offset + self.gain * level).max(self.floor)
     }
 
-    /// Smallest variance taken seriously, counts².
+    /// Smallest variance used, counts².
     pub(crate) fn floor(&self) -> f64 {
         self.floor
     }
@@ -65,7 +65,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of some differences; `least` is the smallest scale taken seriously, counts.
+    /// Of some differences; `least` is the smallest scale used, counts.
     pub(crate) fn of(differences: &[f32], least: f32) -> Self {
         // The median only sets the cut, far out: a sample of the differences gives it well enough.
         let mut sample = [0.0_f32; MEDIAN_OF];

@@ -280,7 +280,7 @@ pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -
         if !full.is_finite() {
             return None;
         }
-        // Far from the edge the step is not to be trusted in full.
+        // Far from the edge the full step may diverge.
         let step = full.clamp(-0.5, 0.5);
         x = phase.scalars.phase + step;
         // Scoring converges by a factor of ρ = |1 − observed/expected information| a step (0.3 at the lowest SNR), so an

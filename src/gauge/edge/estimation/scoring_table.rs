@@ -17,7 +17,7 @@ use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
 pub(crate) const FINE: u32 = 64;
-/// Phases per pixel of the tables that only serve to find the blur.
+/// Phases per pixel of the tables that are used only to find the blur.
 pub(crate) const COARSE: u32 = 16;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
@@ -96,7 +96,7 @@ pub(crate) enum Cores {
     Two(Vec<CorePhase<2>>),
     /// 24 pixels.
     Three(Vec<CorePhase<3>>),
-    /// Longer ones: the whole window serves.
+    /// Longer ones: the whole window is used.
     Whole,
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct GreyScaleLimits {
 }
 
 impl GreyScaleLimits {
-    /// Smallest variance of a pixel that is taken seriously, counts².
+    /// Smallest variance of a pixel, counts²: below it noise is not plausible.
     pub(crate) fn floor(self, contrast: f64) -> f64 {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
     }
@@ -25,7 +25,7 @@ impl GreyScaleLimits {
         Self { floor: step * step / 12.0 }
     }
 
-    /// Smallest scale of differences that is taken seriously, counts.
+    /// Smallest scale of differences, counts.
     pub(crate) fn least(self, contrast: f64) -> f32 {
         self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
     }

@@ -1,4 +1,5 @@
-//! The edge-spread function learnt from the frame itself, as with a slanted edge (after ISO 12233).
+//! The edge-spread function estimated from the frame itself, as with a slanted edge (after ISO
+//! 12233).
 //!
 //! An edge that is not parallel to the rows passes through all sub-pixel phases along the shaft. A smooth curve through the places of many
 //! columns is freer of phase errors than any one of them; the grey values of all columns over their distance from that curve sample the
@@ -43,7 +44,8 @@ pub(crate) struct EsfSamples<'a> {
     pub(crate) sigma: f64,
 }
 
-/// Learns the edge of a side from its columns' places in `line`; `None` where the edge travels too little or too few columns have one.
+/// Estimates the edge-spread function of a side from its columns' positions in `line`; `None` where
+/// the edge travels too little or too few columns have one.
 pub(crate) fn learn(samples_of: &EsfSamples<'_>, line: &[Edge]) -> Option<TabulatedEsf> {
     let sign = f64::from(samples_of.windows.side.sign());
     let able = |c: usize| line[c].is_usable() && samples_of.slope[c].abs() < STEEPEST;

@@ -1,5 +1,6 @@
 //! The step of the grey scale: 1 count in most frames, 16 in 12-bit values shifted into 16 bits, 257 in 8-bit values stretched to
-//! them, 1/255 in floats that hold eight bits. What it is decides what rounding does to an edge.
+//! them, 1/255 in floats that hold eight bits. The step determines the effect of rounding on an
+//! edge.
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};

@@ -1,4 +1,5 @@
-//! The edge-spread function that is fitted: the Gaussian, one given as a table, or one learnt from the frame.
+//! The edge-spread function that is fitted: the Gaussian, one given as a table, or one estimated
+//! from the frame.
 //!
 //! Every one is a location-scale family. With the integral I(t) = ∫F over t = u·σ₀/σ, a step at x0 reads in pixel k
 //!

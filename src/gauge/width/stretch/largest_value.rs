@@ -3,7 +3,8 @@
 //! A stretch is stood for by its mean (a collar, a cylinder), by the end of a line through it where the part or the field ends (a taper),
 //! or by the vertex of a parabola (a bump, a wave, a barrel). Of all stretches of all widths the one with the largest value less λ
 //! standard uncertainties is chosen: a narrow one only where noise does not explain that it is larger than a wide one. Every other
-//! column chooses and the columns between measure, then the other way round, and the mean of both is the value: it owes nothing to the
+//! column chooses and the columns between measure, then the other way round, and the mean of both
+//! is the value: it is independent of the
 //! choice. Where both choose different places, what they differ by beyond noise is stated.
 
 use super::fit::{Estimate, Fit, Order, Points};

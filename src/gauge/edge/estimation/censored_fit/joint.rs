@@ -295,7 +295,7 @@ impl Joint<'_> {
     }
 
     /// Leaves the columns out that show a stray pixel, a hot one of the sensor as a rule, where as many as state the noise are free of them:
-    /// what is left of a stray pixel's pull moves the levels, and those move all edges alike.
+    /// the remaining influence of a stray pixel moves the levels, and those move all edges alike.
     pub(super) fn leave_out_strays(&mut self, windows: &Windows, slope: &[f32]) {
         let (_, scores) = self.sums(windows, slope);
         let free = scores.iter().filter(|score| score.stray == 0).count();

@@ -119,7 +119,7 @@ impl<'a> Likelihood<'a> {
         }
     }
 
-    /// Makes the shape terms such that an edge seen whole, with place and blur free, does not feel them.
+    /// Makes the shape terms orthogonal to position and blur of an edge seen whole.
     pub(crate) fn separate(&mut self, width: usize, column: Column) {
         const PHASES: u32 = 8;
         self.separated = ShapeTerms::default();

@@ -54,7 +54,8 @@ pub(crate) struct ClippedStart<'a> {
     /// Blur, px, and whether it is given.
     pub(crate) sigma: f64,
     pub(crate) sigma_is_given: bool,
-    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and the least that is taken seriously.
+    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and
+    /// the least variance used.
     pub(crate) variance: [f64; 2],
     pub(crate) floor: f64,
     /// Ends of the grey scale.
