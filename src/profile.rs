@@ -26,7 +26,7 @@ pub enum Reason {
     Outlier,
     /// The edge is too close to the border of the field.
     Border,
-    /// Dirt, a chip or a droplet covers the edge.
+    /// Contamination, a chip or a droplet covers the edge.
     Contaminated,
     /// Rows or columns of the frame repeat each other: it was doubled, filled up or enlarged.
     Repeated,

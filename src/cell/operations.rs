@@ -1,7 +1,7 @@
 //! What the simulated cell does when it is asked: cut, scan, touch, change the part.
 
 use super::in_process::SimulatedCut;
-use super::simulated::{Batch, Film, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
+use super::simulated::{Acquisition, Batch, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
 use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
 use crate::control::{PartAndTool, PartEvent};
@@ -30,7 +30,7 @@ impl TurningCell for SimulatedCell<'_> {
         let scene = Scene::new(&self.setup, self.process.as_scanned(&self.part))?;
         let stops =
             plan.field_z_mm.iter().flat_map(|&z| plan.angle_deg.iter().map(move |&a| (z, a))).collect();
-        Ok(self.film(vec![scene], stops, Film::Part))
+        Ok(self.acquire(vec![scene], stops, Acquisition::Part))
     }
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
@@ -47,7 +47,7 @@ impl TurningCell for SimulatedCell<'_> {
             .collect();
         self.master_frame_id = self.first_frame_id() + (1 << 31) + ((index as u64) << 24);
         let stops = (0..frames).map(|_| (0.0, 0.0)).collect();
-        Ok(self.film(scenes?, stops, Film::Master))
+        Ok(self.acquire(scenes?, stops, Acquisition::Master))
     }
 
     fn touch(&mut self, master: Option<usize>, orders: &[TouchOrder]) -> Result<Vec<Touch>, CellError> {

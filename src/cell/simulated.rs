@@ -35,9 +35,9 @@ pub struct SimulatedCell<'a> {
     pub(super) probe: Option<TrueProbe>,
 }
 
-/// What is filmed: the two count their frames apart.
+/// What frames are acquired of: the two count their frames apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Film {
+pub(super) enum Acquisition {
     Part,
     Master,
 }
@@ -138,20 +138,20 @@ impl SimulatedCell<'_> {
     }
 
     /// One scene for all stops, or one a stop.
-    pub(super) fn film(
+    pub(super) fn acquire(
         &mut self,
         scenes: Vec<Scene>,
         stops: Vec<(f64, f64)>,
-        film: Film,
+        acquire: Acquisition,
     ) -> Box<dyn FrameSource + '_> {
         Box::new(SimulatedFrames {
             renderer: self.renderer,
             scenes,
             stops,
             next: 0,
-            frame_id: match film {
-                Film::Part => &mut self.frame_id,
-                Film::Master => &mut self.master_frame_id,
+            frame_id: match acquire {
+                Acquisition::Part => &mut self.frame_id,
+                Acquisition::Master => &mut self.master_frame_id,
             },
             clock_ns: &mut self.clock_ns,
             seed: self.seed,

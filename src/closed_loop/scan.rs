@@ -41,7 +41,7 @@ pub struct Sample {
     pub edges: FrameEdges,
 }
 
-/// Told of each frame: (frames done, frames in the pass).
+/// Called after each frame: (frames done, frames in the pass).
 pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
 
 /// A scan, measured.

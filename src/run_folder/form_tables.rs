@@ -15,7 +15,7 @@ pub struct FormRow {
     pub z_mm: f64,
     /// Angles seen.
     pub angles: usize,
-    /// Whether they span half a turn, the spindle taken as still.
+    /// Whether they span half a revolution, the spindle taken as still.
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,

@@ -198,7 +198,7 @@ impl FileFrames {
         Self { channel, ..self }
     }
 
-    /// What was found beside the frames that someone should know, since the last call.
+    /// Notes for the user on what was found beside the frames, since the last call.
     pub fn take_notices(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notices)
     }

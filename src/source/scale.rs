@@ -67,7 +67,7 @@ impl FileScale {
     /// The one scale of both directions.
     ///
     /// # Errors
-    /// Says why it is none: a screen's, or pixels that are not square.
+    /// The reason why it is none: a screen's, or pixels that are not square.
     pub fn of_object(&self) -> Result<f64, String> {
         let [x, y] = self.um_per_px;
         if self.trust == Trust::Screen {

@@ -146,7 +146,7 @@ impl GoldenScene {
         let setup = self.scene.setup();
         let levels = self.scene.levels(PixelFormat::Mono16);
         self.sigma_px.is_some()
-            && setup.soiling.is_none()
+            && setup.contamination.is_none()
             && setup.nominal.light.field.is_even()
             && levels.black + levels.full_well_e / levels.electrons_per_count > levels.bright
     }
@@ -179,16 +179,16 @@ impl GoldenScene {
         let half_mm = setup.columns() as f64 * setup.pixel_mm;
         let z = self.request.z_mm;
         let films = setup
-            .soiling
+            .contamination
             .as_ref()
-            .map(|soiling| soiling.films(radius_mm, z - half_mm..z + half_mm).unwrap())
+            .map(|contamination| contamination.films(radius_mm, z - half_mm..z + half_mm).unwrap())
             .unwrap_or_default();
         let turned = self.scene.outline().turned(self.request.angle_deg);
         move |column: f64| {
             let e = self.scene.edges_at(&turned, z, column);
             let radius_mm = 0.5 * (e.bottom_px - e.top_px) * setup.pixel_mm;
-            let rise = setup.soiling.as_ref().map_or_else(Rise::default, |soiling| {
-                soiling.rise(&films, radius_mm, setup.column_z_mm(z, column), self.request.angle_deg)
+            let rise = setup.contamination.as_ref().map_or_else(Rise::default, |contamination| {
+                contamination.rise(&films, radius_mm, setup.column_z_mm(z, column), self.request.angle_deg)
             });
             [e.top_px - rise.top_px + shift_px, e.bottom_px + rise.bottom_px + shift_px]
         }
@@ -197,7 +197,7 @@ impl GoldenScene {
     /// What window and air leave of the light, drawn apart from the renderer.
     fn clear_light(&self) -> Option<TransmissionMap> {
         let setup = self.scene.setup();
-        setup.soiling.as_ref().filter(|s| s.dims())?;
+        setup.contamination.as_ref().filter(|s| s.dims())?;
         let geometry = FieldGeometry {
             rows: setup.rows(),
             columns: setup.columns(),

@@ -1,5 +1,5 @@
 //! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding;
-//! what a user should know of that is logged once.
+//! what a user should see of that is logged once.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub enum ScaleArgument {
 /// Parses `--um-per-px`.
 ///
 /// # Errors
-/// Says what would be right.
+/// An argument that is no scale: the text states what would be right.
 pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     if text == "file" {
         return Ok(ScaleArgument::File);

@@ -344,7 +344,7 @@ impl<'a> InspectionReport<'a> {
         self.not_proven(out);
     }
 
-    /// Whether frames have sizes that the tolerance is for; else it is for those of the turn.
+    /// Whether frames have sizes that the tolerance is for; else it is for those of the revolution.
     fn judges_frames(&self) -> bool {
         let two_point =
             |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
@@ -359,7 +359,7 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
+    /// Makes gaps of what contradicts earlier revolutions, and counts them among the frame's flags.
     fn compare_with_turns(
         &mut self,
         meta: &FrameMeta,
@@ -504,7 +504,7 @@ impl<'a> InspectionReport<'a> {
             out.insert("statistics".to_owned(), statistics);
         }
         let mut words = Vec::new();
-        // Over a turn the means differ by the form that is measured.
+        // Over a revolution the means differ by the form that is measured.
         words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
             let form = part_form(&self.turn, self.args.station_mm, self.args.cutoff_upr)?;

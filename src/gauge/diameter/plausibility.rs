@@ -1,4 +1,4 @@
-//! Plausibility against what was measured before: earlier turns of the same part, and the pass before.
+//! Plausibility against what was measured before: earlier revolutions of the same part, and the pass before.
 //!
 //! A station is refused where it departs from what was expected by more than both
 //!
@@ -7,7 +7,7 @@
 //! limit                          what the process can do meanwhile
 //! ```
 //!
-//! Between turns nothing is cut: a caliper diameter is the same one half a turn later, but for what heat does. Between passes it
+//! Between revolutions nothing is cut: a caliper diameter is the same one half a revolution later, but for what heat does. Between passes it
 //! falls by the change of the command, but for what the shaft yields more or less than before.
 
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ const MOST_REFUSED: f64 = 0.25;
 pub struct Jump {
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// Spindle angle of a turn's frame, degrees; none for a pass.
+    /// Spindle angle of a revolution's frame, degrees; none for a pass.
     pub angle_deg: Option<f64>,
     /// Diameter less what was expected, mm.
     pub jump_mm: f64,
@@ -70,7 +70,7 @@ impl TurnHistory {
         Self { settings: *settings, stretch_mm, known: BTreeMap::new() }
     }
 
-    /// Compares a frame's diameters with those of the same angle in earlier turns. Stretches that jump become gaps
+    /// Compares a frame's diameters with those of the same angle in earlier revolutions. Stretches that jump become gaps
     /// ([`Reason::Implausible`]); the others become the reference of the next revolution.
     pub fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
         let mut jumps = Vec::new();
@@ -179,7 +179,7 @@ mod tests {
     fn a_stretch_that_jumps_against_an_earlier_turn_is_a_gap_and_teaches_nothing() {
         let mut history = TurnHistory::new(&PlausibilitySettings::default(), 1.0);
         for turn in 0..3 {
-            // Oval by 40 µm: other angles may differ; heat adds 2 µm a turn.
+            // Oval by 40 µm: other angles may differ; heat adds 2 µm a revolution.
             for step in 0..4 {
                 let angle = 360.0 * f64::from(turn) + 45.0 * f64::from(step);
                 let d = 25.0 + 0.02 * (2.0 * angle.to_radians()).cos() + 2e-3 * f64::from(turn);
@@ -188,7 +188,7 @@ mod tests {
         }
         for turn in 3..5 {
             let chip = |c: usize| 25.02 + 4e-3 + if (30..40).contains(&c) { 0.012 } else { 0.0 };
-            // Half a turn on is the same caliper.
+            // Half a revolution on is the same caliper.
             let mut seen = columns(chip);
             let jumps = history.check(&meta(360.0 * f64::from(turn) + 180.0), &mut seen);
             assert_eq!(jumps.len(), 1, "{jumps:?}");

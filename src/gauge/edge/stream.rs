@@ -555,7 +555,7 @@ impl AreaStream {
         true
     }
 
-    /// Whether the frame as a whole is believable.
+    /// Whether the frame as a whole is acceptable.
     fn accept_frame(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let jump_px = acceptance::jump_px(&self.settings);
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.jump <= jump_px);

@@ -43,8 +43,9 @@ impl Grey for f32 {
     }
 }
 
-/// Heals defects (row, column), sorted, of an image of so many columns. A line that is defective from end to end takes what its
-/// neighbours across the shaft show.
+/// Interpolates defective pixels (row, column), sorted, of an image of so many columns from their
+/// neighbours. A line that is defective from end to end gets the values of the lines beside it
+/// across the shaft.
 pub(super) fn interpolate_defects<T: Grey>(
     pixels: &mut [T],
     columns: usize,

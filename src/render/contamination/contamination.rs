@@ -23,7 +23,7 @@ const MASK_REACH: f64 = 3.0;
 
 /// The contamination of an optical setup.
 #[derive(Debug)]
-pub struct Soiling {
+pub struct ContaminationModel {
     settings: Contamination,
     geometry: FieldGeometry,
     seed: u64,
@@ -33,7 +33,7 @@ pub struct Soiling {
     spare: Mutex<Option<LightMap>>,
 }
 
-impl PartialEq for Soiling {
+impl PartialEq for ContaminationModel {
     fn eq(&self, other: &Self) -> bool {
         (&self.settings, self.geometry, self.seed) == (&other.settings, other.geometry, other.seed)
     }
@@ -48,7 +48,7 @@ pub struct Rise {
     pub bottom_px: f64,
 }
 
-impl Soiling {
+impl ContaminationModel {
     /// Draws what lies on the window; `None` where everything is clean.
     ///
     /// # Errors

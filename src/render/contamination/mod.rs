@@ -11,7 +11,7 @@
 //! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
 //! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
 //!
-//! In: the `[contamination]` table (`settings`) and the field's geometry. Out: [`Soiling`], which
+//! In: the `[contamination]` table (`settings`) and the field's geometry. Out: [`ContaminationModel`], which
 //! gives the packed factors of a frame and the films near a field. `field` draws, `shading` lays
 //! shades over a band of `tiles`, `bands` packs them, `map` holds them unpacked, with what touches
 //! each pixel. A new kind is a table in `settings`, its draw in `field` and its shade in `shading`.
@@ -29,7 +29,7 @@ pub mod shapes;
 mod tiles;
 
 pub use adhering_films::{AdheringFilms, Film};
-pub use contamination::{Rise, Soiling, mark_rise};
+pub use contamination::{ContaminationModel, Rise, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
 pub use map::TransmissionMap;
 pub use settings::{

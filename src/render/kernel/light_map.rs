@@ -104,12 +104,12 @@ fn pack_cell(words: &mut [u32], values: &[f32]) {
 /// A factor in 2⁻¹⁵, rounded, at most 2.
 #[inline(always)]
 fn factor(value: f32) -> u32 {
-    whole((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
+    floor_to_u32((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
 }
 
 /// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
 #[inline(always)]
-pub(crate) fn whole(x: f32) -> u32 {
+pub(crate) fn floor_to_u32(x: f32) -> u32 {
     let rounded = x + 8_388_608.0;
     let over = u32::from(rounded - 8_388_608.0 > x);
     (rounded.to_bits() & 0x007f_ffff) - over

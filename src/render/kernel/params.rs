@@ -94,7 +94,7 @@ pub struct Params {
 
 /// Levels and noise of a sensor, in counts of one format.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
+pub struct GreyLevels {
     /// Grey value of the shadow, counts.
     pub shadow: f64,
     /// Grey value of the bright field, counts.
@@ -117,7 +117,7 @@ pub struct Levels {
     pub hot_pixel_e: f64,
 }
 
-impl Levels {
+impl GreyLevels {
     /// The same light and sensor read out with another number of bits.
     #[must_use]
     pub fn in_format(self, from: PixelFormat, to: PixelFormat) -> Self {
@@ -200,7 +200,13 @@ pub struct FrameKeys {
 impl Params {
     /// Uniforms of a frame with even light; bands, quadrature, light and the noise of flat pixels are
     /// filled in from their tables.
-    pub fn new(windows: Windows, format: PixelFormat, levels: &Levels, noise: bool, keys: FrameKeys) -> Self {
+    pub fn new(
+        windows: Windows,
+        format: PixelFormat,
+        levels: &GreyLevels,
+        noise: bool,
+        keys: FrameKeys,
+    ) -> Self {
         let window = windows.frame();
         let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
         // A signal this far beyond any scale is clipped by it; f32 counts stay exact.

@@ -21,18 +21,18 @@ pub(crate) fn raise_edges(
     window: Window,
     edges: &mut [ColumnEdges],
 ) -> Result<Vec<Rise>, RenderError> {
-    let Some(soiling) = &setup.soiling else { return Ok(Vec::new()) };
+    let Some(contamination) = &setup.contamination else { return Ok(Vec::new()) };
     let halo = (edges.len() - window.columns as usize) as f64 / 2.0;
     let z_mm = |i: f64| setup.column_z_mm(request.z_mm, f64::from(window.column) + i - halo);
     // One radius for the whole shaft, so that every field draws the same films.
     let radius_mm = shaft.profile.iter().map(|k| k.radius_mm).fold(0.0, f64::max);
-    let films = soiling.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
+    let films = contamination.films(radius_mm, z_mm(0.0)..z_mm(edges.len() as f64))?;
     if films.is_empty() {
         return Ok(Vec::new());
     }
     let raise = |(i, e): (usize, &mut ColumnEdges)| {
         let radius_mm = 0.5 * (e.bottom_px - e.top_px) * setup.pixel_mm;
-        let rise = soiling.rise(&films, radius_mm, z_mm(i as f64), request.angle_deg);
+        let rise = contamination.rise(&films, radius_mm, z_mm(i as f64), request.angle_deg);
         e.top_px -= rise.top_px;
         e.bottom_px += rise.bottom_px;
         rise
@@ -60,18 +60,18 @@ pub(crate) fn contamination(
     seen: &WindowView<'_>,
     with_mask: bool,
 ) -> Result<Option<LightMap>, RenderError> {
-    let Some(soiling) = &setup.soiling else { return Ok(None) };
+    let Some(contamination) = &setup.contamination else { return Ok(None) };
     let frame = windows.frame();
     let size = [frame.rows as usize, frame.columns as usize];
     let mut map = LightMap::default();
     // What is seen against the shadow is seen by the mask alone.
     let unseen = if with_mask || windows.second.is_some() { 0..0 } else { seen.dark.clone() };
-    if soiling.dims() {
+    if contamination.dims() {
         for part in windows.parts() {
             let [row, column, rows, columns] =
                 [part.row, part.column, part.rows, part.columns].map(|n| n as usize);
             let asked = TransmissionRequest { size: [rows, columns], with_mask, unseen: unseen.clone() };
-            let piece = soiling.transmission(request.frame_id, [row, column], &asked)?;
+            let piece = contamination.transmission(request.frame_id, [row, column], &asked)?;
             map = if map.words.is_empty() { piece } else { map.followed_by(&piece) };
         }
     } else if with_mask {

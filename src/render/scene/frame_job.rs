@@ -162,8 +162,8 @@ impl Scene {
     /// Takes a frame's contamination back for its memory and gives out its mask.
     pub(crate) fn recycle(&self, mut map: LightMap) -> Vec<u8> {
         let mask = std::mem::take(&mut map.mask);
-        if let Some(soiling) = &self.setup.soiling {
-            soiling.recycle(map);
+        if let Some(contamination) = &self.setup.contamination {
+            contamination.recycle(map);
         }
         mask
     }

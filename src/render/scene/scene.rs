@@ -11,7 +11,7 @@ use super::true_optics::OpticalSetup;
 use crate::frame::{FrameMeta, PixelFormat, Roi};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::{ColumnEdges, RowBlur};
-use crate::render::kernel::params::{Levels, Window, Windows};
+use crate::render::kernel::params::{GreyLevels, Window, Windows};
 use crate::render::optics::edge_spread::{EdgeSpread, LaserShadow};
 use crate::render::optics::esf_table::{EsfTable, Extent};
 use crate::render::optics::settings::Esf;
@@ -209,9 +209,9 @@ impl Scene {
     }
 
     /// Levels in counts of the format asked for.
-    pub fn levels(&self, format: PixelFormat) -> Levels {
+    pub fn levels(&self, format: PixelFormat) -> GreyLevels {
         let nominal = &self.setup.nominal;
-        Levels {
+        GreyLevels {
             shadow: nominal.light.shadow_counts,
             bright: nominal.light.bright_in(&nominal.sensor, self.setup.electrons_per_count),
             black: nominal.sensor.black_level_counts,

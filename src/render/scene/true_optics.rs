@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use crate::render::contamination::{FieldGeometry, Soiling};
+use crate::render::contamination::{ContaminationModel, FieldGeometry};
 use crate::render::error::RenderError;
 use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
 use crate::render::settings::{Esf, Optics, SetupSettings};
@@ -18,7 +18,7 @@ const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
 const PATTERN_STREAM: u64 = 0x0070_6174_7465_726e;
 
 /// Stream of the contamination.
-const SOIL_STREAM: u64 = 0x0000_0000_736f_696c;
+const CONTAMINATION_STREAM: u64 = 0x0000_0000_736f_696c;
 
 /// Draws are cut here, so that no seed gives an absurd lens.
 const LARGEST_DRAW: f64 = 2.5;
@@ -39,7 +39,7 @@ pub struct OpticalSetup {
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
     /// Contamination of window and air, where there is any.
-    pub soiling: Option<Arc<Soiling>>,
+    pub contamination: Option<Arc<ContaminationModel>>,
 }
 
 impl OpticalSetup {
@@ -60,13 +60,13 @@ impl OpticalSetup {
         let gain = factor(departures.gain_rel);
         let pixel_mm = settings.camera.pixel_um * 1e-3 / magnification;
         let esf = scaled_blur(&settings.optics.esf, blur);
-        let soiling = soiling(settings, &esf, pixel_mm, seed)?;
+        let contamination = contamination(settings, &esf, pixel_mm, seed)?;
         Ok(Self {
             nominal: settings.clone(),
             tables: TableCache::default(),
             pixel_mm,
             esf,
-            soiling: soiling.map(Arc::new),
+            contamination: contamination.map(Arc::new),
             electrons_per_count: settings.sensor.electrons_per_count * gain,
             pattern_seed: seed ^ PATTERN_STREAM,
         })
@@ -104,12 +104,12 @@ impl OpticalSetup {
 }
 
 /// The contamination, seen through the true optics; its defocus goes by the smaller aperture.
-fn soiling(
+fn contamination(
     settings: &SetupSettings,
     esf: &Esf,
     pixel_mm: f64,
     seed: u64,
-) -> Result<Option<Soiling>, RenderError> {
+) -> Result<Option<ContaminationModel>, RenderError> {
     if settings.contamination.is_clean() {
         return Ok(None);
     }
@@ -126,7 +126,7 @@ fn soiling(
         effective_na,
         sigma_um: EsfTable::new(esf, &dull, &in_focus)?.blur_px * pixel_mm * 1e3,
     };
-    Soiling::new(&settings.contamination, geometry, seed ^ SOIL_STREAM)
+    ContaminationModel::new(&settings.contamination, geometry, seed ^ CONTAMINATION_STREAM)
 }
 
 fn scaled_blur(esf: &Esf, factor: f64) -> Esf {

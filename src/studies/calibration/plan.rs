@@ -121,7 +121,8 @@ pub struct SimulatedPlan {
     pub contamination: Contamination,
     /// How far the true optical setup may lie from these values.
     pub departures: SetupDeviations,
-    /// Whether the lens is as the config says: a job's. Else its distortion, keystone and telecentricity are drawn within the
+    /// Whether the lens is that of the config: a job's. Else its distortion, keystone and
+    /// telecentricity are drawn within the
     /// data sheet's limits about it.
     #[serde(skip)]
     pub lens_as_configured: bool,

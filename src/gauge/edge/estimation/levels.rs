@@ -12,7 +12,7 @@
 
 /// Columns of a bin.
 const BIN: usize = 16;
-/// Price of a knot in units of χ².
+/// Penalty of a knot in units of χ².
 const KNOT_PENALTY: f64 = 4.0;
 /// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight degrees of freedom.
 const EXCESS_CHI2: f64 = 3.5;

@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
 
-/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeSpreadFunction::least_sigma`]).
+/// Bounds of a plausible blur, px; a table's lower one is its own
+/// ([`EdgeSpreadFunction::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
 /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.

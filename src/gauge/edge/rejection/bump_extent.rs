@@ -11,7 +11,7 @@ const MEAN_COLUMNS: usize = 8;
 const RISE_PX: f64 = 0.1;
 const SHOULDER: f64 = 0.3;
 /// Fraction of the height of a bump at which it ends.
-const FOOT: f64 = 0.2;
+const BASE_FRACTION: f64 = 0.2;
 
 impl AxisScratch {
     /// Whether a column has no width left.
@@ -87,7 +87,7 @@ impl AxisScratch {
                     - base
                     - taper * step as f64 * (length + 1.0 + (at - near).abs() as f64 + MEAN_COLUMNS as f64)
             });
-            if border || meets || height.is_some_and(|h| h < (FOOT * rise).max(FLOOR_PX)) {
+            if border || meets || height.is_some_and(|h| h < (BASE_FRACTION * rise).max(FLOOR_PX)) {
                 let end = ahead.clamp(0, columns - 1);
                 self.refused[near.min(end) as usize..=near.max(end) as usize].fill(true);
                 return true;

@@ -22,7 +22,7 @@ const PASSES: usize = 3;
 /// Fraction of columns hidden by contamination above which a field counts as contaminated, and the
 /// scatter about the axis, px, above which the remaining columns of such a field are refused as
 /// well: among much contamination a wavy centreline is more likely contamination than form.
-const DIRTY: f64 = 0.05;
+const CONTAMINATED: f64 = 0.05;
 const CONFIRMED_PX: f64 = 0.08;
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
@@ -43,7 +43,7 @@ fn is_contaminated(top: &[Edge], bottom: &[Edge]) -> bool {
     let by_contamination =
         |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));
     let hidden = top.iter().zip(bottom).filter(|(t, b)| by_contamination(t) || by_contamination(b)).count();
-    hidden as f64 > DIRTY * top.len() as f64
+    hidden as f64 > CONTAMINATED * top.len() as f64
 }
 
 /// One pass; `contaminated` is determined in the first.

@@ -23,7 +23,7 @@ const SAMPLE_COLUMNS: usize = 512;
 const SCOUTS: usize = 128;
 /// Numbers of knots of a clipped level.
 const KNOTS: [usize; 4] = [2, 3, 5, 9];
-/// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
+/// Penalty of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
 const KNOT_PENALTY: f64 = 4.0;
 /// Steepest edges that take part in learning, rows per column.
 const MOST_SLOPE: f32 = 0.2;

@@ -23,7 +23,7 @@ fn form_is_kept_and_matter_on_one_side_is_refused() {
     let middle = |c: usize| 500.0 + 0.003 * c as f64 + 4e-6 * (c as f64 - 250.0).powi(2);
     let (mut top, mut bottom) = lines(middle, half);
     assert!(refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default()) < 1e-9);
-    // Matter 0.6 px high above, from column 300 to 420.
+    // Contamination 0.6 px high above, from column 300 to 420.
     for edge in &mut top[300..420] {
         edge.row_px -= 0.6;
     }
