@@ -28,7 +28,7 @@ pub struct FrameArgs {
 pub enum ScaleArgument {
     /// µm per pixel.
     Given(f64),
-    /// What `frames.csv` or the file's own tags say.
+    /// What `frames.csv` or the file's own tags state.
     File,
 }
 
@@ -46,7 +46,7 @@ pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     }
 }
 
-/// The images of all inputs; folders in the order of the numbers in their names, which is said where it is another one.
+/// The images of all inputs; folders in the order of the numbers in their names, which is reported where it is another one.
 ///
 /// # Errors
 /// An input that cannot be read, a folder without images.

@@ -117,7 +117,7 @@ pub struct SimulatedPlan {
     pub sensor: Sensor,
     /// What moves during an exposure.
     pub motion: Motion,
-    /// What soils the view.
+    /// Contamination of window, air and shaft.
     pub contamination: Contamination,
     /// How far the true optical setup may lie from these values.
     pub departures: SetupDeviations,
