@@ -1,8 +1,9 @@
 //! The inner loop of a side: from windows and levels to edges, four neighbouring columns at a time.
 //!
-//! Four columns whose windows and levels are sound are scored together, so that what is done once a column (levels, noise,
-//! uncertainty) fills a vector register; a column that is not takes the path of one by itself. Both do the same operations in the
-//! same order, so that a column's edge does not depend on its neighbours' fate or on the machine's instruction set.
+//! Four columns with valid windows and levels are scored together, so that the computations of a
+//! column (levels, noise, uncertainty) fill a vector register; any other column is scored by
+//! itself. Both paths do the same operations in the same order, so that the edge of a column
+//! depends neither on its neighbours nor on the machine's instruction set.
 
 use wide::f32x4;
 
@@ -17,7 +18,8 @@ use crate::profile::Reason;
 /// Columns scored together.
 const FOUR: usize = 4;
 
-/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
+/// A shadow lit by more than this fraction of the contrast is not that of the part but light dimmed
+/// by mist.
 const LIT_SHADOW: f32 = 0.25;
 
 /// Columns that share a table.
@@ -171,7 +173,7 @@ fn fit_column<const C: usize>(
     }
 }
 
-/// An edge that is not where it was looked for, with all of its window.
+/// An edge outside the middle of its window, located with all of its pixels.
 #[cold]
 fn locate_in_whole(
     job: &ColumnJob<'_>,
@@ -222,7 +224,7 @@ mod tests {
         windows
     }
 
-    /// The same by the textbook: one pixel after the other, in f64.
+    /// The same by definition: one pixel after the other, in f64.
     fn in_scalars(window: &[f32], table: &Table) -> f64 {
         let (first, length) = table.core();
         let grey = |k: usize| (f64::from(window[k]) - 100.0) / 1000.0;

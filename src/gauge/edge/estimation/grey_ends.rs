@@ -17,13 +17,14 @@ const BEYOND: f64 = 0.04;
 const AT_ONE: f64 = 0.015;
 /// Times as many pixels at an end as in the step before it.
 const PILED: f64 = 1.5;
-/// Pixels expected beyond an end, none seen, that prove it: chance leaves none of ten once in 20 000.
+/// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
+/// once in 20 000.
 const EXPECTED: f64 = 10.0;
 /// Share of the pixels expected beyond an end that may be seen there: hot ones.
 const SEEN: f64 = 0.2;
 /// Fewest pairs of pixels from which a noise is estimated.
 const PAIRS: usize = 32;
-/// Most flat pixels looked at closely.
+/// Largest number of flat pixels evaluated.
 const CLOSELY: usize = 4096;
 /// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps toggles under the least noise: √(1/4 − 1/12) = 0.41 are
 /// left without rounding's own) and of the contrast.
@@ -103,7 +104,7 @@ pub(crate) fn judge(
     let step = f64::from(grid(pool)).max(known_step);
     let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
     let at_end = pool.iter().filter(|v| **v == end).count() as f64;
-    // At least a step is looked at below: most levels are done with here, before their noise is asked for.
+    // At least a step is looked at below: for most levels this suffices, without their noise.
     if !(at_end > PILED * count(end - step as f32, end)) {
         return None;
     }
@@ -128,7 +129,8 @@ pub(crate) fn expected_noise(level: Level, (flank, known_to): (f64, f64), other:
     match level {
         // Light has the noise of the dark, and its photons'.
         Level::Light => flank.max(other),
-        // In the dark the photons' are missing: what is left of a line through light and flank.
+        // In the dark the photons' noise is missing: the intercept of a line through light and
+        // flank remains.
         Level::Dark => {
             let left = 2.0 * flank * flank - other * other;
             if left > (6.0 * known_to).max(0.3) * flank * flank { left.sqrt() } else { 0.0 }
@@ -227,7 +229,7 @@ pub(crate) fn light_scatter(
             (at_end, all) = (at_end + f64::from(u8::from(end.is_some_and(|end| *a >= end))), all + 1.0);
         }
     }
-    // Most pairs of clipped light are equal: no median stands for them.
+    // Most pairs of clipped light are equal: their median is no measure of scatter.
     let mean = match end {
         Some(_) if squares.len() >= PAIRS => {
             squares.iter().map(|s| f64::from(*s)).sum::<f64>() / squares.len() as f64

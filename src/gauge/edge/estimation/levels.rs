@@ -6,18 +6,22 @@
 //! more than its variance implies, and the uncertainty of long means was too small by 3 % at a
 //! penalty of 2.5.
 //!
-//! In a short frame few bins leave few knots, and light that falls along the shaft bends between them. Where χ² shows that, a quartic is taken
-//! off first and added again (P2 to P4 of Legendre, so that line and bend share nothing in an evenly filled field). What the curve of a short
-//! frame leaves of its bins beyond their noise widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40 (1932) 207).
+//! In a short frame few bins leave few knots, and light that falls along the shaft bends between
+//! them. Where χ² shows that, a quartic is subtracted first and added again (P2 to P4 of Legendre,
+//! which are orthogonal to the line in an evenly filled field). The residual of the curve of a
+//! short frame beyond the noise of its bins widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40
+//! (1932) 207).
 
 /// Columns of a bin.
 const BIN: usize = 16;
 /// Penalty of a knot in units of χ².
 const KNOT_PENALTY: f64 = 4.0;
-/// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight degrees of freedom.
+/// χ²/ν above which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight
+/// degrees of freedom.
 const EXCESS_CHI2: f64 = 3.5;
-/// Bins below which a frame is short: in longer ones knots enough follow the light, and what they leave is structure (reflections in the
-/// shadow), which is no error that neighbouring columns share.
+/// Bins below which a frame is short: in longer ones enough knots follow the light, and the
+/// residual is structure (reflections in the shadow), which is no error that neighbouring columns
+/// share.
 const SHORT: usize = 64;
 
 /// A level along the columns, with the uncertainty that neighbouring columns share.
@@ -41,7 +45,7 @@ struct Bins {
     count: Vec<f64>,
 }
 
-/// Pools levels; keeps its memory between frames.
+/// Pools levels; keeps its buffers between frames.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LevelPool {
     bins: Bins,
@@ -114,7 +118,7 @@ impl LevelPool {
     }
 }
 
-/// What a search for knots ended with.
+/// Result of a search for the number of knots.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     /// χ² plus the penalty of the knots.
@@ -205,7 +209,7 @@ impl Bins {
     }
 }
 
-/// Sum of a whole bin without a missing value or one far from the others; `None` where it needs a closer look.
+/// Sum of a whole bin without a missing value or an outlier; `None` where there is one.
 fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
     let values: &[f32; BIN] = chunk.try_into().ok()?;
     let (mut sums, mut low, mut high) = ([0.0_f32; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
@@ -222,7 +226,7 @@ fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
     (sum.is_finite() && most - least <= widest).then_some(sum)
 }
 
-/// What is kept of a bin with missing values or far ones.
+/// The values kept of a bin with missing values or outliers.
 struct Kept {
     sum: f32,
     count: usize,
@@ -318,7 +322,8 @@ impl Fit {
             self.knots[left] += count * s * mean;
             self.knots[left + 1] += count * t * mean;
         }
-        // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
+        // Knots without data (a part that ends inside the field) are tied to their neighbours with
+        // a millionth of a bin's weight.
         // One bin alone (readings of a line camera) does not determine a slope: its knots have one
         // level.
         let weight = if bins.at.len() == 1 { 1e3 } else { 1e-6 };
@@ -328,7 +333,7 @@ impl Fit {
             self.diagonal[k + 1] += lean;
             self.off[k] -= lean;
         }
-        // Only the weights' ratio matters to the knots; their covariance takes the variance.
+        // Only the ratio of the weights affects the knots; their covariance takes the variance.
         self.right.clear();
         self.right.extend_from_slice(&self.knots);
         if !self.solve() {
@@ -337,7 +342,7 @@ impl Fit {
         for value in self.variance.iter_mut().chain(&mut self.covariance) {
             *value *= variance;
         }
-        // Σ r² = Σ m² − kᵀb − kᵀLk, where L is what leans.
+        // Σ r² = Σ m² − kᵀb − kᵀLk, where L ties the knots.
         let explained: f64 = self.knots.iter().zip(&self.right).map(|(k, b)| k * b).sum();
         let leaning: f64 = self.knots.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
         self.knots.iter_mut().for_each(|knot| *knot += origin);

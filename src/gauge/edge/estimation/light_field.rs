@@ -83,7 +83,7 @@ impl LightField {
         Vector6::new(1.0, x, y, x * x, x * y, y * y)
     }
 
-    /// What a pixel departs from the field, counts.
+    /// Departure of a pixel from the field, counts.
     fn residual(&self, p: &Lit) -> f64 {
         let log = self.terms(p.x, p.y).dot(&self.by);
         (p.contrast.ln() - log) * log.exp()
@@ -103,7 +103,7 @@ impl LightField {
     }
 }
 
-/// Whether the field leaves little more than the scatter of neighbouring pixels.
+/// Whether the residual of the field is little more than the scatter of neighbouring pixels.
 fn is_smooth(points: &[Lit], noise: f64, usual: f64) -> bool {
     let beside = points.windows(2).filter(|w| (w[0].x - w[1].x).hypot(w[0].y - w[1].y) < 1.5);
     let scatter = median_of(beside.map(|w| (w[0].contrast - w[1].contrast).abs()).collect());

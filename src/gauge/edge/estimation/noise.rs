@@ -54,7 +54,7 @@ pub(crate) const LEAST_OF_COUNTS: f64 = MEDIAN_TO_SD * 0.5;
 /// Differences from which the cut is estimated.
 const MEDIAN_OF: usize = 512;
 
-/// Squares of the differences of two pixels, without the far ones.
+/// Squares of the differences of two pixels, without outliers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spread {
     squares: f64,

@@ -113,7 +113,7 @@ pub(crate) struct Table {
     pub(crate) freedom: f32,
     /// Phases per pixel.
     pub(crate) per_px: f32,
-    /// Where the area of the light puts the edge, px into the light from where it is.
+    /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     pub(crate) centroid: f32,
     core: usize,
     cores: Cores,
@@ -145,7 +145,7 @@ impl Table {
         let mut table = Self::empty();
         table.fill(shape, sigma, kappa, width, free_levels, per_px);
         table.fill_core();
-        // What only the filling needed.
+        // Arrays needed for the filling alone.
         table.borders = Vec::new();
         table
     }

@@ -15,11 +15,13 @@ const MOST: usize = 80;
 /// pixels, contamination. Noise reaches it once in
 /// 5·10⁸ pixels.
 const STRAY: f64 = 6.0;
-/// Growth of the edge per px below which a pixel does not move its place: its information is 10⁻⁸ of a steep one's.
+/// Slope of the edge per px below which a pixel does not move its position: its information is 10⁻⁸
+/// of that of a steep one.
 const FLAT: f64 = 1e-4;
 /// Share of the light up to which a pixel lies in the flat shadow.
 const FLAT_SHARE: f64 = 0.01;
-/// Step of the place from which on the flank no longer looks stray, px, and that at which it has settled: a hundredth of a single edge's noise.
+/// Step of the position below which the flank no longer counts as stray, px, and below which it has
+/// converged: a hundredth of the noise of a single edge.
 const NEAR_PX: f64 = 0.05;
 const SETTLED_PX: f64 = 1e-4;
 /// x, dark, light, σ, and the amplitudes of the shape terms.
@@ -78,7 +80,7 @@ pub(super) struct Score {
     /// Σ of squared residuals over the noise variance (without the unexplained one) of the pixels
     /// between the ends.
     pub(crate) chi2: f64,
-    /// What that sum is expected to be.
+    /// Expectation of that sum.
     pub(super) informative: f64,
     /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the flank: their ratio is the noise's gain. What the
     /// column's own place has taken of the squares is added.
@@ -138,7 +140,8 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::separate(samples.into_iter());
     }
 
-    /// What the pixels of a column's window state with its edge at `x` px from the central pixel, those left out not; their number, and that of hot ones.
+    /// Scores of the pixels of a column's window with its edge at `x` px from the central pixel,
+    /// without those left out; their number, and that of hot ones.
     fn pixels(
         &self,
         window: &[f32],
@@ -249,10 +252,11 @@ impl<'a> Likelihood<'a> {
         gradient / information
     }
 
-    /// Place of a column, px from its central pixel, by Fisher scoring from `start`; `None` where it does not settle.
+    /// Position of a column, px from its central pixel, by Fisher scoring from `start`; `None`
+    /// where it does not converge.
     pub(crate) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<f64> {
         let mut x = start;
-        // From afar the flank itself looks stray.
+        // Far from the position the flank itself would count as stray.
         let mut strict = false;
         for _ in 0..40 {
             let step = self.step(window, x, column, strict);
@@ -281,7 +285,7 @@ struct Taken {
     flank: bool,
 }
 
-/// What a pixel states beside its model.
+/// Contribution of a pixel beside its model.
 struct Pixel {
     m: f64,
     edge: EdgeSample,
