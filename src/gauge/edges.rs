@@ -1,4 +1,5 @@
-//! What the edge finder gives: both edges of every column, each with its uncertainty, or a gap with its reason.
+//! Results of the edge finder: both edges of every column, each with its uncertainty, or a gap with
+//! its reason.
 
 use thiserror::Error;
 
@@ -20,7 +21,7 @@ pub enum EdgeState {
 pub struct Edge {
     /// Row of the edge, px, pixel centres at integers; NaN in a gap.
     pub row_px: f64,
-    /// Standard uncertainty that this column has for itself, px.
+    /// Standard uncertainty that is independent from column to column, px.
     pub u_own_px: f32,
     /// Standard uncertainty shared with the columns nearby (pooled levels), px.
     pub u_shared_px: f32,
@@ -64,13 +65,14 @@ impl Edge {
 /// Φ⁻¹(¾): from a quarter of a Gaussian edge's light to half of it, in σ.
 const QUARTER_TO_HALF: f64 = 0.674_489_75;
 
-/// What the gauge found out about the frame on the way.
+/// Figures of a frame, found while its edges were measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct FrameFigures {
     /// Blur at the upper and lower edge, px (standard deviation without the pixel's own area).
     pub sigma_px: [f64; 2],
-    /// How far into the shadow of the place stated the geometric edge may lie because its edge-spread function was learnt from the frame
-    /// itself, px; 0 with any other. Masters measured in the same way take it out.
+    /// Largest distance of the geometric edge into the shadow from the position stated, px, because
+    /// the edge-spread function was estimated from the frame itself; 0 with any other. It cancels
+    /// against masters measured in the same way.
     #[serde(rename = "unknown_place_px")]
     pub position_ambiguity_px: [f64; 2],
     /// Mean dark level at the upper and lower edge, counts.
@@ -81,8 +83,9 @@ pub struct FrameFigures {
     pub noise: [f64; 2],
     /// Contrast over noise at mid-edge.
     pub snr: f64,
-    /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe the frame, or where the edges leave what the
-    /// calibration's masters left. Uncertainties are multiplied by its root where it exceeds 1.2.
+    /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe
+    /// the frame, or where the residual is that of the calibration's masters. Uncertainties are
+    /// multiplied by its root where it exceeds 1.2.
     #[serde(rename = "misfit")]
     pub reduced_chi2: f64,
     /// Whether grey values are whole counts.
@@ -95,7 +98,8 @@ pub struct FrameFigures {
 }
 
 impl FrameFigures {
-    /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie inwards by anything up to the limits.
+    /// Standard uncertainty of a width by the ambiguous position of edges whose edge-spread
+    /// function was estimated, px: both may lie inwards by anything up to the limits.
     pub fn u_position_px(&self) -> f64 {
         (self.position_ambiguity_px[0] + self.position_ambiguity_px[1]) / 3.0_f64.sqrt()
     }
@@ -105,8 +109,9 @@ impl FrameFigures {
         self.rounding_px.iter().map(|u| u * u).sum()
     }
 
-    /// Limit of a width's error where edges that could not be learnt were fitted by the Gaussian and the masters' were learnt, px: the
-    /// distance from a quarter of the light to half of it, 0.6745 σ, at each such edge.
+    /// Limit of a width's error where edges were fitted by the Gaussian because no function could
+    /// be estimated, while the masters' were estimated, px: the distance from a quarter of the
+    /// light to half of it, 0.6745 σ, at each such edge.
     pub fn unlearnt_position_px(&self) -> f64 {
         let of = |side: usize| {
             if self.position_ambiguity_px[side] == 0.0 { QUARTER_TO_HALF * self.sigma_px[side] } else { 0.0 }
@@ -114,7 +119,7 @@ impl FrameFigures {
         of(0) + of(1)
     }
 
-    /// Whether both edges were fitted by an edge-spread function learnt from the frame.
+    /// Whether both edges were fitted by an edge-spread function estimated from the frame.
     pub fn is_learnt(&self) -> bool {
         self.position_ambiguity_px.iter().all(|p| *p > 0.0)
     }
@@ -135,8 +140,8 @@ pub struct FrameEdges {
     /// The part of `u_shared_px` due to the edge model, one for every [`RESIDUAL_BLOCK`] columns of
     /// the upper and lower edge.
     pub model_uncertainty_px: [Vec<f32>; 2],
-    /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower edge states, px, √2 for their common lens
-    /// included; 0 where nothing is clipped.
+    /// The part of `u_shared_px` by the unknown shape of the clipped part of the upper and lower
+    /// edge, px, √2 for their common lens included; 0 where nothing is clipped.
     pub clipped_px: [f64; 2],
     /// The frame's own figures.
     pub figures: FrameFigures,
@@ -238,7 +243,8 @@ pub struct FrameRefused {
     pub detail: String,
 }
 
-/// What a frame shows beside the shadow that was measured. Rows and thicknesses are those of the coarse search, known to a few pixels.
+/// Other shadows in a frame beside the one measured. Rows and thicknesses are those of the coarse
+/// search, accurate to a few pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ShadowsSeen {
     /// Shadows with both edges in the field that run along it; bright lines part what they part.

@@ -1,4 +1,4 @@
-//! Whether a frame as a whole is accepted, once its edges are fitted and those that are none are refused.
+//! Whether a frame as a whole is accepted, after fitting and rejection.
 
 use super::refusals::explain;
 use super::rejection::neighbour_test;
@@ -9,9 +9,10 @@ use crate::gauge::settings::GaugeSettings;
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;
-/// χ² ratio above which the noise cannot be what keeps the model from fitting.
+/// χ² ratio above which noise does not explain the residual of the model.
 const LEAST_CHI2: f64 = 2.0;
-/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
+/// Blur below which a frame counts as drawn: no lens makes such edges, and no edge-spread function
+/// fits a hard step to within noise.
 const SHARP_PX: f64 = 0.4;
 
 /// Largest step of a contour from one column to the next, px.

@@ -26,7 +26,7 @@ impl FrameSurvey {
     }
 }
 
-/// What a stream's last frame leaves.
+/// State kept from a stream's last frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Last {
     /// Rows and columns.

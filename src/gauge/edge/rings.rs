@@ -36,7 +36,8 @@ const SAME_WIDTH: f64 = 2e-3;
 /// valley lies 0.6 of the contrast below its crests.
 const RING_TO_RING: f32 = 4.0;
 
-/// Whether windows laid out for one width of a pattern do not serve another: flat ends that see rings see others then.
+/// Whether windows laid out for one width of a pattern are unsuitable for another: their flat ends
+/// would lie on other rings.
 pub(crate) fn differ(shape: &EdgeSpreadFunction, one: f64, other: f64) -> bool {
     shape.is_ringed() && (one / other).ln().abs() > SAME_WIDTH
 }
@@ -46,7 +47,7 @@ pub(crate) fn stuck_contrast(shape: &EdgeSpreadFunction, contrast: f32) -> f32 {
     if shape.is_ringed() { RING_TO_RING * contrast } else { contrast }
 }
 
-/// Checks that no ring is clipped: where the crests are missing, nothing states where the edge is.
+/// Checks that no ring is clipped: without the crests the position of the edge is not determined.
 ///
 /// # Errors
 /// Refuses a frame whose crests are cut, known pattern or not.

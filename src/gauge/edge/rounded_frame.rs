@@ -1,4 +1,4 @@
-//! What rounding repeats in the edges of both sides of a frame.
+//! Rounding that repeats in the edges of both sides of a frame.
 
 use super::side::SideState;
 use crate::gauge::edge::estimation::levels::LevelCurve;
@@ -40,7 +40,8 @@ impl Rounding {
         Self { step, behind: [in_dark, behind[1]] }
     }
 
-    /// States it at either edge but where the light is clipped, whose fit states its own.
+    /// Adds it to the uncertainty of either edge, except where the light is clipped, whose fit
+    /// contains its own.
     pub(crate) fn state(&self, sides: &[SideState; 2], clipped: [bool; 2], out: &mut FrameEdges) {
         if self.step <= 0.0 || !RoundedSide::repeats(self.behind.map(|sd| sd / self.step)) {
             return;

@@ -15,10 +15,11 @@ use crate::gauge::edges::Edge;
 pub(crate) const BLOCKS: usize = 8;
 /// Columns looked at per block.
 const PER_BLOCK: usize = 32;
-/// Columns of a block from which its blur is known.
+/// Fewest columns of a block from which its blur is estimated.
 const LEAST_COUNT: f64 = 6.0;
-/// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
-/// 4:1 over a field leave more, a second edge leaves less.
+/// Contrast of a window's ends over the largest contrast in the window above which it contains one
+/// edge alone: noise of a tenth of the contrast and light that falls by 4:1 over a field leave
+/// more, a second edge leaves less.
 const LEAST_AT_ENDS: f32 = 0.7;
 
 /// Sums for the blur of one block.
@@ -96,7 +97,8 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
         let n = |m: &f32| (m - dark) / (light - dark);
         let spread = |part: &[f32]| part.iter().map(|m| n(m) * (1.0 - n(m))).sum::<f32>();
         let used = window.len() - 1;
-        // What the flat ends sum to is noise (−σ_n² a pixel): scaled to the window, it is taken off.
+        // The sum over the flat ends is noise (−σ_n² a pixel): scaled to the window, it is
+        // subtracted.
         let ends = spread(&window[..flat]) + spread(&window[used - flat..used]);
         let middle = spread(&window[flat..used - flat]);
         pool.push(middle - ends * (used - 2 * flat) as f32 / (2 * flat) as f32);
@@ -110,8 +112,8 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
 }
 
-/// Whether most windows see one edge alone: their outermost pixels hold most of the contrast that there is in the window. Where one
-/// reaches another shadow, or the part's other edge, they do not.
+/// Whether most windows contain one edge alone: their outermost pixels hold most of the contrast in
+/// the window. Where a window reaches another shadow, or the part's other edge, they do not.
 pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
     let (mut alone, mut seen) = (0_usize, 0_usize);
     for place in (0..windows.centre.len()).filter(|place| windows.centre[*place].is_ok()) {
@@ -136,14 +138,14 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],
-    /// Edges found with an earlier blur: what was refused there is not looked at.
+    /// Edges found with an earlier blur; refused ones are left out.
     pub(crate) line: Option<&'a [Edge]>,
     pub(crate) kappa: f64,
     /// Noise variance at mid-edge over contrast².
     pub(crate) relative_variance: f64,
 }
 
-/// Memory of [`refine`].
+/// Buffers of [`refine`].
 #[derive(Clone, Debug)]
 pub(crate) struct BlurScratch {
     table: Table,
@@ -183,13 +185,14 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     join(context, sigma, &sums)
 }
 
-/// Share by which the width of a ringed pattern may differ from its nominal one, either way.
+/// Relative half width within which the width of a ringed pattern may differ from its nominal one.
 const RINGED_SEARCH: f64 = 0.15;
 /// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring converges from half of it.
 const RING_PHASE: f64 = 1.0;
 
-/// The width that leaves least of rings among some around `start`: their phase, πv²/2 at v units √(λz/2) from the edge, goes with the
-/// square of it, so that scoring from afar would settle on a neighbouring ring.
+/// The width that leaves the smallest residual of rings among some around `start`: their phase,
+/// πv²/2 at v units √(λz/2) from the edge, is proportional to its square, so that scoring from afar
+/// would converge on a neighbouring ring.
 fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> f64 {
     let columns = context.windows.centre.len();
     let BlurScratch { table, normalised } = scratch;
@@ -202,7 +205,7 @@ fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratc
     for k in -steps..=steps {
         let sigma = start * (1.0 + f64::from(k) * step);
         table.fill(context.shape, sigma, context.kappa, context.windows.width, false, COARSE);
-        // Few columns show: a pattern is shared by all of them.
+        // A few columns suffice: a pattern is shared by all of them.
         let sums = block_sums(context, table, samples(columns).step_by(8), normalised);
         let left = sums.residual / sums.count;
         if left < best.0 {
@@ -283,7 +286,8 @@ const ROUGH: f64 = 3.0;
 /// Least difference along the field, as a share of the blur: moves an edge by a thousandth of a pixel.
 const LEAST_TREND: f64 = 0.002;
 
-/// The line or parabola that a shaft's distance from the focal plane draws along the field, where it is significant.
+/// The line or parabola of the blur along the field by a shaft's distance from the focal plane,
+/// where it is significant.
 fn trend(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
     let explained = |p: &nalgebra::Vector3<f64>| {
         let at = |(block, s): (usize, &BlurSums)| {

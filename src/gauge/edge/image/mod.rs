@@ -5,8 +5,8 @@
 //! (`scan_windows`); what disturbs them, stuck and
 //! repeated lines, is found here too. Rows and columns are in px, grey values in counts.
 //!
-//! One more way to find the part is one more function beside `valleys`; one more fault of frames is one more file that takes a plane
-//! and gives what it found.
+//! One more way to find the part is one more function beside `valleys`; one more fault of frames is
+//! one more file with a function that takes a plane and returns its finding.
 
 pub(crate) mod connected_components;
 pub(crate) mod grey_step;

@@ -83,7 +83,8 @@ impl TabulatedEsf {
         Self { reach, integral, value, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
     }
 
-    /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up to `far_px`.
+    /// As estimated from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds
+    /// up to `far_px`.
     pub(crate) fn learnt(
         reach: f64,
         integral: Vec<f64>,
@@ -225,7 +226,7 @@ impl EdgeSpreadFunction {
         }
     }
 
-    /// Where the area of the light puts the edge, px into the light from where it is.
+    /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     pub(crate) fn centroid(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,
@@ -233,8 +234,8 @@ impl EdgeSpreadFunction {
         }
     }
 
-    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): what the area of the light goes by where rings
-    /// reach beyond the window.
+    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): the expected
+    /// area of the light where rings reach beyond the window.
     pub(crate) fn window_sum(&self, sigma: f64, width: usize, half: usize) -> f64 {
         let mut samples = vec![EdgeSample::default(); width];
         self.samples(-(half as f64), 0.0, sigma, &mut samples);
@@ -260,7 +261,8 @@ impl EdgeSpreadFunction {
         (dark / count, light / count)
     }
 
-    /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
+    /// Largest distance of the geometric edge into the shadow from the position by an estimated
+    /// table, px: the geometric edge stands at half the
     /// light under incoherent light and at a quarter of it (half the amplitude) under coherent
     /// light, and a frame does not show which.
     pub(crate) fn position_ambiguity(&self, sigma: f64) -> f64 {

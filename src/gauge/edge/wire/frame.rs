@@ -1,4 +1,5 @@
-//! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], judged as other edges are.
+//! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], with the tests of other
+//! edges.
 
 use super::joint_fit::Wire;
 use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
