@@ -1,9 +1,12 @@
-//! Least squares over the masters' observations and everything that is uncertain about the masters themselves.
+//! Least squares over the masters' observations and all uncertain quantities of the masters
+//! themselves.
 //!
-//! Unknowns are the optical setup's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
-//! certificate has for itself, an error γ_g that the certificates of one laboratory share (GUM F.1.2.3: a common standard makes them
-//! correlated, cov(D_p, D_q) = c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of
-//! a frame share, and an error w_y that all frames out of the masters' plane by the same distance y share.
+//! Unknowns are the optical setup's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and
+//! nuisances ν: the error δ_p of each certificate by itself, an error γ_g that the certificates of
+//! one laboratory share (GUM F.1.2.3: a common standard makes them correlated, cov(D_p, D_q) =
+//! c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that
+//! the columns of a frame share, and an error w_y that all frames out of the masters' plane by the
+//! same distance y share.
 //! The residual of an observation is
 //!
 //! ```text
@@ -37,7 +40,7 @@ const LEAST_SPREAD_PX: f64 = 8.0;
 const STEPS: usize = 5;
 /// False-alarm probability of the F test for a systematic residual that changes with focus.
 const FALSE_ALARM: f64 = 1e-3;
-/// Standard uncertainty of a w_y that is as good as free, px: an edge's blur.
+/// Standard uncertainty of a w_y that is practically free, px: an edge's blur.
 const FREE_PX: f64 = 2.0;
 /// Steps of [`Solver`].
 const CHORD_STEPS: usize = 3;
@@ -52,7 +55,7 @@ const MISFIT: &str = "misfit of the edge model out of the masters' plane";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CovariancePart {
-    /// What it comes from.
+    /// The source.
     pub source: String,
     /// The share.
     pub matrix: [[f64; PARAMETERS]; PARAMETERS],
@@ -66,7 +69,7 @@ impl CovariancePart {
     }
 }
 
-/// What an observation leaves after the fit.
+/// Residual of an observation after the fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Residual {
@@ -152,7 +155,7 @@ pub struct Adjusted {
     pub lens: LensModel,
     /// Covariance by source.
     pub parts: Vec<CovariancePart>,
-    /// What is left.
+    /// Residuals.
     pub residuals: Vec<Residual>,
     /// √(χ²/ν), by which the edges' uncertainties were multiplied where above 1.
     pub birge_ratio: f64,
@@ -284,9 +287,9 @@ impl Adjustment {
         self.focus_mm.iter().position(|y| *y == o.axis_y_mm).map(|k| self.first_focus() + k)
     }
 
-    /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width (px), then one for
-    /// each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα, the frames' ε_f, the w_y, in units of their standard
-    /// uncertainties.
+    /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width
+    /// (px), then one for each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα,
+    /// the frames' ε_f, the w_y, in units of their standard uncertainties.
     pub fn inputs(&self) -> usize {
         self.observations.len() + self.unit.len() - 2
     }
@@ -439,7 +442,8 @@ impl Adjustment {
                     column_px: o.column_px,
                     middle_px: 0.5 * (o.top_px + o.bottom_px),
                     axis_y_mm: o.axis_y_mm,
-                    // The nuisances are the masters' and the frames' business: shown is what the optical setup leaves.
+                    // The nuisances belong to the masters and the frames: shown is the residual of
+                    // the optical setup.
                     residual_mm: self.residual(&self.without_nuisances(&z), &lens, index, 0.0),
                     u_mm: self.sigma[index],
                 }

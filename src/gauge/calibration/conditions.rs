@@ -1,4 +1,4 @@
-//! The conditions a part is measured under, as far as its diameter at 20 °C depends on them.
+//! The conditions under which a part is measured, as far as its diameter at 20 °C depends on them.
 //!
 //! D₂₀ = D_T/(1 + α(T − 20 °C)) (ISO 1). What a condition is not known to comes in as a rectangular distribution of the
 //! half width given, u = half/√3 (GUM 4.3.7). What is not stated is not exact: it has the limits of

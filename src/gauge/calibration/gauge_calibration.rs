@@ -4,8 +4,9 @@
 //! D = s·w + o        w  shadow width across the axis, px;  s  scale, mm/px;  o  offset of both edges together, mm
 //! ```
 //!
-//! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s, o) travels with the
-//! result, so that u_common² = w²·var(s) + 2w·cov(s, o) + var(o) grows towards diameters that no master backs.
+//! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s,
+//! o) is kept with the result, so that u_common² = w²·var(s) + 2w·cov(s, o) + var(o) grows towards
+//! diameters outside those of the masters.
 
 use std::io::Read;
 
@@ -50,7 +51,8 @@ pub struct Calibration {
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
     #[serde(rename = "bench", default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<Box<SetupCalibration>>,
-    /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
+    /// Systematic residual of the edge model at the masters' edges, where it was more than noise:
+    /// its part of the edge offset is in `offset_mm`.
     #[serde(rename = "misfit", default, skip_serializing_if = "Option::is_none")]
     pub systematic_residual: Option<Box<SystematicResidual>>,
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
@@ -87,7 +89,8 @@ impl Calibration {
         check_spread(masters)?;
         let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
         let mut fit = LineFit::default();
-        // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
+        // The weights depend on the scale by less than a per mille of themselves: two rounds are
+        // enough.
         for _ in 0..3 {
             fit = LineFit::through(masters, scale);
             scale = fit.scale;
@@ -127,13 +130,14 @@ impl Calibration {
         }
     }
 
-    /// Keeps what the masters' edges left of the edge model.
+    /// Keeps the systematic residual of the masters' edges.
     #[must_use]
     pub fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
         Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
-    /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::expecting`].
+    /// The systematic residual of the masters' edges, for
+    /// [`crate::gauge::Gauge::with_systematic_residual`].
     pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
         self.systematic_residual.as_deref()
     }
@@ -157,7 +161,8 @@ impl Calibration {
         }
     }
 
-    /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
+    /// Refuses another edge-spread function than the masters': each gives another edge position,
+    /// and the offset holds for one.
     ///
     /// # Errors
     /// Where both are known and differ.
@@ -199,8 +204,8 @@ impl Calibration {
         Err(CalibrationError::OtherEncoding { found, calibrated })
     }
 
-    /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
-    /// the other way round.
+    /// Standard uncertainty of a width by the ambiguous position of its edges, px: where their
+    /// edge-spread function was estimated and the masters' was not, or the other way round.
     pub(crate) fn u_position_px(&self, figures: &FrameFigures) -> f64 {
         if self.is_learnt() {
             figures.unlearnt_position_px() / 3.0_f64.sqrt()
@@ -209,7 +214,8 @@ impl Calibration {
         }
     }
 
-    /// Whether the masters' edges were fitted by an edge-spread function learnt from their own frames.
+    /// Whether the masters' edges were fitted by an edge-spread function estimated from their own
+    /// frames.
     pub(crate) fn is_learnt(&self) -> bool {
         self.edge_model.as_deref() == Some("learnt")
     }
@@ -338,7 +344,8 @@ impl Calibration {
         (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
     }
 
-    /// What the heights of an axis count from: the middle between the first and the last of `rows` rows, or the axis of the lens.
+    /// Zero of the heights of an axis: the middle between the first and the last of `rows` rows, or
+    /// the axis of the lens.
     pub fn axis_zero(&self, rows: f64) -> AxisZero {
         let height_mm = match self.setup {
             Some(_) => 0.0,
@@ -456,7 +463,8 @@ mod tests {
             Calibration::read(loud.as_bytes()),
             Err(CalibrationError::Value { key: "misfit.residual", .. })
         ));
-        // A certificate without U and k would be certain, twins would have levers without end.
+        // A certificate without U and k would be taken as certain, equal masters would give
+        // unlimited levers.
         let refused =
             |from: &str, to: &str| Calibration::read(text.replace(from, to).as_bytes()).unwrap_err();
         let certain = refused(

@@ -12,7 +12,7 @@ use crate::frame::FrameView;
 use crate::gauge::edge::image::valleys::{Bridged, Valleys, median_down};
 use crate::numerics::robust::median_of as median;
 
-/// What the coarse search found, to a pixel or so.
+/// Result of the coarse search, to about a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coarse {
     /// Outline.

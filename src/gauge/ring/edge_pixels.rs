@@ -30,7 +30,7 @@ pub(super) struct Band {
     pub(super) sectors: Vec<Vec<EdgePixel>>,
 }
 
-/// How to read a band.
+/// Geometry of a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandOrder {
     /// The circle it follows.
@@ -85,7 +85,8 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
 pub(super) const FLAT: f64 = 0.7;
 
 impl Band {
-    /// Divides the pixels by a light that is not even; `dark` is the shadow's level, counts, and `circle` what the band follows.
+    /// Divides the pixels by an uneven light; `dark` is the shadow's level, counts, and `circle`
+    /// the circle of the band.
     pub(super) fn level(&mut self, field: &LightField, dark: f64, circle: &Circle) {
         for pixel in self.sectors.iter_mut().flatten() {
             let arm = pixel.reach * circle.radius;
@@ -112,7 +113,7 @@ impl Band {
             sum / v.iter().flatten().count().max(1) as f64
         };
         let contrast = mean(&light) + mean(&dark);
-        // Light so far beyond the end that nothing could be fitted: the noise of an ordinary frame.
+        // Light too far beyond the end for a fit: the noise of an ordinary frame.
         let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
         let find = |level: Level, values: &[Vec<f32>], other: f64| {

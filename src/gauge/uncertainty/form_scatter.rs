@@ -1,4 +1,4 @@
-//! How far the widths that a mean is taken over scatter by form, texture and sampling.
+//! Scatter, by form, texture and sampling, of the widths that a mean is taken over.
 //!
 //! Neighbouring columns share texture, so that the scatter of single columns would understate the
 //! uncertainty of their mean. It is computed from the means of blocks about a line (a taper is form
@@ -48,7 +48,7 @@ impl Block {
     }
 }
 
-/// What is known of the scatter of the widths averaged.
+/// Data on the scatter of the widths averaged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scatter {
     /// Blocks, whose widths show it.
@@ -141,7 +141,8 @@ mod tests {
         Scatter::of_blocks(edges, &ColumnMeans::over(edges, 0..COLUMNS).unwrap())
     }
 
-    /// A perfect pin behind a lens of .05 % distortion: all that its widths scatter is the lens', which the diameter is freed of.
+    /// A perfect pin behind a lens of .05 % distortion: its widths scatter by the lens alone, for
+    /// which the diameter is corrected.
     #[test]
     fn distortion_is_not_taken_for_form() {
         let lens = lens();
@@ -152,7 +153,7 @@ mod tests {
         assert!(corrected < 1e-5 && freedom == 10.0, "{corrected} {freedom}");
     }
 
-    /// Form that stands on the part stays: waves that a block holds one half of.
+    /// Form of the part itself remains: waves of which a block holds one half.
     #[test]
     fn form_of_the_part_stays_in() {
         let lens = lens();

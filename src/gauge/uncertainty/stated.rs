@@ -1,5 +1,5 @@
-//! Values with their uncertainty as people read them: u or U with two significant digits, the value rounded to the same place
-//! (GUM 7.2.6). Files and JSON keep every digit.
+//! Values with their uncertainty as printed: u or U with two significant digits, the value rounded
+//! to the same place (GUM 7.2.6). Files and JSON keep every digit.
 
 /// Significant digits of an uncertainty.
 const DIGITS: i32 = 2;

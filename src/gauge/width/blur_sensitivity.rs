@@ -1,4 +1,4 @@
-//! What the blur's own uncertainty does to a width.
+//! Uncertainty of a width by that of the blur.
 //!
 //! At one sub-pixel phase position and blur are estimated together: with the information matrix I
 //! of (x, σ) a blur off by δ moves the position by −δ·I_xσ/I_xx. With equal noise on both sides
@@ -9,7 +9,7 @@
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::{Edge, FrameEdges};
 
-/// Columns whose phases are looked at.
+/// Columns whose phases are evaluated.
 const LOOKED_AT: usize = 64;
 /// Most columns that a frame's blur is estimated from.
 const ESTIMATED_FROM: usize = 256;

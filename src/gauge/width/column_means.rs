@@ -1,4 +1,5 @@
-//! Means over some columns of one frame: what a calibration observes and what a budget starts from.
+//! Means over some columns of one frame: the observations of a calibration and the input of a
+//! budget.
 
 use super::axis_pose::Pose;
 use crate::gauge::edges::{Edge, FrameEdges};
@@ -16,7 +17,7 @@ pub(crate) struct ColumnMeans {
     pub(crate) column_variance_px2: f64,
     /// Mean rows of the upper and the lower edge, px.
     pub(crate) rows_px: (f64, f64),
-    /// Variance of the mean width from what each column has for itself, px².
+    /// Variance of the mean width by the columns' independent parts, px².
     pub(crate) own_variance_px2: f64,
     /// Standard uncertainty of the width that the columns share (levels, edge model), px.
     pub(crate) u_shared_px: f64,

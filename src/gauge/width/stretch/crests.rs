@@ -13,7 +13,8 @@ const BLOCK: usize = 5;
 const LEAST_CHANGES: usize = 4;
 /// Departure of a block's middle, in its standard uncertainties, that counts for a sign.
 const SIGNIFICANT: f64 = 4.0;
-/// Least amplitude of the middle, px: what vibration and texture do is left to the columns.
+/// Least amplitude of the middle, px: vibration and texture are below it and remain with the
+/// columns.
 const LEAST_PX: f64 = 0.1;
 /// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it begins.
 const PITCHES: f64 = 2.5;

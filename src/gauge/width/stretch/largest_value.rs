@@ -1,6 +1,7 @@
 //! The largest value over every stretch of a line of columns, down to a least width, without the upward bias of a maximum of noise.
 //!
-//! A stretch is stood for by its mean (a collar, a cylinder), by the end of a line through it where the part or the field ends (a taper),
+//! A stretch is represented by its mean (a collar, a cylinder), by the end of a line through it
+//! where the part or the field ends (a taper),
 //! or by the vertex of a parabola (a bump, a wave, a barrel). Of all stretches of all widths the one with the largest value less λ
 //! standard uncertainties is chosen: a narrow one only where noise does not explain that it is larger than a wide one. Every other
 //! column chooses and the columns between measure, then the other way round, and the mean of both
@@ -185,7 +186,7 @@ impl Line {
         })
     }
 
-    /// What may stand for a stretch.
+    /// Candidates that represent a stretch.
     fn candidates(&self, fit: &Fit, (from, to): (usize, usize), least: usize) -> [Option<(Order, f64)>; 4] {
         let width = to - from;
         let (first, last) = (self.x[from], self.x[to - 1]);
@@ -271,7 +272,7 @@ fn scatter(values: &[f64], noise: &[f64]) -> f64 {
     scatter.max(LEAST_SCATTER)
 }
 
-/// Whether one value alone leaves its neighbours.
+/// Whether one value alone is an outlier of its neighbours.
 fn is_speck(values: &[f64], index: usize, limit: f64) -> bool {
     if index < 2 || index + 2 >= values.len() {
         return false;
