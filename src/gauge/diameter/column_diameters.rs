@@ -1,10 +1,11 @@
 //! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
 //!
-//! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
-//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. A bent
-//! part has a τ at every column ([`AxisSlope`]); a slope towards the camera leaves a telecentric width as it is. Before
-//! that each edge is freed of the bias of its curvature and, where the optical setup is calibrated, of the lens' distortion; after it the
-//! diameter is taken to 20 °C.
+//! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half
+//! angle α, along a chord w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ,
+//! which is w·cos τ for a cylinder. A bent part has a τ at every column ([`AxisSlope`]); a slope
+//! towards the camera leaves a telecentric width unchanged. Before that each edge is corrected for
+//! the bias of its curvature and, where the optical setup is calibrated, for the lens' distortion;
+//! after it the diameter is referred to 20 °C.
 
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
@@ -101,7 +102,7 @@ impl Calibration {
     }
 }
 
-/// What turns a frame's rows into diameters.
+/// Conversion of a frame's rows into diameters.
 struct Reader<'a> {
     calibration: &'a Calibration,
     conditions: &'a Conditions,

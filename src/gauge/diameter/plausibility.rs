@@ -7,8 +7,9 @@
 //! limit                          what the process can do meanwhile
 //! ```
 //!
-//! Between revolutions nothing is cut: a caliper diameter is the same one half a revolution later, but for what heat does. Between passes it
-//! falls by the change of the command, but for what the shaft yields more or less than before.
+//! Between revolutions nothing is cut: a caliper diameter is the same one half a revolution later,
+//! except for thermal expansion. Between passes it falls by the change of the command, except for a
+//! change of the shaft's deflection.
 
 use std::collections::BTreeMap;
 
@@ -19,8 +20,9 @@ use crate::frame::FrameMeta;
 pub use crate::gauge::settings::PlausibilitySettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason};
 
-/// Share of a profile's stations beyond which a departure is not theirs: then the whole part, or the machine, did not do what was
-/// commanded, which gaps would hide from control's guards.
+/// Fraction of a profile's stations above which departures are not those of single stations: then
+/// the whole part, or the machine, did not do what was commanded, which gaps would hide from
+/// control's guards.
 const MOST_REFUSED: f64 = 0.25;
 
 /// A reading that contradicts an earlier one.
@@ -65,7 +67,7 @@ pub struct TurnHistory {
 }
 
 impl TurnHistory {
-    /// Nothing known yet; stretches of this length along z are judged, mm.
+    /// Without a reference yet; stretches of this length along z are compared, mm.
     pub fn new(settings: &PlausibilitySettings, stretch_mm: f64) -> Self {
         Self { settings: *settings, stretch_mm, known: BTreeMap::new() }
     }

@@ -1,7 +1,7 @@
 //! Standard uncertainty of the mean of successive readings, from their scatter.
 //!
-//! Readings that follow each other share drift, vibration and the part's turning: of n autocorrelated ones only n_eff count (GUM 4.2.7;
-//! N. F. Zhang, Metrologia 43 (2006) S276),
+//! Successive readings share drift, vibration and the rotation of the part: of n autocorrelated
+//! ones only n_eff count (GUM 4.2.7; N. F. Zhang, Metrologia 43 (2006) S276),
 //!
 //! ```text
 //! n/n_eff = 1 + 2 Σ_k (1 − k/n) ρ_k        u²(mean) = s²·(n − 1)/n/(n_eff − 1)
@@ -89,7 +89,7 @@ pub struct SeriesMean {
     pub mean: Diameter,
     /// Experimental standard deviation of one reading, mm; 0 for a single one.
     pub sd_mm: f64,
-    /// Number of independent readings that the series is worth.
+    /// Equivalent number of independent readings.
     pub effective_number: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What the readings of a revolution scatter by that the section's form does not explain.
+//! Scatter of the readings of a revolution that the section's form does not explain.
 //!
 //! Over a whole revolution every width is measured twice, w(φ) = w(φ + π), whatever the form and
 //! the position of the spindle: half the mean square of the n/2 differences is the variance of one
@@ -24,7 +24,7 @@ pub(super) struct TurnScatter {
     pub(super) sd_width_mm: f64,
     /// Standard uncertainty of the mean of the widths, mm.
     pub(super) u_mean_mm: f64,
-    /// Against the edges' own statements.
+    /// Against the stated uncertainties of the edges.
     pub(crate) test: Option<ScatterTest>,
 }
 

@@ -1,4 +1,4 @@
-//! Harmonics of a turn by FFT, each with what it can be blamed on.
+//! Harmonics of a revolution by FFT, each with its possible causes.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;

@@ -8,8 +8,8 @@
 //! stated in full, but only its possible changes:
 //!
 //! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over
-//! the distance d from the edge, χ² is computed of r − r_c. A part with the residual of the masters
-//! has χ² = 1; one with any other residual, or none, has not;
+//!    the distance d from the edge, χ² is computed of r − r_c. A part with the residual of the masters
+//!    has χ² = 1; one with any other residual, or none, has not;
 //! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first
 //!    order; zero where the weights are those of the masters;
 //! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫ w·r·e^{2πiu} du is not to be seen in r_c, which is
