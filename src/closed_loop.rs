@@ -1,6 +1,7 @@
 //! The closed loop: one pass after another is cut, scanned, measured and corrected; each yields a [`PassResult`].
 //!
-//! Everything the controller knows comes from frames. The truth of a pass is taken beside it, for comparison only.
+//! The controller's only inputs are measured from frames. The truth of a pass is taken beside it,
+//! for comparison only.
 //!
 //! `instrument` (camera or probe) is calibrated on `masters`; a pass is cut, then scanned (`scan`;
 //! `touches` by a probe), or measured while it is cut (`in_process`); `pass_before` compares it
@@ -42,9 +43,9 @@ use scan::{Measured, Scanned};
 pub struct PassResult {
     /// What was commanded.
     pub plan: PassPlan,
-    /// What the gauge believes.
+    /// Measured diameters.
     pub profile: DiameterProfile,
-    /// What each frame said.
+    /// Diameters of each frame.
     pub readings: Vec<FrameReading>,
     /// What control decided; `None` after the last pass.
     pub decision: Option<Decision>,
@@ -177,7 +178,7 @@ impl<'a> ClosedLoop<'a> {
         self.alarm.as_deref()
     }
 
-    /// Scans the stock where the job wants it and lets the controller begin.
+    /// Scans the stock where the job requires it and starts the controller.
     ///
     /// # Errors
     /// Where the source fails.
@@ -224,7 +225,8 @@ impl<'a> ClosedLoop<'a> {
         self.held.as_ref()
     }
 
-    /// Takes up a pass that was finished before: cuts it again (no frame is taken) and tells the controller what was measured.
+    /// Takes up a pass that was finished before: cuts it again (no frame is taken) and gives the
+    /// controller what was measured.
     ///
     /// # Errors
     /// Where the record does not fit the job, or the cut fails.
@@ -243,7 +245,8 @@ impl<'a> ClosedLoop<'a> {
         Ok(())
     }
 
-    /// Cuts, scans, measures and corrects the next pass; before the first one the stock is scanned where the job wants it.
+    /// Cuts, scans, measures and corrects the next pass; before the first one the stock is scanned
+    /// where the job requires it.
     ///
     /// # Errors
     /// Where the cut or the source fails; a frame that cannot be measured is no error but leaves gaps.
@@ -397,7 +400,8 @@ impl<'a> ClosedLoop<'a> {
     }
 
     /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The
-    /// controller is told of these in the next plan. Offsets that no program can carry are not put in force.
+    /// controller gets these in the next plan. Offsets that no program can carry are not put in
+    /// force.
     fn put_in_force(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
         let Some(machine) = &self.job.nc else {
             self.offset = asked.clone();

@@ -155,7 +155,7 @@ impl Job {
         }
     }
 
-    /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over half a turn.
+    /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over half a revolution.
     pub fn scan_plan(&self) -> ScanPlan {
         let half = self.field_length_mm() / 2.0;
         let (first, last) = (
@@ -290,7 +290,8 @@ impl Job {
         Ok(())
     }
 
-    /// Whether the fields cover the part, the angles tell its uncertainty, the last pass aims at the tolerance, and the shaft is one that
+    /// Whether the fields cover the part, the angles determine its uncertainty, the last pass aims
+    /// at the tolerance, and the shaft is one that
     /// can be turned: needed by a run, not by `render`.
     ///
     /// # Errors

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the same for all
-//! three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) never sees the truth: it imports only the vocabulary.
+//! three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) has no access to the truth:
+//! it imports only the vocabulary.
 //! `tests/architecture.rs` holds the direction of imports.
 
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state

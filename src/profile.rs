@@ -1,4 +1,5 @@
-//! What the instrument believes: diameters along z, each with its uncertainty, or a gap with its reason.
+//! What the instrument measured: diameters along z, each with its uncertainty, or a gap with its
+//! reason.
 
 use std::fmt;
 
@@ -25,7 +26,7 @@ pub enum Reason {
     Outlier,
     /// The edge is too close to the border of the field.
     Border,
-    /// Dirt, a chip or a droplet covers the edge.
+    /// Contamination, a chip or a droplet covers the edge.
     Contaminated,
     /// Rows or columns of the frame repeat each other: it was doubled, filled up or enlarged.
     Repeated,
@@ -96,7 +97,7 @@ impl Diameter {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reading {
-    /// A trusted value.
+    /// A usable value.
     Value(Diameter),
     /// Refused.
     Gap(Reason),

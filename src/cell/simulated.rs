@@ -45,7 +45,7 @@ pub(super) struct TrueMasters {
     pub(super) frame_id: u64,
 }
 
-/// What is filmed: the two count their frames apart.
+/// What frames are acquired of: the two count their frames apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Acquisition {
     Part,
@@ -105,7 +105,7 @@ pub fn base_form(job: &Job) -> Result<BaseForm, RenderError> {
 }
 
 impl<'a> SimulatedCell<'a> {
-    /// A cell with the stock clamped and the true bench drawn from the job's seed.
+    /// A cell with the stock clamped and the true optical setup drawn from the job's seed.
     ///
     /// # Errors
     /// Where a stage refuses its settings.

@@ -21,7 +21,7 @@ const NEAR_MM: f64 = 0.4;
 /// Halves of the coarse and of the fine grid of places where the ball may meet the surface.
 const GRID: (i32, i32) = (8, 8);
 
-/// What is true of a probe, and known to nobody.
+/// True values of a probe, of which neither probe nor control is informed.
 #[derive(Clone, Debug)]
 pub(super) struct TrueProbe {
     settings: ProbeSettings,

@@ -10,7 +10,7 @@ use crate::process::{CutSummary, ProcessError};
 use crate::render::RenderError;
 use crate::shaft::AxisKnot;
 
-/// A cell that cannot do what it was told.
+/// A cell that cannot carry out a command.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CellError {
@@ -122,7 +122,7 @@ pub trait TurningCell {
         Err(CellError::OnePart)
     }
 
-    /// Part and tool that are in the machine; `None` where the cell cannot tell.
+    /// Part and tool that are in the machine; `None` where the cell has no record of them.
     fn in_machine(&self) -> Option<PartAndTool> {
         None
     }
@@ -132,6 +132,7 @@ pub trait TurningCell {
         None
     }
 
-    /// True mean caliper diameter of stations (z from, z to), mm; `None` where nobody knows. For comparison only.
+    /// True mean caliper diameter of stations (z from, z to), mm; `None` where it is not known. For
+    /// comparison only.
     fn true_stations_mm(&self, stations_mm: &[(f64, f64)]) -> Option<Vec<f64>>;
 }

@@ -1,4 +1,4 @@
-//! `shadowgauge calibrate`: a bench from dark and flat fields, master pins and a check pin.
+//! `shadowgauge calibrate`: an optical setup from dark and flat fields, master pins and a check pin.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -236,7 +236,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 struct RecordedFrames {
     folder: PathBuf,
     channel: Option<Channel>,
-    /// What was said of the files already.
+    /// Notes on the files already written.
     said: HashSet<String>,
 }
 

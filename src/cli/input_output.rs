@@ -41,7 +41,7 @@ impl ConfigText {
         config::parse_as(&self.text, &self.name).map_err(Failure::refused)
     }
 
-    /// A refusal of what the text says.
+    /// A refusal of the text's contents.
     pub fn refuse(&self, error: impl std::fmt::Display) -> Failure {
         Failure::refuse(format!("{}: {error}", self.name))
     }

@@ -71,7 +71,7 @@ commands! {
     Render(render::RenderArgs) => render::run,
     /// Show adapters, drivers, what `auto` would choose and what is missing.
     Doctor(doctor::DoctorArgs) => doctor::run,
-    /// Calibrate a bench: dark and flat fields, master pins, a check pin.
+    /// Calibrate an optical setup: dark and flat fields, master pins, a check pin.
     Calibrate(calibrate::CalibrateArgs) => calibrate::run,
     /// Show a config's optics.
     #[command(subcommand)]

@@ -215,8 +215,8 @@ fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     Ok(())
 }
 
-/// The text of a program, with a word on what it leaves uncut. A dry run lists offsets whatever the machine's data leave
-/// open; the word says that the program itself would be refused.
+/// The text of a program, with a note on what it leaves uncut. A dry run lists offsets whatever the
+/// machine's data leave open; the note states that the program itself would be refused.
 fn written<P>(args: &NcArgs, program: Result<Written<P>, NcError>) -> Result<String, Failure> {
     match program {
         Ok(written) => {

@@ -48,7 +48,7 @@ fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Nominal optics of a config: what it says, without the departures that a seed draws.
+/// Nominal optics of a config, without the deviations that a seed draws.
 pub struct NominalOptics {
     /// Lens and edge spread.
     pub optics: Optics,

@@ -24,7 +24,8 @@ pub struct OptimizeArgs {
     out: Option<PathBuf>,
 }
 
-/// Solves the problem. An infeasible one is said to be so, with the limits that exclude each other, and ends with exit 1.
+/// Solves the problem. An infeasible one is reported with the limits that exclude each other, and
+/// ends with exit 1.
 ///
 /// # Errors
 /// Exit 2 for a config that is refused, 3 for a disk that fails.

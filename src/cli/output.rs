@@ -1,5 +1,6 @@
-//! What a command says on stdout. A stream that takes no more must not break a command off half way: the first error is kept, the rest
-//! is dropped, and [`finish`] tells at the end (as GNU's `close_stdout` does).
+//! Output of a command on stdout. A stream that takes no more must not break a command off half
+//! way: the first error is kept, the rest is dropped, and [`finish`] reports it at the end (as
+//! GNU's `close_stdout` does).
 
 use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write as _, stdout};
@@ -18,7 +19,7 @@ pub fn write(text: Arguments<'_>) {
 
 fn keep(result: Result<(), Error>) {
     if let Err(error) = result {
-        // Only the first one is told.
+        // Only the first one is reported.
         let _ = FIRST_ERROR.set(error);
     }
 }

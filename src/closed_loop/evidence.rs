@@ -10,7 +10,7 @@ use crate::profile::DiameterProfile;
 /// What is known of a scan besides its diameters. A run keeps it, so that a resumed run decides alike.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Where the scan comes from; `None` where the cell cannot tell.
+    /// Where the scan comes from; `None` where the cell has no such record.
     pub origin: Option<Origin>,
     /// Part and tool in the machine when the offsets were decided.
     pub in_machine: Option<PartAndTool>,

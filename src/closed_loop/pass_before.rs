@@ -5,8 +5,9 @@ use crate::gauge::plausibility::against_pass;
 use crate::plan::PassPlan;
 use crate::profile::DiameterProfile;
 
-/// Makes gaps of stations whose change since the pass before is not the one commanded; says of each why. Where a whole part did
-/// not change as commanded nothing is refused, that is control's to judge; it is said, too.
+/// Makes gaps of stations whose change since the pass before is not the one commanded, and reports
+/// the reason of each. Where a whole part did not change as commanded nothing is refused, since
+/// that decision is control's; it is reported, too.
 pub(super) fn compare(
     before: Option<&(PassPlan, DiameterProfile)>,
     plan: &PassPlan,

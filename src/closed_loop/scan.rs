@@ -17,7 +17,7 @@ use crate::profile::{DiameterProfile, Reading};
 /// Length of the intervals over which one frame's columns are averaged for the record, mm.
 const RECORD_STEP_MM: f64 = 0.5;
 
-/// What one frame said about a short z interval.
+/// Diameters of a short z interval in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameReading {
     /// Frame it comes from.
@@ -41,7 +41,7 @@ pub struct Sample {
     pub edges: FrameEdges,
 }
 
-/// Told of each frame: (frames done, frames in the pass).
+/// Called after each frame: (frames done, frames in the pass).
 pub type Progress<'p> = &'p mut dyn FnMut(usize, usize);
 
 /// A scan, measured.

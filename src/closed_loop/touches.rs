@@ -68,7 +68,7 @@ impl<'a> ClosedLoop<'a> {
         Ok(Scanned {
             profile,
             form: TurnAverager::new(z_mm, part.station_mm).finish(Cutoff::default()),
-            // Two-point diameters say nothing of where the axis stands.
+            // Two-point diameters do not determine where the axis stands.
             axis: AxisLine::default(),
             readings: readings.collect(),
             sample: None,

@@ -92,8 +92,8 @@ impl<L: Law> Compensator<L> {
         (outcome.map(|o_mm| (o_mm, law)), alarm)
     }
 
-    /// No further pass is safe where a refusal says so, where the held offsets are predicted to undercut, or where the
-    /// finishing pass would go unchecked.
+    /// No further pass is safe where a refusal rules it out, where the held offsets are predicted
+    /// to undercut, or where the finishing pass would go unchecked.
     fn raise_alarm(&mut self, refusal: &Refusal, context: &PassContext<'_>) {
         if refusal.stop || context.next.is_some_and(|n| n.finishing) {
             self.alarm.get_or_insert_with(|| refusal.reason.to_string());

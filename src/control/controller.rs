@@ -1,4 +1,4 @@
-//! What the loop asks of a controller.
+//! The interface of a controller.
 
 use super::context::{PartStart, PassContext};
 use crate::plan::{Decision, DiameterOffset, PassPlan};
@@ -15,9 +15,9 @@ pub trait Controller {
         DiameterOffset::zero(stations)
     }
 
-    /// Decides the offsets of the next pass from the pass just measured. `plan` is what was commanded in that pass
-    /// (its `nominal_mm` is the r of the error e = D - r; its `offset` the offsets in force). What `context` does not
-    /// tell cannot be guarded.
+    /// Decides the offsets of the next pass from the pass just measured. `plan` is what was
+    /// commanded in that pass (its `nominal_mm` is the r of the error e = D - r; its `offset` the
+    /// offsets in force). What is missing from `context` cannot be guarded.
     fn decide_in(
         &mut self,
         plan: &PassPlan,

@@ -339,8 +339,9 @@ fn robust_scatter(second_differences: &[f64]) -> f64 {
     MAD_TO_SIGMA * median_of(second_differences.iter().map(|d| d.abs()).collect()) / SECOND_DIFFERENCE.sqrt()
 }
 
-/// Difference of a station from what its neighbours say: inside, the median of the four lines through two of them; next
-/// to an end, the parabola through three; at an end, the line fitted to four.
+/// Difference of a station from the prediction of its neighbours: inside, the median of the four
+/// lines through two of them; next to an end, the parabola through three; at an end, the line
+/// fitted to four.
 fn off_neighbours(z: &[f64], e: &[f64], i: usize) -> f64 {
     let n = e.len();
     if n < 5 {
@@ -394,7 +395,7 @@ fn largest(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Stations that lie unevenly say no more and no less of one another than even ones.
+    /// Uneven stations predict one another as well as even ones.
     #[test]
     fn uneven_stations_have_no_outlier_on_a_line_or_at_an_end_parabola() {
         let z = [3.0, 11.0, 30.5, 40.0, 57.0, 58.0, 90.0];

@@ -62,7 +62,7 @@ impl PassMemory {
             PartEvent::InsertChanged => self.after_insert = Some(ideal.to_vec()),
             PartEvent::ColdStart => self.after_cold = Some(ideal.to_vec()),
         }
-        // the jump of an event says nothing of the trend
+        // the jump of an event is no evidence of a trend
         let trend_weight = if event == PartEvent::Continued { settings.trend_weight } else { 0.0 };
         for (LevelTrend { level, trend }, i) in self.stations.iter_mut().zip(ideal) {
             let forecast = *level + *trend;
@@ -109,7 +109,7 @@ impl PartLoop {
         self.forecast.get(index).filter(|f| !f.is_empty()).map(Vec::as_slice)
     }
 
-    /// Remembers what a pass should have been offset by.
+    /// Stores the offset that a pass should have had.
     pub(crate) fn record(&mut self, pass: u32, in_force: &[f64], errors: &[f64], gain: f64) {
         let Some(index) = (pass as usize).checked_sub(1).filter(|_| self.settings.enabled) else {
             return;

@@ -19,7 +19,7 @@ struct Gains {
     settings: PidSettings,
 }
 
-/// What one loop remembers.
+/// State of one loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Loop {
     passes: u32,
@@ -37,7 +37,8 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// Loops at rest. Only the gains, the algorithm, the filter, the limits and the deadband of `settings` matter here.
+    /// Loops at rest. Only the gains, the algorithm, the filter, the limits and the deadband of
+    /// `settings` are used here.
     pub fn new(settings: &PidSettings, channels: usize) -> Self {
         Self { gains: Gains { settings: settings.clone() }, loops: vec![Loop::default(); channels] }
     }

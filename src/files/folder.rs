@@ -114,7 +114,8 @@ impl OutputFolder {
                 Ok(())
             })
         } else {
-            // The lock goes with it and is held until it is removed: nobody else takes the folder for one left behind.
+            // The lock goes with it and is held until it is removed: no other process takes the
+            // folder for one left behind.
             std::fs::rename(&self.staging, &self.target)
                 .and_then(|()| std::fs::remove_file(self.target.join(LOCK_NAME)))
         };

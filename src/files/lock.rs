@@ -77,7 +77,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Removed while it is still held: nobody else has it then. Where it was moved away, there is nothing of it to remove.
+        // Removed while it is still held: no other process has it then. Where it was moved away,
+        // there is nothing of it to remove.
         if is_open_file(&self.path, &self.file) {
             let _ = std::fs::remove_file(&self.path);
         }

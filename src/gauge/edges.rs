@@ -1,4 +1,5 @@
-//! What the edge finder gives: both edges of every column, each with its uncertainty, or a gap with its reason.
+//! Results of the edge finder: both edges of every column, each with its uncertainty, or a gap with
+//! its reason.
 
 use thiserror::Error;
 
@@ -7,9 +8,9 @@ use crate::profile::Reason;
 /// Whether an edge may be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeState {
-    /// Trusted.
+    /// Usable without reservation.
     Good,
-    /// Usable with the larger uncertainty stated; the reason says what impairs it.
+    /// Usable with the larger uncertainty stated; the reason is what impairs it.
     Impaired(Reason),
     /// Refused.
     Gap(Reason),
@@ -20,7 +21,7 @@ pub enum EdgeState {
 pub struct Edge {
     /// Row of the edge, px, pixel centres at integers; NaN in a gap.
     pub row_px: f64,
-    /// Standard uncertainty that this column has for itself, px.
+    /// Standard uncertainty that is independent from column to column, px.
     pub u_own_px: f32,
     /// Standard uncertainty shared with the columns nearby (pooled levels), px.
     pub u_shared_px: f32,
@@ -64,7 +65,7 @@ impl Edge {
 /// Φ⁻¹(¾): from a quarter of a Gaussian edge's light to half of it, in σ.
 const QUARTER_TO_HALF: f64 = 0.674_489_75;
 
-/// What the gauge found out about the frame on the way.
+/// Figures of a frame, found while its edges were measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct FrameFigures {
     /// Blur at the upper and lower edge, px (standard deviation without the pixel's own area).
@@ -112,7 +113,7 @@ impl FrameFigures {
         of(0) + of(1)
     }
 
-    /// Whether both edges were fitted by an edge-spread function learnt from the frame.
+    /// Whether both edges were fitted by an edge-spread function estimated from the frame.
     pub fn is_learnt(&self) -> bool {
         self.position_ambiguity_px.iter().all(|p| *p > 0.0)
     }
@@ -172,8 +173,8 @@ impl FrameEdges {
         self.clipped_px.iter().map(|u| u * u).sum()
     }
 
-    /// Variance of a column's width by what neither columns nor frames average: a misfit of the edge model, what is clipped of the edges'
-    /// shapes, and rounding that repeats, px².
+    /// Variance of a column's width that averages neither over columns nor over frames: model
+    /// uncertainty, clipped parts of the edges' shapes, and rounding that repeats, px².
     pub(crate) fn repeated_variance(&self, column: usize) -> f64 {
         self.model_variance(column) + self.clipped_variance() + self.figures.rounding_variance()
     }
@@ -235,7 +236,8 @@ pub struct FrameRefused {
     pub detail: String,
 }
 
-/// What a frame shows beside the shadow that was measured. Rows and thicknesses are those of the coarse search, known to a few pixels.
+/// Other shadows in a frame beside the one measured. Rows and thicknesses are those of the coarse
+/// search, accurate to a few pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ShadowsSeen {
     /// Shadows with both edges in the field that run along it; bright lines part what they part.

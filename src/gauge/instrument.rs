@@ -76,8 +76,9 @@ impl Gauge {
 }
 
 impl Lanes {
-    /// As many streams as said, usually one a core. The number belongs to the measurement, not to the machine: another number gives results
-    /// that differ as those of two streams do, by thousandths of the noise.
+    /// A given number of streams, usually one a core. The number belongs to the measurement, not to
+    /// the machine: another number gives results that differ as those of two streams do, by
+    /// thousandths of the noise.
     pub fn new(gauge: &Gauge, lanes: NonZeroUsize) -> Self {
         Self::of(&gauge.stream(), lanes)
     }

@@ -1,4 +1,5 @@
-//! The instrument: frames -> edges -> calibrated diameters with uncertainty. It never sees the scene.
+//! The instrument: frames -> edges -> calibrated diameters with uncertainty. It has no access to
+//! the scene.
 //!
 //! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`]. Out: [`FrameEdges`] in px,
 //! [`ColumnDiameters`] and a [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its reason.

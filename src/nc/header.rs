@@ -1,4 +1,4 @@
-//! The comments at the head of a program: what a person at the machine must know before the start.
+//! The comments at the head of a program: what the operator must check before the start.
 
 use super::dialect::number;
 use super::machine::{Centre, Direction, Spindle, Tailstock};

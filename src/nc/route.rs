@@ -37,7 +37,7 @@ pub struct Workpiece {
     pub before_mm: f64,
     /// The way the tool travels.
     pub direction: Direction,
-    /// Middles of steady rests that the run knows of, mm.
+    /// Middles of steady rests that the run states, mm.
     pub steady_z_mm: Vec<f64>,
     /// Places that a probe touches, Z ascending, mm; the six of paper 000 where none are listed.
     pub probe_z_mm: Vec<f64>,

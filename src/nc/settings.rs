@@ -1,4 +1,4 @@
-//! What a program needs to know of the machine: the `[nc.machine]` table.
+//! What a program needs of the machine: the `[nc.machine]` table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

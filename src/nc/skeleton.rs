@@ -7,7 +7,8 @@ use super::route::{Route, Workpiece};
 use super::settings::NcSettings;
 use crate::plan::CuttingData;
 
-/// Variable that remembers part and pass of the program that ran last: common, kept at power-off on a Fanuc.
+/// Variable that keeps part and pass of the program that ran last: common, kept at power-off on a
+/// Fanuc.
 pub(super) const RAN_LAST: u32 = 820;
 
 /// A program without its cut.

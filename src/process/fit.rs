@@ -116,7 +116,7 @@ pub struct PowerFit {
 /// Fits the law to points. Exponents of factors that the points do not vary are taken from `given`.
 ///
 /// # Errors
-/// Too few points, or factors that cannot be told apart.
+/// Too few points, or factors that cannot be separated.
 pub fn fit_power_law(points: &[ForcePoint], given: &PowerLaw, confidence: f64) -> Result<PowerFit, FitError> {
     let factors: [fn(&ForcePoint) -> f64; 3] =
         [|p| p.depth_mm.ln(), |p| p.feed_mm_per_rev.ln(), |p| p.speed_m_per_min.ln()];

@@ -1,8 +1,8 @@
 //! The turning process: force law, beam deflection, the pass that leaves a shaft behind.
 //!
-//! [`TurningProcess`] keeps the workpiece. [`TurningProcess::cut`] takes what is commanded and gives what remains:
-//! the tool stands at b(z), the shaft yields by u(z), D(z) = b(z) + 2u(z), and the force that bends it follows
-//! the depth really cut. Nothing here knows what was measured.
+//! [`TurningProcess`] keeps the workpiece. [`TurningProcess::cut`] takes what is commanded and
+//! gives what remains: the tool stands at b(z), the shaft yields by u(z), D(z) = b(z) + 2u(z), and
+//! the force that bends it follows the depth really cut. Measured diameters have no part in it.
 //!
 //! From the tool to the part: `tool` and [`tool_factors`], [`material`], the force laws (`force`,
 //! [`kienzle`], with `force_components`), the beam ([`beam`], `line`, [`fem`], [`stepped`] by

@@ -9,10 +9,12 @@
 //!
 //! What of it could be checked in public text (the books themselves were not at hand): a worked example that cites table 23,
 //! p. 275 (ukrbukva.net 56407, p. 18) has the entries on F_c for 90°, 10°, 0° and, interpolated in logarithms, r = .8 mm. No
-//! public text with the entries on F_p and F_f was found. Two things speak for F_p's: the paper's Table 2 follows the handbook's
-//! law with this insert's product of factors within 3 % (`reproduce 003`, row table2.handbook; the paper computed its forces by
-//! such a formula), and makers of inserts give the same directions (ZCC-CT catalogue 2019, p. 451: a larger lead angle and a
-//! smaller nose take radial force off a slender shaft). The paper's nose of .4 mm lies below the table and is extrapolated.
+//! public text with the entries on F_p and F_f was found. Two facts support those of F_p: the
+//! paper's Table 2 follows the handbook's law with this insert's product of factors within 3 %
+//! (`reproduce 003`, row table2.handbook; the paper computed its forces by such a formula), and
+//! makers of inserts give the same directions (ZCC-CT catalogue 2019, p. 451: a larger lead angle
+//! and a smaller nose take radial force off a slender shaft). The paper's nose of .4 mm lies below
+//! the table and is extrapolated.
 //!
 //! Those tables have no factor for relief (α) and minor cutting edge angle (κ'_r): between 4° and 15° of relief and beyond 3° of
 //! minor angle the force does not depend on them within the scatter of such data (10-20 %). They are taken as 1. The minor angle

@@ -1,4 +1,4 @@
-//! One turning pass: what the tool was told against what it left behind.
+//! One turning pass: the commanded profile and the diameters left behind.
 //!
 //! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin behind it and still
 //! thick ahead. At every node the depth really cut a = (D_before - D)/2 solves a + w·F(a) = (D_before - b)/2 with
@@ -122,7 +122,7 @@ pub struct TurningProcess {
 }
 
 impl TurningProcess {
-    /// Clamps a blank. `seed` alone (with the number of the pass) decides every random feature.
+    /// Clamps a blank. `seed` alone (with the number of the pass) determines every random feature.
     ///
     /// # Errors
     /// Refuses settings out of range and a blank without extent.

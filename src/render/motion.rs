@@ -84,7 +84,7 @@ impl Motion {
     /// Checks every value against its range and the exposure.
     ///
     /// # Errors
-    /// Names the key that is wrong and what would be right: a flash outside the exposure, light for longer than a turn
+    /// Names the key that is wrong and what would be right: a flash outside the exposure, light for longer than a revolution
     /// without consent.
     pub fn check(&self, exposure_us: f64) -> Result<(), RenderError> {
         within("camera.exposure_us", exposure_us, 1e-3, 1e7)?;
@@ -119,8 +119,9 @@ impl Motion {
         }
     }
 
-    /// Spindle angle and carriage position (degrees, mm past the start of exposure) at nodes over the light's time, with
-    /// weights that add up to one: for outlines whose form turns through the edge faster than a sinusoid tells.
+    /// Spindle angle and carriage position (degrees, mm past the start of exposure) at nodes over
+    /// the light's time, with weights that add up to one: for outlines whose form turns through the
+    /// edge faster than a sinusoid describes.
     pub fn poses(&self, exposure_us: f64, nodes: usize) -> Vec<(f64, f64, f64)> {
         let time = self.light_time(exposure_us);
         let pose = |(x, w): (f64, f64)| {
@@ -132,7 +133,7 @@ impl Motion {
 
     /// Instants over the light's time at which to draw, with weights that add up to one; a single one where nothing moves.
     ///
-    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a turn included; vibrations of
+    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a revolution included; vibrations of
     /// more than 8 periods enter as arcsines.
     pub fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
         let time = self.light_time(exposure_us);
@@ -171,7 +172,7 @@ impl Motion {
     }
 
     /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows the sinusoids of
-    /// `turning`, given per turn of the spindle (run-out has 1 undulation, lobes their order).
+    /// `turning`, given per revolution of the spindle (run-out has 1 undulation, lobes their order).
     pub fn path(&self, slope: f64, turning: &[Turning]) -> EdgePath {
         let mut waves: Vec<Wave> = self
             .vibration
@@ -208,7 +209,7 @@ pub struct Pose {
 /// A motion of the edge tied to the spindle: A·sin(k·φ + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
-    /// Undulations a turn.
+    /// Undulations a revolution.
     pub undulations: f64,
     /// Amplitude, µm.
     pub amplitude_um: f64,

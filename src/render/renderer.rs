@@ -61,10 +61,11 @@ impl Renderer {
     /// When Vulkan or GL is asked for and offers no adapter. `auto` takes a hardware adapter, else the
     /// CPU twin; software adapters only where Vulkan or GL is asked for.
     ///
-    /// A device that fails later does not end the run: it goes on with the CPU twin, says so once and in
-    /// [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys the device after N frames. Frames larger
-    /// than the adapter's buffers are drawn by the twin, which is said once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to try it). No
-    /// pixel format is beyond an adapter: images are plain buffers of packed words.
+    /// A device that fails later does not end the run: it goes on with the CPU twin, reports that
+    /// once and in [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys
+    /// the device after N frames. Frames larger than the adapter's buffers are drawn by the twin,
+    /// which is reported once (`SHADOWGAUGE_LARGEST_BUFFER=BYTES` to try it). No pixel format is
+    /// beyond an adapter: images are plain buffers of packed words.
     pub fn new(choice: BackendChoice) -> Result<Self, RenderError> {
         let renderer = match choice {
             BackendChoice::Auto => Self::automatic(),

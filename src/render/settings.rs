@@ -1,4 +1,4 @@
-//! What a user sets about camera, optics, light and sensor: the nominal bench.
+//! What a user sets about camera, optics, light and sensor: the nominal optical setup.
 //!
 //! The true bench differs from it by seeded amounts ([`SetupDeviations`]) that only `truth` knows; the gauge gets frames
 //! and has to calibrate. Levels are grey values in counts, electrons follow from them by the sensor's gain.

@@ -1,4 +1,4 @@
-//! Form over a turn in the report of a run: a polar plot of one section, sizes and roundness along z.
+//! Form over a revolution in the report of a run: a polar plot of one section, sizes and roundness along z.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

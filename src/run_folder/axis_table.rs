@@ -59,7 +59,7 @@ impl AxisRow {
     }
 }
 
-/// What `run --json` says of the axis after a pass.
+/// The axis after a pass, as in `run --json`.
 pub fn axis_json(rows: &[AxisRow], pass: u32) -> serde_json::Value {
     let own: Vec<&AxisRow> = rows.iter().filter(|r| r.pass == pass).collect();
     let most = |f: &dyn Fn(&AxisRow) -> Option<f64>| {

@@ -1,4 +1,5 @@
-//! `control.json`: what control was told besides the diameters, and what it said. A resumed run is told the same.
+//! `control.json`: what the controller received besides the diameters, and what it returned. A
+//! resumed run gives it the same again.
 
 use serde::{Deserialize, Serialize};
 

@@ -15,7 +15,7 @@ pub struct FormRow {
     pub z_mm: f64,
     /// Angles seen.
     pub angles: usize,
-    /// Whether they span half a turn, the spindle taken as still.
+    /// Whether they span half a revolution, the spindle taken as still.
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,
@@ -41,7 +41,7 @@ pub struct FormRow {
     pub mici_mm: f64,
     /// Roundness about MCCI, mm.
     pub mcci_mm: f64,
-    /// Amplitude of two lobes (form), mm; empty where the angles do not tell.
+    /// Amplitude of two lobes (form), mm; empty where the angles do not determine it.
     pub lobes_2_mm: Option<f64>,
     /// Amplitude of three lobes (form + spindle), mm.
     pub lobes_3_form_spindle_mm: Option<f64>,
@@ -58,7 +58,7 @@ pub struct FormRow {
 }
 
 impl FormRow {
-    /// The row of a section; `stations` know the common uncertainty at its z.
+    /// The row of a section; the common uncertainty at its z is that of `stations`.
     pub fn new(pass: u32, s: &SectionForm, stations: &[Station]) -> Self {
         let lobes = |k: usize| s.harmonics.section.iter().find(|h| h.lobes == k).map(|h| h.amplitude_mm);
         let station = stations.iter().find(|station| (station.z_mm - s.z_mm).abs() < 1e-6);

@@ -50,7 +50,7 @@ pub struct PassRow {
     pub feed_mark_um: Option<f64>,
 }
 
-/// A row of `stations.csv`: what the gauge believes of one station after a pass, and the truth beside it.
+/// A row of `stations.csv`: one station as measured after a pass, and the truth beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StationRow {
     /// Pass, from 1.

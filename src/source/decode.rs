@@ -21,7 +21,7 @@ pub struct Wanted {
     pub place: Option<u64>,
 }
 
-/// A frame and what its file says of itself.
+/// A frame and what its file's own tags state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decoded {
     /// The frame: upright, its grey values proportional to the light.

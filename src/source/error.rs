@@ -76,7 +76,7 @@ pub enum DecodeError {
         /// Rows.
         rows: usize,
     },
-    /// A bit depth that says not where full scale is.
+    /// A bit depth that does not determine full scale.
     #[error("a bit depth of {0}; 8, 10, 12, 14 or 16 are needed")]
     Depth(u8),
     /// Values that the stated bit depth cannot carry.

@@ -1,4 +1,4 @@
-//! Frames in files: single images, stacks and folders, with what `frames.csv` says about them.
+//! Frames in files: single images, stacks and folders, with the entries of `frames.csv`.
 
 use std::collections::HashMap;
 use std::fs;
@@ -30,7 +30,7 @@ pub enum ReadError {
     Io {
         /// The file or folder.
         path: String,
-        /// What the system says.
+        /// The system's message.
         cause: std::io::Error,
     },
     /// It is no grey frame.
@@ -76,7 +76,7 @@ pub enum ReadError {
     },
 }
 
-/// A frame, the name of its file (with its page: `stack#3`), and what the file says of itself.
+/// A frame, the name of its file (with its page: `stack#3`), and what the file's own tags state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredFrame {
     /// The file's stem; `stem#page`, counted from 0, where the file has several pages.
@@ -198,7 +198,7 @@ impl FileFrames {
         Self { channel, ..self }
     }
 
-    /// What was found beside the frames that someone should know, since the last call.
+    /// Notes for the user on what was found beside the frames, since the last call.
     pub fn take_notices(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notices)
     }

@@ -116,7 +116,7 @@ impl FrameTable {
         Ok(())
     }
 
-    /// Whether it says nothing of any frame.
+    /// Whether it states nothing of any frame.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -340,7 +340,7 @@ mod tests {
             let refused = parsed(text.as_bytes()).unwrap_err();
             assert!(refused.contains(words), "{text:?}: {refused}");
         }
-        // The same row twice says nothing new.
+        // The same row twice adds nothing.
         assert!(parsed(b"frame,z_mm\na,1\na,1\n").is_ok());
         assert_eq!(parsed(b"frame,t_ns\na,1.2E+09\n").unwrap().of("a").map(|a| a.t_ns), Some(1_200_000_000));
     }

@@ -163,7 +163,7 @@ impl Directory {
     }
 }
 
-/// What an EXIF block (of a JPEG, a PNG or a TIFF's own tags) says that a gauge needs.
+/// Tags of an EXIF block (of a JPEG, a PNG or a TIFF's own) that a gauge needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Exif {
     /// Orientation, 1 to 8; 1 where there is none.

@@ -1,8 +1,8 @@
 //! JPEG: grey and three channels, sequential, in strips that take less memory than the frame.
 //!
-//! JFIF (T.871) says nothing of how light is encoded: grey values of a JPEG without an ICC profile and without EXIF's colour space
-//! are taken as they stand. Cameras that photograph write sRGB and say so; what machine-vision cameras write is linear
-//! unless their gamma was set.
+//! JFIF (T.871) does not define how light is encoded: grey values of a JPEG without an ICC profile
+//! and without EXIF's colour space are taken as they stand. Photographic cameras write sRGB with
+//! its tag; what machine-vision cameras write is linear unless their gamma was set.
 
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;

@@ -39,7 +39,7 @@ pub(super) struct Stated {
     pub(super) full_scale: Option<f32>,
     /// Bits that came from the camera, in a container of more (`sBIT`).
     pub(super) significant_bits: Option<u8>,
-    /// How light is encoded; `None` where the file does not say.
+    /// How light is encoded; `None` where the file does not state it.
     pub(super) transfer: Option<Transfer>,
     /// EXIF orientation, 1 to 8.
     pub(super) orientation: Option<u64>,

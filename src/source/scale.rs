@@ -1,8 +1,9 @@
 //! The scale that a file states of itself: `pHYs`, TIFF and JFIF resolutions, `frames.csv`.
 
-/// Resolutions of screens, dots an inch: what programs write that know of no scale.
+/// Resolutions of screens, dots an inch, as written by programs without a scale of the object.
 const SCREEN_DPI: [f64; 2] = [72.0, 96.0];
-/// Resolutions of printers and scanners, dots an inch: a scale of the object only where someone says so.
+/// Resolutions of printers and scanners, dots an inch: a scale of the object only where stated to
+/// be one.
 const PRINT_DPI: [f64; 19] = [
     75.0, 90.0, 100.0, 120.0, 144.0, 150.0, 180.0, 200.0, 240.0, 300.0, 350.0, 360.0, 400.0, 600.0, 720.0,
     1200.0, 1440.0, 2400.0, 4800.0,
@@ -20,7 +21,7 @@ pub enum Trust {
     Object,
     /// May be a printer's or scanner's: taken where it is asked for, not held against another one.
     Print,
-    /// A screen's, which says nothing of the object.
+    /// A screen's, which is no scale of the object.
     Screen,
 }
 
@@ -66,7 +67,7 @@ impl FileScale {
     /// The one scale of both directions.
     ///
     /// # Errors
-    /// Says why it is none: a screen's, or pixels that are not square.
+    /// The reason why it is none: a screen's, or pixels that are not square.
     pub fn of_object(&self) -> Result<f64, String> {
         let [x, y] = self.um_per_px;
         if self.trust == Trust::Screen {

@@ -19,7 +19,7 @@ use crate::frame::Buffer;
 /// Tags that the unpacking needs as they stand: compression, fill order, strips, predictor, tiles, JPEG tables.
 const KEPT: [u16; 10] = [259, 273, 278, 279, 317, 322, 323, 324, 325, 347];
 
-/// What a page's tags say of its samples.
+/// The layout of the samples by a page's tags.
 struct Page {
     columns: u32,
     rows: u32,

@@ -16,7 +16,7 @@ use crate::frame::{Buffer, Encoding};
 /// Largest ICC profile read, bytes: tone curves and their texts; those that carry tables of colours are larger.
 const LARGEST_PROFILE: usize = 128 << 10;
 
-/// How grey values encode light, and the tag that says so.
+/// How grey values encode light, and the tag that states it.
 pub(super) struct Transfer {
     pub(super) origin: String,
     curve: Curve,
@@ -54,7 +54,7 @@ impl Transfer {
         Ok(Self { origin, curve: Curve::Power(exponent) })
     }
 
-    /// sRGB, said by the tag `origin`.
+    /// sRGB, by the tag `origin`.
     pub(super) fn srgb(origin: &str) -> Self {
         Self { origin: origin.to_owned(), curve: Curve::Srgb }
     }

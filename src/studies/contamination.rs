@@ -1,7 +1,9 @@
-//! How often matter before or on the shaft misleads the gauge, and what refusing it costs.
+//! How often contamination before or on the shaft causes wrong stations, and what refusing it
+//! costs.
 //!
-//! Every frame is measured three times: clean, dirty with nothing refused, dirty as the gauge is. *Harmful* is a frame where, with nothing
-//! refused, some station lies more than 5 µm from the clean one. It is *mishandled* where a station then is neither a gap nor
+//! Every frame is measured three times: clean, contaminated with nothing refused, contaminated with
+//! the gauge's settings. *Harmful* is a frame where, with nothing refused, some station lies more
+//! than 5 µm from the clean one. It is *mishandled* where a station then is neither a gap nor
 //! within 1 µm + U (k = 2, random part) of the clean one.
 
 use rayon::prelude::*;
@@ -16,7 +18,7 @@ const HARMED_UM: f64 = 5.0;
 /// Allowed besides U, µm.
 const ALLOWED_UM: f64 = 1.0;
 
-/// What one kind of matter did.
+/// Result for one kind of contamination.
 #[derive(Clone, Debug, Serialize)]
 pub struct KindResult {
     /// The kind.
@@ -55,7 +57,7 @@ pub struct CurvePoint {
 pub struct ContaminationStudy {
     /// Seed of the first frame.
     pub seed: u64,
-    /// By kind of matter.
+    /// By kind of contamination.
     pub kinds: Vec<KindResult>,
     /// Clean frames.
     pub clean_frames: usize,
@@ -235,7 +237,8 @@ fn clean(pair: &Pair, frames: usize, seed: u64) -> Result<(usize, f64), DrawErro
     Ok((outcomes.iter().filter(|o| o.0).count(), worst))
 }
 
-/// Runs the study: `frames` of every kind of matter and clean ones each, a twentieth of that a point of the curves.
+/// Runs the study: `frames` of every kind of contamination and clean ones each, a twentieth of that
+/// a point of the curves.
 ///
 /// # Errors
 /// Where the gauge refuses its settings or a frame cannot be drawn.

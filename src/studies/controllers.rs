@@ -101,7 +101,7 @@ pub fn run(
     Ok(ControllerStudy { shafts, controllers, runs })
 }
 
-/// One shaft. The bench of a seed is calibrated once and serves all its controllers.
+/// One shaft. The optical setup of a seed is calibrated once and serves all its controllers.
 fn turn(
     job: &Job,
     renderer: &Renderer,

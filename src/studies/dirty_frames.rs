@@ -1,7 +1,9 @@
-//! Small 8-bit frames of a short piece of shaft with and without matter before it, the same noise in both.
+//! Small 8-bit frames of a short piece of shaft with and without contamination, the same noise in
+//! both.
 //!
-//! Drawn here and not by the renderer, so that a frame and its clean twin differ in nothing but the matter, and thousands take minutes:
-//! pixel-integrated Gaussian edges, a surface with texture, an 8-bit sensor after EMVA 1288.
+//! Drawn here and not by the renderer, so that a frame and its clean twin differ in nothing but the
+//! contamination, and thousands take minutes: pixel-integrated Gaussian edges, a surface with
+//! texture, an 8-bit sensor after EMVA 1288.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
@@ -33,7 +35,7 @@ const READ_E: f64 = 10.0;
 /// Surface texture of a turned part: standard deviation and correlation length, µm.
 const TEXTURE_UM: (f64, f64) = (0.35, 1500.0);
 
-/// Kinds of matter, each by itself.
+/// Kinds of contamination, each by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Contaminant {
@@ -198,7 +200,7 @@ impl Piece {
         Ok(Frame::new(Buffer::U8(pixels), PixelFormat::Mono8, ROWS, COLUMNS, FrameMeta::default())?)
     }
 
-    /// The frame with matter of a kind before it or on it.
+    /// The frame with contamination of one kind before the shaft or on it.
     ///
     /// # Errors
     /// Where the matter cannot be drawn.

@@ -67,7 +67,7 @@ fn variant(job: &Job, &(_, when, within): &(&str, ScanWhen, bool)) -> Job {
     one
 }
 
-/// Turns the job once a way; the bench is calibrated once.
+/// Turns the job once a way; the optical setup is calibrated once.
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer or the gauge fails.

@@ -1,5 +1,5 @@
 //! The uncertainty of a diameter by the law of propagation and by Monte Carlo (JCGM 101) through the whole measurement:
-//! certificates, thermometers, every block of edges of every master's frame → adjustment of the bench → the part's edges,
+//! certificates, thermometers, every block of edges of every master's frame → adjustment of the optical setup → the part's edges,
 //! temperature, place and finish → diameter at 20 °C. Its sources are the rows of `measure --budget`, by the same names.
 
 use serde::Serialize;
@@ -24,7 +24,7 @@ impl PartView {
     /// A part of a diameter at 20 °C in the middle of the field, its edges as quiet as `like`'s. The lens is inverted: its rows are
     /// those at which the calibrated lens shows this diameter under the conditions.
     ///
-    /// `None` for a calibration without a bench, and a part that does not fit the field.
+    /// `None` for a calibration without an optical setup, and a part that does not fit the field.
     pub fn of_diameter(
         diameter_mm: f64,
         like: &WidthReading,

@@ -1,13 +1,16 @@
 //! Rings of known size: the gauge and a plain method on the same split, one scale and one edge offset for outline and bore.
 //!
-//! Scale s and offset o of D = s·d ± o (+ outline, − bore) come by least squares from both diameters of all parts but one and
-//! are tried on the one left out. What a tactile machine reports is the outline as its ball feels it (ISO 16610-41 closing, burrs
-//! included), so the gauge is compared by its stylus diameter. The ball's size is not told; the one that counts is the largest
-//! that ISO 12181-2 allows at 50 upr, and common balls are listed beside it. Peer: level crossing along rays, least-squares circle.
+//! Scale s and offset o of D = s·d ± o (+ outline, − bore) are adjusted by least squares to both
+//! diameters of all parts but one and tested on the one left out. A tactile machine reports the
+//! outline as traced by its ball (ISO 16610-41 closing, burrs included), so the gauge is compared
+//! by its stylus diameter. The ball's size is not stated; the one used is the largest that ISO
+//! 12181-2 allows at 50 upr, and common balls are listed beside it. Peer: level crossing along
+//! rays, least-squares circle.
 //!
-//! Whether one method is better is asked of halves that are split by a rule that knows no residual (every second part by its
-//! number): scale and offset from one half, residuals of the other, and back. The difference of the two methods' spreads gets an
-//! interval by bootstrap over the parts (95 % for the four figures together); where that holds zero, there is no difference.
+//! Whether one method is better is tested on halves that are split independently of the residuals
+//! (every second part by its number): scale and offset from one half, residuals of the other, and
+//! back. The difference of the two methods' spreads gets an interval by bootstrap over the parts
+//! (95 % for the four figures together); where that contains zero, there is no difference.
 
 use std::f64::consts::TAU;
 
@@ -25,7 +28,7 @@ use crate::numerics::robust::{MEDIAN_TO_SD, central_median};
 pub type Pair = [f64; 2];
 /// Names of a pair.
 pub const SIDES: [&str; 2] = ["outer", "inner"];
-/// Grey value at which the plain method sees the edge.
+/// Grey value at which the plain method places the edge.
 pub const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
 pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
@@ -38,7 +41,7 @@ const TAIL: f64 = 0.05 / 4.0 / 2.0;
 /// Residuals beyond so many robust standard deviations from the median are listed.
 const OUTLIER: f64 = 3.0;
 
-/// A part: its picture and what a coordinate-measuring machine says.
+/// A part: its picture and its tactile diameters.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// File name.
@@ -155,7 +158,7 @@ pub struct Comparison {
 pub struct WashersStudy {
     /// Files.
     pub names: Vec<String>,
-    /// The gauge, as the ball of ISO 12181-2 feels the outline.
+    /// The gauge, with the outline as traced by the ball of ISO 12181-2.
     pub ours: MethodFigures,
     /// The gauge's optical edge, calipers with burrs refused.
     pub optical: MethodFigures,

@@ -70,7 +70,7 @@ impl ChoiceArgs {
     pub fn report(&self, stem: &str, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let seen = &edges.figures.shadows;
         out.insert("shadows".to_owned(), json!(seen));
-        // The flanks of a disc seen end-on are steep, and nobody measures them.
+        // The flanks of a disc seen end-on are steep, and not measured.
         let steep = if out.get("max_of") == Some(&json!("disc")) { None } else { steep(edges) };
         let words = [beside(seen, self.which), inside(seen), steep];
         for word in words.into_iter().flatten() {

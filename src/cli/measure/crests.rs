@@ -49,7 +49,8 @@ impl CrestStream {
     }
 }
 
-/// Whether most of what was refused is steep or leaves its neighbours: flanks and roots, not dirt by its residual.
+/// Whether most of what was refused is steep or leaves its neighbours: flanks and roots, not
+/// contamination by its residual.
 fn is_crested(edges: &FrameEdges) -> bool {
     let reasons = || {
         edges

@@ -1,5 +1,5 @@
-//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding; what someone should know
-//! of that is logged once.
+//! Frames of `measure`: where they stand, in which order, of which channel, scale and encoding;
+//! what a user should see of that is logged once.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -28,14 +28,14 @@ pub struct FrameArgs {
 pub enum ScaleArgument {
     /// µm per pixel.
     Given(f64),
-    /// What `frames.csv` or the file's own tags say.
+    /// What `frames.csv` or the file's own tags state.
     File,
 }
 
 /// Parses `--um-per-px`.
 ///
 /// # Errors
-/// Says what would be right.
+/// An argument that is no scale: the text states what would be right.
 pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     if text == "file" {
         return Ok(ScaleArgument::File);
@@ -46,7 +46,7 @@ pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     }
 }
 
-/// The images of all inputs; folders in the order of the numbers in their names, which is said where it is another one.
+/// The images of all inputs; folders in the order of the numbers in their names, which is reported where it is another one.
 ///
 /// # Errors
 /// An input that cannot be read, a folder without images.
@@ -76,7 +76,7 @@ pub fn paths(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 /// The scale in µm/px and the frame that states it: the first one's.
 ///
 /// # Errors
-/// Where no file says one that is the object's.
+/// Where no file states a scale of the object.
 pub fn scale_of_files(args: &FrameArgs, paths: &[PathBuf]) -> Result<f64, Failure> {
     let mut source = FileFrames::new(paths.to_vec()).of_channel(args.channel);
     let mut first_error = None;
@@ -147,8 +147,9 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// A scale typed in is refused where the file says another one. Masters know the scale better than what a file states of its
-    /// camera: there a nominal scale that is off by little is said once.
+    /// A scale given by the user is refused where the file states another one. Masters determine
+    /// the scale better than a file's statement of its camera: there a nominal scale that is off by
+    /// little is reported once.
     fn same_as_used(&mut self, stored: &StoredFrame, used_um_per_px: f64, typed: bool) -> Result<(), String> {
         let used = if typed { "--um-per-px" } else { "the calibration" };
         let Some(own) = &stored.scale else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! What `measure` says beyond edges: stations, judgement, averages, statistics.
+//! Results of `measure` beyond edges: stations, judgement, averages, statistics.
 
 use serde_json::{Map, Value, json};
 
@@ -144,7 +144,8 @@ fn local_columns(columns: usize) -> f64 {
     (columns as f64 / places).ceil()
 }
 
-/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row says so.
+/// The budget of a reading; where scale and edge offset were given without an uncertainty, a row
+/// states it.
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
@@ -350,7 +351,7 @@ impl<'a> InspectionReport<'a> {
         self.not_proven(out);
     }
 
-    /// Whether frames have sizes that the tolerance is for; else it is for those of the turn.
+    /// Whether frames have sizes that the tolerance is for; else it is for those of the revolution.
     fn judges_frames(&self) -> bool {
         let two_point =
             |t: Tolerance| matches!(t.criterion, SizeCriterion::TwoPoint | SizeCriterion::Envelope);
@@ -365,7 +366,7 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// Makes gaps of what contradicts earlier turns, and counts them among the frame's flags.
+    /// Makes gaps of what contradicts earlier revolutions, and counts them among the frame's flags.
     fn compare_with_turns(
         &mut self,
         meta: &FrameMeta,
@@ -452,7 +453,8 @@ impl<'a> InspectionReport<'a> {
         largest_value.into_iter().chain(places).chain([of(mean_word, meta.z_mm, mean)]).collect()
     }
 
-    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and says which it was.
+    /// Judges a frame by the worst of its values (of equal ones by that closest to a limit) and
+    /// reports which it was.
     fn judge_frame(&mut self, values: &[Judged], out: &mut Map<String, Value>) {
         if !self.judges_frames() {
             return;
@@ -509,7 +511,7 @@ impl<'a> InspectionReport<'a> {
             out.insert("statistics".to_owned(), statistics);
         }
         let mut words = Vec::new();
-        // Over a turn the means differ by the form that is measured.
+        // Over a revolution the means differ by the form that is measured.
         words.extend(if self.args.turn { None } else { self.means.word() });
         if self.args.turn {
             let form = part_form(&self.turn.frames, self.args.station_mm, self.args.cutoff_upr)?;

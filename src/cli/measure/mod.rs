@@ -237,7 +237,7 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
         calibration.check_optics(id).map_err(|e| named(&e))?;
     }
     let today = args.as_of.unwrap_or_else(|| Date::of(std::time::SystemTime::now()));
-    if let Some(Err(error)) = calibration.bench.as_ref().map(|b| b.check_date(today)) {
+    if let Some(Err(error)) = calibration.setup.as_ref().map(|b| b.check_date(today)) {
         if !args.accept_expired {
             return Err(named(&error));
         }
@@ -280,10 +280,10 @@ fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> 
 
 /// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
 fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
-    let Some(bench) = calibration.and_then(|c| c.bench.as_ref()) else { return Ok(frame) };
+    let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
     let view = view(args, &frame);
-    bench.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
-    Ok(match &bench.flat_field {
+    setup.check_size(view.rows(), view.columns()).map_err(|e| e.to_string())?;
+    Ok(match &setup.flat_field {
         Some(field) => {
             let shaft = if args.vertical { ShaftRuns::AlongColumns } else { ShaftRuns::AlongRows };
             field.corrected_along(frame, shaft)
@@ -377,9 +377,9 @@ fn measure_all(
             })
         })?;
     }
-    let bench = args.bench.map(|count| {
+    let benchmark = args.bench.map(|count| {
         let views: Vec<FrameView<'_>> = frames.iter().map(|frame| view(args, frame)).collect();
-        timing::bench(gauge, &views, count)
+        timing::benchmark(gauge, &views, count)
     });
     let mut follower = calibration.map(|c| InspectionReport::new(&args.judge, c, conditions)).transpose()?;
     let mut out = serde_json::Map::new();
@@ -393,7 +393,7 @@ fn measure_all(
         follower.finish(&mut out)?;
         out.insert("conditions".to_owned(), json!(conditions));
     }
-    out.extend(bench.map(|b| ("bench".to_owned(), b)));
+    out.extend(benchmark.map(|b| ("bench".to_owned(), b)));
     if args.json {
         out.insert("frames".to_owned(), figures.into());
         say_line!("{}", Value::Object(out));
@@ -469,8 +469,8 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
 
 /// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
 fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
-    if let (Ok(edges), Some(bench)) = (&measured.result, calibration.and_then(|c| c.bench.as_ref()))
-        && let Err(error) = bench.check_focus(edges.figures.sigma_px, conditions)
+    if let (Ok(edges), Some(setup)) = (&measured.result, calibration.and_then(|c| c.setup.as_ref()))
+        && let Err(error) = setup.check_focus(edges.figures.sigma_px, conditions)
     {
         measured.result = Err((Reason::Blurred, format!("frame {}: {error}", measured.stem)));
     }

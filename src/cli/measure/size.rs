@@ -1,4 +1,4 @@
-//! Sizes over a turn that a tolerance's modifiers ask for: the envelope (E), the least circumscribed cylinder (GN) and circles (GN) ACS.
+//! Sizes over a revolution that a tolerance's modifiers ask for: the envelope (E), the least circumscribed cylinder (GN) and circles (GN) ACS.
 
 use serde_json::{Value, json};
 
@@ -13,7 +13,7 @@ use crate::gauge::{Calibration, ColumnDiameters};
 /// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single columns' noise is not.
 const ENVELOPE_COLUMNS: f64 = 8.0;
 
-/// The judgement of a turn, worst first, and what it rests on.
+/// The judgement of a revolution, worst first, and what it rests on.
 pub(super) struct TurnJudgement {
     /// The worst.
     pub(super) judgement: Judgement,
@@ -21,7 +21,7 @@ pub(super) struct TurnJudgement {
     pub(super) json: Value,
 }
 
-/// Judges the sizes over a turn that `tolerance` asks for; `None` where it asks for none. `common_mm` is the common standard uncertainty
+/// Judges the sizes over a revolution that `tolerance` asks for; `None` where it asks for none. `common_mm` is the common standard uncertainty
 /// of sizes at z, `envelope` what was found or why nothing was.
 pub(super) fn judge_turn(
     tolerance: &Tolerance,
@@ -102,10 +102,10 @@ fn severity(judgement: Judgement) -> u8 {
     }
 }
 
-/// Frames of a turn with the diameters of their columns.
+/// Frames of a revolution with the diameters of their columns.
 type Frames = [(FrameMeta, ColumnDiameters)];
 
-/// Lowest and highest z that the frames of a turn show, mm.
+/// Lowest and highest z that the frames of a revolution show, mm.
 fn z_range_mm(turn: &Frames) -> Option<(f64, f64)> {
     let ends = turn
         .iter()
@@ -153,7 +153,7 @@ pub(super) fn envelope(turn: &Frames, cutoff_upr: f64) -> Result<Envelope, Strin
     sections(turn, range, (range.1 - range.0) / count).envelope(cutoff)
 }
 
-/// Form and sizes over the turn, by stations of a length or of the frames as a whole.
+/// Form and sizes over the revolution, by stations of a length or of the frames as a whole.
 ///
 /// # Errors
 /// Exit 3 for frames that make no turn.

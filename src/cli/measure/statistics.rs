@@ -38,7 +38,7 @@ impl FrameMeans {
         Some(json!({
             "count": self.series.len(),
             "mean_mm": of.mean.d_mm,
-            // One value says nothing of the scatter.
+            // One value shows no scatter.
             "sd_mm": several.then_some(of.sd_mm),
             "u_mean_mm": of.mean.u_mm(),
             "u_mean_random_mm": of.mean.u_random_mm,

@@ -15,7 +15,7 @@ const ROUNDS: usize = 15;
 const FRAMES: usize = 256;
 
 /// Times `count` frames in one stream that starts anew, on the threads of the pool that this is called in.
-pub(super) fn bench(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
+pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
     let mut stream = gauge.stream();
     let mut edges = FrameEdges::default();
     let (mut times, mut found) = (Vec::with_capacity(count as usize), 0);

@@ -1,4 +1,4 @@
-//! The form over a turn as `measure --turn` gives it.
+//! The form over a revolution as `measure --turn` gives it.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::gauge::stated::stated;
 
-/// A turn as the JSON document has it; `common_mm` gives the common standard uncertainty of a section's sizes.
+/// A revolution as the JSON document has it; `common_mm` gives the common standard uncertainty of a section's sizes.
 pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>) -> Value {
     let mut all = json!(form);
     all["filter"] = json!(filter_text(form));
@@ -20,7 +20,7 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
             section["u_gg_mm"] = json!(common.map(|common| random.hypot(common)));
             section["u_gg_common_mm"] = json!(common);
             if section["half_turn"] == true {
-                // Half a turn takes the spindle as still: of its even motion nothing is known.
+                // Half a revolution takes the spindle as still: of its even motion nothing is known.
                 section["harmonics"]["even_spindle"] = Value::Null;
             }
             section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
@@ -29,7 +29,7 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
     all
 }
 
-/// The axis over the turn as the JSON document has it.
+/// The axis over the revolution as the JSON document has it.
 pub(super) fn axis_json(axis: &AxisLine) -> Value {
     let bend = axis.bend_mm();
     let stations: Vec<Value> = axis

@@ -53,7 +53,7 @@ pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
     let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
     let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
     let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;
-    Scene::new(&bench, shaft).map_err(Failure::refuse)
+    Scene::new(&setup, shaft).map_err(Failure::refuse)
 }
 
 /// Request number `index` of the scan, going round again beyond its end.

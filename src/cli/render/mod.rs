@@ -32,7 +32,7 @@ use self::folder_files::of_render;
 use self::folder_files::{FRAMES_HEADER, describe, put};
 use self::frame_files::{encode, encode_mask, preview};
 use self::gallery::gallery;
-use self::timing::bench;
+use self::timing::benchmark;
 use super::calibration_plan::is_plan;
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::cli::input_output::ConfigText;
@@ -60,7 +60,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         .build()
         .map_err(Failure::fail)?;
     pool.install(|| match (args.bench, &args.out) {
-        (Some(frames), _) => bench(args, &job, frames),
+        (Some(frames), _) => benchmark(args, &job, frames),
         (None, Some(out)) => write_folder(args, &job, out),
         (None, None) => Err(Failure::refuse("--out DIR or --bench N is needed")),
     })
@@ -130,9 +130,9 @@ impl Series<'_> {
 fn true_setup(scene: &Scene) -> String {
     let bench = scene.bench();
     let json = serde_json::json!({
-        "um_per_px": bench.pixel_mm * 1e3,
-        "esf": bench.esf,
-        "electrons_per_count": bench.electrons_per_count,
+        "um_per_px": setup.pixel_mm * 1e3,
+        "esf": setup.esf,
+        "electrons_per_count": setup.electrons_per_count,
     });
     format!("{json:#}\n")
 }

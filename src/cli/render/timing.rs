@@ -42,7 +42,7 @@ impl Timing {
 ///
 /// # Errors
 /// As `render`.
-pub(super) fn bench(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
+pub(super) fn benchmark(args: &RenderArgs, job: &Job, frames: usize) -> CommandResult {
     let scene = scene(job)?;
     let renderer = Renderer::new(args.backend).map_err(Failure::fail)?;
     let windows = match args.windows {
@@ -163,7 +163,7 @@ pub(crate) fn edge_windows(scene: &Scene, request: &FrameRequest, rows: u32) -> 
     Ok([about(|e| e.top_px), about(|e| e.bottom_px)])
 }
 
-/// Memory of this process that stands in RAM, MiB, where the system tells.
+/// Memory of this process that stands in RAM, MiB, where the system reports it.
 fn resident_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmRSS:"))?;

@@ -78,7 +78,7 @@ pub fn run(args: &RunArgs) -> CommandResult {
     Ok(finished.outcome())
 }
 
-/// What a finished run has to say.
+/// Result of a finished run.
 pub struct Finished {
     job: Job,
     backend: String,

@@ -139,7 +139,7 @@ impl<'a> Recorder<'a> {
             for refused in &result.refused {
                 tracing::warn!("pass {pass}: {refused}");
             }
-            // The run beside it that nobody corrects is there to go out of tolerance.
+            // The run without correction is there to go out of tolerance.
             if progress {
                 log_decision(&result);
             }

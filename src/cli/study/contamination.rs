@@ -1,4 +1,5 @@
-//! `shadowgauge study contamination`: how often matter misleads the gauge, and what refusing it costs.
+//! `shadowgauge study contamination`: how often contamination causes wrong stations, and what
+//! refusing it costs.
 
 use std::path::PathBuf;
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! seen        y = (D − b)/2                                how far the shaft was pushed away, mm of radius
-//! believed    y = s·w(z; k_c, k_t)·F(a) + l₀ + l₁ξ + j (t₀ + t₁ξ) + n(j) + c(z, j)
+//! estimated   y = s·w(z; k_c, k_t)·F(a) + l₀ + l₁ξ + j (t₀ + t₁ξ) + n(j) + c(z, j)
 //! depth cut   a = (D_before − D)/2, F(a) = C·a^x·f^y·v^z
 //! commanded   b = r − 2ŷ with a = (D − r)/2: the depth that is cut if the pass comes out right; o = r − b = 2ŷ
 //! ```
@@ -56,7 +56,7 @@ enum Before {
     Measured,
     /// The stock's nominal diameter.
     Stock,
-    /// The pass before was not measured or not believed: its nominal diameter.
+    /// The pass before was not measured or not accepted: its nominal diameter.
     Nominal,
 }
 

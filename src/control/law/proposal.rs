@@ -1,4 +1,4 @@
-//! What a law sees of a pass, and what it proposes for the next.
+//! What a law gets of a pass, and what it proposes for the next.
 
 use crate::control::context::NextPass;
 use crate::control::fit::{self, Fit};
@@ -23,7 +23,7 @@ impl Observation<'_> {
     }
 }
 
-/// What a law wants.
+/// Offsets proposed by a law.
 pub(crate) struct Proposal {
     /// Offsets of the next pass, mm of diameter.
     pub o_mm: Vec<f64>,

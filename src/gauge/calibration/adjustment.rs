@@ -1,9 +1,12 @@
-//! Least squares over the masters' observations and everything that is uncertain about the masters themselves.
+//! Least squares over the masters' observations and all uncertain quantities of the masters
+//! themselves.
 //!
-//! Unknowns are the bench's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and nuisances ν: the error δ_p that each
-//! certificate has for itself, an error γ_g that the certificates of one laboratory share (GUM F.1.2.3: a common standard makes them
-//! correlated, cov(D_p, D_q) = c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that the columns of
-//! a frame share, and an error w_y that all frames out of the masters' plane by the same distance y share.
+//! Unknowns are the optical setup's parameters θ = (s, o, a, q, g, t) of [`LensModel`] and
+//! nuisances ν: the error δ_p of each certificate by itself, an error γ_g that the certificates of
+//! one laboratory share (GUM F.1.2.3: a common standard makes them correlated, cov(D_p, D_q) =
+//! c_p·c_q), the thermometer's error δT, the error δα of the masters' expansion, an error ε_f that
+//! the columns of a frame share, and an error w_y that all frames out of the masters' plane by the
+//! same distance y share.
 //! The residual of an observation is
 //!
 //! ```text
@@ -13,11 +16,13 @@
 //! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
 //! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
 //!
-//! An edge model that is not the light's own places edges wrongly by an amount that changes with focus. In the masters' plane the
-//! offset o has swallowed it; elsewhere it is w_y, known to what the edges' residuals may hide (their misfit) or, where that is more, to
-//! the root mean square of the w_y fitted freely, if these take away more of χ² than chance would ([`FALSE_ALARM`]). So the lens'
-//! parameters and their rows stay the lens': t is then determined by masters of different diameter at one y. Where the residuals still scatter more than the edges' own
-//! uncertainties say, the latter are multiplied (Birge's ratio).
+//! An edge model that differs from the true edge-spread function displaces edges by an amount that
+//! changes with focus. In the masters' plane it is part of the offset o; elsewhere it is w_y, with
+//! a standard uncertainty from the edges' residuals (the model uncertainty) or, where that is more,
+//! the root mean square of the w_y fitted freely, if these reduce χ² by more than chance would
+//! ([`FALSE_ALARM`]). The lens' parameters and their rows are then free of it: t is determined by
+//! masters of different diameter at one y. Where the residuals still scatter more than the edges'
+//! uncertainties imply, the latter are multiplied (Birge's ratio).
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -33,9 +38,9 @@ use super::thermometer::Thermometer;
 const LEAST_SPREAD_PX: f64 = 8.0;
 /// Gauss-Newton steps: the problem is linear to parts in 1e3.
 const STEPS: usize = 5;
-/// Probability that edges which misfit alike at every focus are taken for such that do not (F test).
+/// False-alarm probability of the F test for a systematic residual that changes with focus.
 const FALSE_ALARM: f64 = 1e-3;
-/// Standard uncertainty of a w_y that is as good as free, px: an edge's blur.
+/// Standard uncertainty of a w_y that is practically free, px: an edge's blur.
 const FREE_PX: f64 = 2.0;
 /// Steps of [`Solver`].
 const CHORD_STEPS: usize = 3;
@@ -50,7 +55,7 @@ const MISFIT: &str = "misfit of the edge model out of the masters' plane";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CovariancePart {
-    /// What it comes from.
+    /// The source.
     pub source: String,
     /// The share.
     pub matrix: [[f64; PARAMETERS]; PARAMETERS],
@@ -64,7 +69,7 @@ impl CovariancePart {
     }
 }
 
-/// What an observation leaves after the fit.
+/// Residual of an observation after the fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Residual {
@@ -111,7 +116,8 @@ fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
     (sum / n.max(1.0)).sqrt()
 }
 
-/// Distances from the masters' plane at which something was seen, but for the least: what the offset swallows there.
+/// Distances from the masters' plane at which masters were seen, but for the least: there w_y is
+/// part of the offset.
 fn out_of_plane(observations: &[Observation]) -> Vec<f64> {
     let mut all: Vec<f64> = observations.iter().map(|o| o.axis_y_mm).collect();
     all.sort_by(|a, b| a.abs().total_cmp(&b.abs()).then(a.total_cmp(b)));
@@ -149,7 +155,7 @@ pub struct Adjusted {
     pub lens: LensModel,
     /// Covariance by source.
     pub parts: Vec<CovariancePart>,
-    /// What is left.
+    /// Residuals.
     pub residuals: Vec<Residual>,
     /// √(χ²/ν), by which the edges' uncertainties were multiplied where above 1.
     pub birge_ratio: f64,
@@ -159,7 +165,8 @@ impl Adjustment {
     /// Sets the problem up.
     ///
     /// # Errors
-    /// Refuses fewer than two masters, masters not seen or of one size, certificates that say nothing.
+    /// Refuses fewer than two masters, masters not seen or of one size, certificates without
+    /// information.
     pub fn new(
         masters: Vec<MasterPrior>,
         observations: Vec<Observation>,
@@ -228,14 +235,16 @@ impl Adjustment {
         unit
     }
 
-    /// What the columns of a frame share for themselves (levels), px: root mean square over its blocks. Levels are pooled over fewer
-    /// columns than a frame has, and one clean block says nothing of the others.
+    /// Uncertainty that the columns of one frame share (levels), px: root mean square over its
+    /// blocks. Levels are pooled over fewer columns than a frame has, and one clean block does not
+    /// represent the others.
     fn u_frame(&self, frame: usize) -> f64 {
         let of_frame = self.observations.iter().filter(|o| o.frame == frame);
         root_mean(of_frame.map(|o| (o.u_shared_px.powi(2) - o.u_misfit_px.powi(2)).max(0.0)))
     }
 
-    /// What the misfit of the edge model states of the frames at a distance from the plane, px: root mean square over their blocks.
+    /// Model uncertainty of the frames at a distance from the plane, px: root mean square over
+    /// their blocks.
     fn u_focus(&self, y_mm: f64) -> f64 {
         root_mean(self.observations.iter().filter(|o| o.axis_y_mm == y_mm).map(|o| o.u_misfit_px.powi(2)))
     }
@@ -278,9 +287,9 @@ impl Adjustment {
         self.focus_mm.iter().position(|y| *y == o.axis_y_mm).map(|k| self.first_focus() + k)
     }
 
-    /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width (px), then one for
-    /// each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα, the frames' ε_f, the w_y, in units of their standard
-    /// uncertainties.
+    /// Number of deviations that [`Self::parameters_with`] takes: one for each observation's width
+    /// (px), then one for each prior: a, q, g, t, the masters' δ_p, the laboratories' γ_g, δT, δα,
+    /// the frames' ε_f, the w_y, in units of their standard uncertainties.
     pub fn inputs(&self) -> usize {
         self.observations.len() + self.unit.len() - 2
     }
@@ -375,7 +384,7 @@ impl Adjustment {
         normal
     }
 
-    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the bench.
+    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the optical setup.
     fn solve(&self, deviations: Option<&[f64]>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
         let mut z = self.start.clone();
         let mut last = None;
@@ -410,10 +419,10 @@ impl Adjustment {
         right
     }
 
-    /// Fits the bench. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
+    /// Fits the optical setup. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
     ///
     /// # Errors
-    /// Where the masters do not determine the bench.
+    /// Where the masters do not determine the optical setup.
     pub fn fit(&mut self) -> Result<Adjusted, CalibrationError> {
         let undetermined = || CalibrationError::SameSize { spread_px: 0.0 };
         self.look_for_misfit().ok_or_else(undetermined)?;
@@ -433,7 +442,8 @@ impl Adjustment {
                     column_px: o.column_px,
                     middle_px: 0.5 * (o.top_px + o.bottom_px),
                     axis_y_mm: o.axis_y_mm,
-                    // The nuisances are the masters' and the frames' business: shown is what the bench leaves.
+                    // The nuisances belong to the masters and the frames: shown is the residual of
+                    // the optical setup.
                     residual_mm: self.residual(&self.without_nuisances(&z), &lens, index, 0.0),
                     u_mm: self.sigma[index],
                 }
@@ -448,7 +458,7 @@ impl Adjustment {
         })
     }
 
-    /// Gives the w_y the standard uncertainty that the residuals tell.
+    /// Sets the standard uncertainty of w_y from the residuals.
     fn look_for_misfit(&mut self) -> Option<()> {
         let groups = self.focus_mm.len();
         let (first, end) = (self.first_focus(), self.unit.len());
@@ -493,13 +503,13 @@ impl Adjustment {
         seen + z.iter().skip(2).map(|v| v * v).sum::<f64>()
     }
 
-    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no bench.
+    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no optical setup.
     pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
         let (z, _, _) = self.solve(Some(deviations))?;
         Some(std::array::from_fn(|k| z[k] * self.unit[k]))
     }
 
-    /// A solver for many sets of deviated data; `None` where the masters determine no bench.
+    /// A solver for many sets of deviated data; `None` where the masters determine no optical setup.
     pub fn solver(&self) -> Option<Solver<'_>> {
         let (start, inverse, _) = self.solve(None)?;
         Some(Solver { adjustment: self, start, inverse })

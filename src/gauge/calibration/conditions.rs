@@ -1,7 +1,8 @@
-//! The conditions a part is measured under, as far as its diameter at 20 °C depends on them.
+//! The conditions under which a part is measured, as far as its diameter at 20 °C depends on them.
 //!
 //! D₂₀ = D_T/(1 + α(T − 20 °C)) (ISO 1). What a condition is not known to comes in as a rectangular distribution of the
-//! half width given, u = half/√3 (GUM 4.3.7). What nobody stated is not exact: it has the limits of [`Unstated`].
+//! half width given, u = half/√3 (GUM 4.3.7). What is not stated is not exact: it has the limits of
+//! [`Unstated`].
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -103,8 +104,8 @@ impl From<GivenConditions> for Conditions {
 }
 
 impl GivenConditions {
-    /// These conditions, and `known` where they give nothing. A temperature that is stated without limits is a reading of an
-    /// unstated thermometer, unless `known` says how good it is.
+    /// These conditions, with `known` where they give nothing. A temperature that is stated without
+    /// limits is a reading of an unstated thermometer, unless `known` states its limits.
     #[must_use]
     pub fn over(&self, known: &Conditions) -> Conditions {
         let mut c = Conditions {
@@ -154,7 +155,8 @@ impl Conditions {
         }
     }
 
-    /// What nobody stated taken as exact: for frames that were rendered, whose temperature and finish are known.
+    /// Unstated conditions taken as exact: for frames that were rendered, whose temperature and
+    /// finish are known.
     #[must_use]
     pub fn known(&self) -> Self {
         let keep = |limit: f64, unstated: bool| if unstated { 0.0 } else { limit };

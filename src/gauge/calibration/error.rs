@@ -13,7 +13,7 @@ pub(super) const LEAST_SPREAD_PX: f64 = 8.0;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// A certificate that says nothing.
+    /// A certificate without information.
     #[error("master {master}: diameter, U and k of a certificate must be finite and above 0")]
     Certificate {
         /// Number of the master, from 1.

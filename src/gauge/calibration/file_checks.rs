@@ -1,4 +1,5 @@
-//! What a bench read from a file cannot be: a calibration is trusted with every diameter, so a damaged one is refused when it is read.
+//! Values that a calibration file cannot have: every diameter rests on the calibration, so a
+//! damaged file is refused when it is read.
 
 use nalgebra::SMatrix;
 
@@ -134,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Each of these was believed, or ended `measure` with a panic.
+    /// Each of these was accepted once, or ended `measure` with a panic.
     #[test]
     fn a_damaged_file_is_refused_by_key() {
         assert_eq!(key_of(FULL), None);

@@ -4,8 +4,9 @@
 //! D = s·w + o        w  shadow width across the axis, px;  s  scale, mm/px;  o  offset of both edges together, mm
 //! ```
 //!
-//! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s, o) travels with the
-//! result, so that u_common² = w²·var(s) + 2w·cov(s, o) + var(o) grows towards diameters that no master backs.
+//! Weighted least squares over the masters with variances u_cert² + (s·u_w)²; the covariance of (s,
+//! o) is kept with the result, so that u_common² = w²·var(s) + 2w·cov(s, o) + var(o) grows towards
+//! diameters outside those of the masters.
 
 use std::io::Read;
 
@@ -56,7 +57,8 @@ pub struct Calibration {
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_table: Option<Box<EdgeTable>>,
-    /// Conditions of use that were known when it was made without a bench (a run's own); none where nobody stated them.
+    /// Conditions of use that were known when it was made without an optical setup (a run's own);
+    /// none where none were stated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Box<Conditions>>,
 }
@@ -86,7 +88,8 @@ impl Calibration {
         check_spread(masters)?;
         let mut scale = masters[0].certificate.diameter_mm / masters[0].width_px;
         let mut fit = LineFit::default();
-        // The weights depend on the scale by less than a per mille of themselves: twice is plenty.
+        // The weights depend on the scale by less than a per mille of themselves: two rounds are
+        // enough.
         for _ in 0..3 {
             fit = LineFit::through(masters, scale);
             scale = fit.scale;
@@ -113,7 +116,7 @@ impl Calibration {
         }
     }
 
-    /// Keeps what the masters' edges left of the edge model.
+    /// Keeps the systematic residual of the masters' edges.
     #[must_use]
     pub fn with_systematic_residual(self, systematic_residual: Option<SystematicResidual>) -> Self {
         Self { systematic_residual: systematic_residual.map(Box::new), ..self }
@@ -132,7 +135,8 @@ impl Calibration {
         Self { edge_model: Some(esf.name().to_owned()), edge_table, ..self }
     }
 
-    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does not say it in full.
+    /// The edge-spread function that was fitted to the masters' edges; `None` where the file does
+    /// not contain it in full.
     pub fn edge_model(&self) -> Option<EsfModel> {
         match (self.edge_model.as_deref(), &self.edge_table) {
             (Some("gaussian"), _) => Some(EsfModel::Gaussian {}),
@@ -142,7 +146,8 @@ impl Calibration {
         }
     }
 
-    /// Refuses another edge-spread function than the masters': each puts the edge elsewhere, and the offset holds for one.
+    /// Refuses another edge-spread function than the masters': each gives another edge position,
+    /// and the offset holds for one.
     ///
     /// # Errors
     /// Where both are known and differ.
@@ -190,7 +195,8 @@ impl Calibration {
         if self.is_learnt() { figures.unlearnt_position_px() / 3.0_f64.sqrt() } else { figures.u_position_px() }
     }
 
-    /// Whether the masters' edges were fitted by an edge-spread function learnt from their own frames.
+    /// Whether the masters' edges were fitted by an edge-spread function estimated from their own
+    /// frames.
     pub(crate) fn is_learnt(&self) -> bool {
         self.edge_model.as_deref() == Some("learnt")
     }
@@ -263,7 +269,8 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// The budget takes certificates and levers from the masters: what says nothing of them must not pass for certainty.
+    /// The budget takes certificates and levers from the masters: missing information must not
+    /// count as certainty.
     fn check_masters(&self) -> Result<(), CalibrationError> {
         let impossible = |key, value, right| Err(CalibrationError::Value { key, value, right });
         for (index, master) in self.masters.iter().enumerate() {
@@ -301,7 +308,7 @@ impl Calibration {
         }
     }
 
-    /// The calibration of the same bench for frames read column by column (a vertical shaft).
+    /// The calibration of the same optical setup for frames read column by column (a vertical shaft).
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
@@ -318,7 +325,8 @@ impl Calibration {
         (width_px * width_px * vs + 2.0 * width_px * c + vo).max(0.0).sqrt()
     }
 
-    /// What the heights of an axis count from: the middle between the first and the last of `rows` rows, or the axis of the lens.
+    /// Zero of the heights of an axis: the middle between the first and the last of `rows` rows, or
+    /// the axis of the lens.
     pub fn axis_zero(&self, rows: f64) -> AxisZero {
         let height_mm = match self.setup {
             Some(_) => 0.0,
@@ -333,7 +341,7 @@ impl Calibration {
         (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
     }
 
-    /// Conditions of use that the calibration itself assumes; exact ones where it says nothing of them.
+    /// Conditions of use that the calibration itself assumes; exact ones where it states none.
     pub fn conditions(&self) -> Conditions {
         match (&self.setup, &self.conditions) {
             (Some(setup), _) => setup.conditions,
@@ -342,19 +350,19 @@ impl Calibration {
         }
     }
 
-    /// Keeps the conditions of use of a calibration without a bench.
+    /// Keeps the conditions of use of a calibration without an optical setup.
     #[must_use]
     pub fn with_conditions(self, conditions: Conditions) -> Self {
         Self { conditions: Some(Box::new(conditions)), ..self }
     }
 
-    /// Whether it was made on masters and says nothing of the conditions of use.
+    /// Whether it was made on masters and states no conditions of use.
     pub fn leaves_conditions_open(&self) -> bool {
         self.setup.is_none() && self.conditions.is_none() && !self.masters.is_empty()
     }
 }
 
-/// Whether the masters' widths differ enough to tell scale from edge offset.
+/// Whether the masters' widths differ enough to separate scale and edge offset.
 fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
     let widths = || masters.iter().map(|m| m.width_px);
     let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
@@ -435,7 +443,8 @@ mod tests {
             Calibration::read(loud.as_bytes()),
             Err(CalibrationError::Value { key: "misfit.residual", .. })
         ));
-        // A certificate without U and k would be certain, twins would have levers without end.
+        // A certificate without U and k would be taken as certain, equal masters would give
+        // unlimited levers.
         let refused =
             |from: &str, to: &str| Calibration::read(text.replace(from, to).as_bytes()).unwrap_err();
         let certain = refused(

@@ -1,4 +1,5 @@
-//! The lens as the gauge corrects for it: from pixels to heights on the object.
+//! The imaging model by which the gauge corrects for the lens: from pixels to heights on the
+//! object.
 //!
 //! With u, v the column and row from the frame's centre, ρ half the frame's diagonal, r² = (u² + v²)/ρ² and y the
 //! distance of the shaft's axis from the plane that the masters lay in (towards the camera),
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::setting::{SettingError, within};
 
-/// Number of parameters of a bench: s, o, a, q, g, t.
+/// Number of parameters of an optical setup: s, o, a, q, g, t.
 pub const PARAMETERS: usize = 6;
 
 /// What the lens' data sheet promises: limits, taken as rectangular distributions around zero until masters say more.
@@ -203,7 +204,7 @@ mod tests {
         assert_eq!(turned.transposed(), lens);
     }
 
-    /// Over columns the mean of what single columns show.
+    /// The mean over columns equals that of the single columns.
     #[test]
     fn a_mean_over_columns_is_the_mean_of_the_columns() {
         let lens = LensModel {

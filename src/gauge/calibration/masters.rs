@@ -63,8 +63,8 @@ pub struct MasterFigure {
 }
 
 impl MasterFigure {
-    /// Mean over the columns of frames of one master (angles, positions): the uncertainty is the larger one of what the
-    /// edges state and what the frames scatter.
+    /// Mean over the columns of frames of one master (angles, positions): the uncertainty is the
+    /// larger one of that of the edges and of the scatter of the frames.
     ///
     /// # Errors
     /// Where no frame shows the master.
@@ -89,7 +89,7 @@ impl MasterFigure {
     }
 }
 
-/// A master as the adjustment sees it.
+/// A master as used in the adjustment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MasterPrior {
@@ -97,7 +97,7 @@ pub struct MasterPrior {
     pub name: String,
     /// Its certificate, at 20 °C.
     pub certificate: MasterCertificate,
-    /// What it shares with the certificates of other masters; `None` where they are independent.
+    /// The part shared with the certificates of other masters; `None` where they are independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub common: Option<CertificateShare>,
 }
@@ -118,7 +118,7 @@ impl MasterPrior {
         self.common.as_ref().map_or(0.0, |c| c.u_mm)
     }
 
-    /// Standard uncertainty that the certificate has for itself, mm.
+    /// Standard uncertainty of the certificate by itself, mm.
     pub(super) fn u_own_mm(&self) -> f64 {
         (self.certificate.u_mm().powi(2) - self.u_common_mm().powi(2)).max(0.0).sqrt()
     }

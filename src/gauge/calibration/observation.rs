@@ -29,9 +29,10 @@ pub struct Observation {
     pub axis_y_mm: f64,
     /// Standard uncertainty of the width that the block has for itself, px.
     pub u_width_px: f64,
-    /// Standard uncertainty of the width that all blocks of the frame share (levels, misfit of the edge model), px.
+    /// Standard uncertainty of the width that all blocks of the frame share (levels, edge model),
+    /// px.
     pub u_shared_px: f64,
-    /// The part of it that a misfit of the edge model states, px: the same in all frames of one focus.
+    /// The part of it due to the edge model, px: the same in all frames of one focus.
     pub u_misfit_px: f64,
 }
 

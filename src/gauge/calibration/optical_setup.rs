@@ -82,7 +82,7 @@ pub enum BenchError {
 /// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or a fifth less.
 pub const FOCUS: f64 = 0.223;
 
-/// The bench behind a calibration.
+/// The optical setup behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SetupCalibration {
@@ -105,7 +105,7 @@ pub struct SetupCalibration {
     pub birge_ratio: f64,
     /// What the fit left.
     pub residuals: Vec<Residual>,
-    /// Conditions of use, unless a measurement says otherwise.
+    /// Conditions of use, unless a measurement states others.
     #[serde(default)]
     pub conditions: Conditions,
     /// Sensor by photon transfer, where flat fields were recorded.
@@ -152,7 +152,7 @@ impl SetupCalibration {
         }
     }
 
-    /// The bench as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
+    /// The optical setup as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
     /// other's place. What a decentred lens does differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]):
     /// a share of its own. The flat field stays that of the sensor.
     #[must_use]
@@ -206,7 +206,8 @@ impl SetupCalibration {
         })
     }
 
-    /// Whether a frame is as sharp as the masters say of a part in these conditions, within [`FOCUS`].
+    /// Whether a frame is as sharp as the masters predict for a part in these conditions, within
+    /// [`FOCUS`].
     ///
     /// # Errors
     /// The blur that is not the calibrated one.

@@ -77,7 +77,7 @@ impl Thermometer {
         GivenThermometer::default().into()
     }
 
-    /// What nobody stated taken as exact: for masters that were rendered.
+    /// Unstated limits taken as exact: for masters that were rendered.
     #[must_use]
     pub fn known(&self) -> Self {
         let keep = |limit: f64, unstated: bool| if unstated { 0.0 } else { limit };

@@ -1,10 +1,11 @@
-//! Limits of what nobody stated. A quantity that is not stated is not known exactly: it has a row of its own in every budget.
+//! Limits of quantities that are not stated. Such a quantity is not known exactly: it has a row of
+//! its own in every budget.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Temperature of a part or of masters of which nothing is said, 20 °C ± K: a heated workshop over a year, and a part some
-/// minutes after a wet cut; Ø25 of steel changes by 1.4 µm over it.
+/// Temperature of a part or of masters where none is stated, 20 °C ± K: a heated workshop over a
+/// year, and a part some minutes after a wet cut; Ø25 of steel changes by 1.4 µm over it.
 pub const UNSTATED_TEMPERATURE_K: f64 = 5.0;
 
 /// Error of a temperature that is stated without limits, ± K: a hand-held contact thermometer on metal.

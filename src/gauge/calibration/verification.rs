@@ -38,7 +38,7 @@ pub struct CheckResult {
     pub accepted: bool,
 }
 
-/// What files say that do not.
+/// Coverage factor of files that state none.
 fn two() -> f64 {
     2.0
 }

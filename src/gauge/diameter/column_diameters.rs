@@ -1,10 +1,11 @@
 //! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
 //!
-//! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half angle α, along a chord
-//! w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ, which is w·cos τ for a cylinder. A bent
-//! part has a τ at every column ([`AxisSlope`]); a slope towards the camera leaves a telecentric width as it is. Before
-//! that each edge is freed of the bias of its curvature and, where the bench is calibrated, of the lens' distortion; after it the
-//! diameter is taken to 20 °C.
+//! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half
+//! angle α, along a chord w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ,
+//! which is w·cos τ for a cylinder. A bent part has a τ at every column ([`AxisSlope`]); a slope
+//! towards the camera leaves a telecentric width unchanged. Before that each edge is corrected for
+//! the bias of its curvature and, where the optical setup is calibrated, for the lens' distortion;
+//! after it the diameter is referred to 20 °C.
 
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::gauge_calibration::Calibration;
@@ -101,7 +102,7 @@ impl Calibration {
     }
 }
 
-/// What turns a frame's rows into diameters.
+/// Conversion of a frame's rows into diameters.
 struct Reader<'a> {
     calibration: &'a Calibration,
     conditions: &'a Conditions,
@@ -215,7 +216,8 @@ pub(crate) fn column_diameters(
         }
         let rows_px = (top.row_px - bias_top[column], bottom.row_px - bias_bottom[column]);
         let width_px = reader.width_px(column, rows_px.0, rows_px.1);
-        // A misfit of the edge model is the same in every frame of one light, and so is rounding that noise does not carry.
+        // The residual of the edge model is the same in every frame of one light, and so is
+        // rounding that noise does not dither.
         let repeated = edges.repeated_variance(column);
         let blur = (u_blur_px * trend_factor(column as f64, edges.columns())).powi(2);
         let random =

@@ -1,4 +1,4 @@
-//! Millimetres: diameters of columns, stations along z, sections over a turn, the axis, series of readings.
+//! Millimetres: diameters of columns, stations along z, sections over a revolution, the axis, series of readings.
 //!
 //! In: [`FrameEdges`](crate::gauge::FrameEdges) and a [`Calibration`](crate::gauge::Calibration). Out: [`ColumnDiameters`] of a frame;
 //! from the frames of a scan a [`DiameterProfile`](crate::profile::DiameterProfile) (`stations`), form and size (`sections`), the axis

@@ -1,4 +1,4 @@
-//! Plausibility against what was measured before: earlier turns of the same part, and the pass before.
+//! Plausibility against what was measured before: earlier revolutions of the same part, and the pass before.
 //!
 //! A station is refused where it departs from what was expected by more than both
 //!
@@ -7,8 +7,9 @@
 //! limit                          what the process can do meanwhile
 //! ```
 //!
-//! Between turns nothing is cut: a caliper diameter is the same one half a turn later, but for what heat does. Between passes it
-//! falls by the change of the command, but for what the shaft yields more or less than before.
+//! Between revolutions nothing is cut: a caliper diameter is the same one half a revolution later,
+//! except for thermal expansion. Between passes it falls by the change of the command, except for a
+//! change of the shaft's deflection.
 
 use std::collections::BTreeMap;
 
@@ -19,8 +20,9 @@ use crate::frame::FrameMeta;
 pub use crate::gauge::settings::PlausibilitySettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason};
 
-/// Share of a profile's stations beyond which a departure is not theirs: then the whole part, or the machine, did not do what was
-/// commanded, which gaps would hide from control's guards.
+/// Fraction of a profile's stations above which departures are not those of single stations: then
+/// the whole part, or the machine, did not do what was commanded, which gaps would hide from
+/// control's guards.
 const MOST_REFUSED: f64 = 0.25;
 
 /// A reading that contradicts an earlier one.
@@ -28,11 +30,11 @@ const MOST_REFUSED: f64 = 0.25;
 pub struct Jump {
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// Spindle angle of a turn's frame, degrees; none for a pass.
+    /// Spindle angle of a revolution's frame, degrees; none for a pass.
     pub angle_deg: Option<f64>,
     /// Diameter less what was expected, mm.
     pub jump_mm: f64,
-    /// What would have been believed, mm.
+    /// What would have been accepted, mm.
     pub limit_mm: f64,
 }
 
@@ -51,11 +53,11 @@ impl std::fmt::Display for Jump {
 fn jump(now: Diameter, expected: Diameter, coverage: f64, limit_mm: f64) -> Option<(f64, f64)> {
     let limit = (coverage * now.u_random_mm.hypot(expected.u_random_mm)).max(limit_mm);
     let by = now.d_mm - expected.d_mm;
-    // A diameter that is no number is not believed either.
+    // A diameter that is no number is not accepted either.
     (!(by.abs() <= limit)).then_some((by, limit))
 }
 
-/// What earlier turns said of every stretch and angle.
+/// Diameters of earlier revolutions at every stretch and angle.
 #[derive(Clone, Debug)]
 pub struct TurnHistory {
     settings: PlausibilitySettings,
@@ -65,13 +67,13 @@ pub struct TurnHistory {
 }
 
 impl TurnHistory {
-    /// Nothing known yet; stretches of this length along z are judged, mm.
+    /// Without a reference yet; stretches of this length along z are compared, mm.
     pub fn new(settings: &PlausibilitySettings, stretch_mm: f64) -> Self {
         Self { settings: *settings, stretch_mm, known: BTreeMap::new() }
     }
 
-    /// Compares a frame's diameters with those of the same angle in earlier turns. Stretches that jump become gaps
-    /// ([`Reason::Implausible`]); the others are remembered.
+    /// Compares a frame's diameters with those of the same angle in earlier revolutions. Stretches that jump become gaps
+    /// ([`Reason::Implausible`]); the others become the reference of the next revolution.
     pub fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
         let mut jumps = Vec::new();
         let angle = (meta.angle_deg.rem_euclid(180.0) * 1e6).round() as i64 % 180_000_000;
@@ -179,7 +181,7 @@ mod tests {
     fn a_stretch_that_jumps_against_an_earlier_turn_is_a_gap_and_teaches_nothing() {
         let mut history = TurnHistory::new(&PlausibilitySettings::default(), 1.0);
         for turn in 0..3 {
-            // Oval by 40 µm: other angles may differ; heat adds 2 µm a turn.
+            // Oval by 40 µm: other angles may differ; heat adds 2 µm a revolution.
             for step in 0..4 {
                 let angle = 360.0 * f64::from(turn) + 45.0 * f64::from(step);
                 let d = 25.0 + 0.02 * (2.0 * angle.to_radians()).cos() + 2e-3 * f64::from(turn);
@@ -188,7 +190,7 @@ mod tests {
         }
         for turn in 3..5 {
             let chip = |c: usize| 25.02 + 4e-3 + if (30..40).contains(&c) { 0.012 } else { 0.0 };
-            // Half a turn on is the same caliper.
+            // Half a revolution on is the same caliper.
             let mut seen = columns(chip);
             let jumps = history.check(&meta(360.0 * f64::from(turn) + 180.0), &mut seen);
             assert_eq!(jumps.len(), 1, "{jumps:?}");
@@ -230,7 +232,7 @@ mod tests {
         let mut all = profile(2, |k| 26.5 + barrel(k));
         let (jumps, theirs) = against_pass(&settings, &before, &fall, &mut all);
         assert!(!theirs && jumps.len() == 20 && all.stations.iter().all(|s| s.reading.value().is_some()));
-        // What was a gap says nothing of the next pass.
+        // A gap is no reference for the next pass.
         let mut wide = profile(3, |_| 25.0);
         let (jumps, _) = against_pass(&settings, &one, &[0.5; 20], &mut wide);
         assert!(jumps.iter().all(|j| j.z_mm != 35.0));

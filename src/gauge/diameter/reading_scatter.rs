@@ -1,7 +1,7 @@
-//! What the scatter of successive readings says of their mean.
+//! Standard uncertainty of the mean of successive readings, from their scatter.
 //!
-//! Readings that follow each other share drift, vibration and the part's turning: of n autocorrelated ones only n_eff count (GUM 4.2.7;
-//! N. F. Zhang, Metrologia 43 (2006) S276),
+//! Successive readings share drift, vibration and the rotation of the part: of n autocorrelated
+//! ones only n_eff count (GUM 4.2.7; N. F. Zhang, Metrologia 43 (2006) S276),
 //!
 //! ```text
 //! n/n_eff = 1 + 2 Σ_k (1 − k/n) ρ_k        u²(mean) = s²·(n − 1)/n/(n_eff − 1)
@@ -15,7 +15,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::profile::Diameter;
 
-/// Probability that readings which scatter as their u says are said to scatter beyond it.
+/// False-alarm probability of the test whether readings scatter beyond their u.
 pub const FALSE_ALARM_PROBABILITY: f64 = 1e-3;
 
 /// Two-sided 95 % quantile of a normal distribution.
@@ -28,7 +28,7 @@ pub struct ScatterTest {
     pub chi2: f64,
     /// Degrees of freedom.
     pub freedom: f64,
-    /// What χ² exceeds with the false-alarm probability where the readings scatter as their u says.
+    /// Quantile of χ² at the false-alarm probability, for readings that scatter as their u implies.
     pub chi2_limit: f64,
     /// [`FALSE_ALARM_PROBABILITY`].
     pub false_alarm_probability: f64,
@@ -82,14 +82,14 @@ pub fn effective_number(departures: &[f64]) -> f64 {
     (n / (1.0 + 2.0 * sum)).clamp(1.0, n)
 }
 
-/// Mean of successive readings with what their scatter and their own statements say of it.
+/// Mean of successive readings with its uncertainty from their scatter and from their stated u.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeriesMean {
     /// Mean, its random standard uncertainty (the larger one of stated and scattered) and the common one, which no mean makes smaller.
     pub mean: Diameter,
     /// Experimental standard deviation of one reading, mm; 0 for a single one.
     pub sd_mm: f64,
-    /// Number of independent readings that the series is worth.
+    /// Equivalent number of independent readings.
     pub effective_number: f64,
 }
 
@@ -146,7 +146,7 @@ mod tests {
         let sd = (38.0_f64 / 3.0).sqrt();
         assert!((mean.sd_mm - sd).abs() < 1e-12 && mean.effective_number == 4.0);
         assert!((mean.mean.u_random_mm - 0.5 * sd).abs() < 1e-12 && mean.mean.u_common_mm == 0.25);
-        // Quieter than they say: what they say stays.
+        // Quieter than their u: the stated u stays.
         let quiet = SeriesMean::of(&series(&[5.0; 4], 0.1)).unwrap();
         assert!((quiet.mean.u_random_mm - 0.05).abs() < 1e-15 && quiet.sd_mm == 0.0);
         let one = SeriesMean::of(&series(&[5.0], 0.1)).unwrap();
@@ -154,7 +154,8 @@ mod tests {
         assert!(SeriesMean::of(&[]).is_none());
     }
 
-    /// The mean of readings of autocorrelation φ^k scatters by √((1 + φ)/(1 − φ)/n); counted as independent they would say 1/√n.
+    /// The mean of readings of autocorrelation φ^k scatters by √((1 + φ)/(1 − φ)/n); as independent
+    /// readings it would by 1/√n.
     #[test]
     fn autocorrelated_readings_count_as_many_as_they_are_worth() {
         let mut random = Pcg64::seed_from_u64(9);

@@ -1,8 +1,8 @@
 //! Averaging of successive readings and statistics of a series.
 //!
-//! Gaps pass through and leave the averages untouched: what was refused must not bias a mean. The random uncertainty
-//! shrinks as the average's weights say, and is never less than what the readings averaged scatter says (see `reading_scatter`); the common one
-//! does not shrink.
+//! Gaps pass through and leave the averages untouched: a refused reading must not bias a mean. The
+//! random uncertainty shrinks by the weights of the average, and is never less than the scatter of
+//! the readings averaged implies (see `reading_scatter`); the common one does not shrink.
 
 use std::collections::VecDeque;
 
@@ -378,7 +378,7 @@ mod tests {
             Averaging::Median { readings: 9 },
         ];
         for averaging in cases {
-            // Readings that scatter as they say, and three times as much.
+            // Readings that scatter as their u implies, and three times as much.
             for scale in [1.0, 3.0] {
                 let (mut square, mut u_square, mut least, runs) = (0.0, 0.0, f64::INFINITY, 20_000);
                 for _ in 0..runs {

@@ -9,8 +9,10 @@
 //!
 //! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface texture and noise; its
 //! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. Where a station scatters far more than
-//! the others and one angle alone explains it, by more diameter than the others say, that angle shows matter that turns with the part (a film, a
-//! smeared chip) and is left out: the same z at other angles knows better. Otherwise the station keeps its own, larger value.
+//! the others and one angle alone explains it, by a diameter larger than the others, that angle
+//! shows contamination that turns with the part (a film, a
+//! smeared chip) and is left out: the same z is measured at other angles. Otherwise the station
+//! keeps its own, larger value.
 
 use std::collections::BTreeMap;
 

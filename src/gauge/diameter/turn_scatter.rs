@@ -1,32 +1,34 @@
-//! What the readings of a turn scatter by that the section's form does not explain.
+//! Scatter of the readings of a revolution that the section's form does not explain.
 //!
-//! Over a whole turn every width is seen twice, w(φ) = w(φ + π) whatever the form and wherever the spindle is: half the mean square of the
-//! n/2 differences is the variance of one width, free of both. Over half a turn only the even lobes that n/3 of the angles leave to be
-//! adjusted (and the filter lets through) are form; what remains is scatter. Either series may be autocorrelated (drift over the turn): it counts
-//! as [`effective_number`] readings, and χ² against the edges' own statements says whether they scatter beyond their u.
+//! Over a whole revolution every width is measured twice, w(φ) = w(φ + π), whatever the form and
+//! the position of the spindle: half the mean square of the n/2 differences is the variance of one
+//! width, free of both. Over half a revolution only the even lobes that n/3 of the angles leave to
+//! be adjusted (and the filter passes) are form; the remainder is scatter. Either series may be
+//! autocorrelated (drift over the revolution): it counts as [`effective_number`] readings, and χ²
+//! against the edges' uncertainties tests whether they scatter beyond u.
 //!
-//! Half a turn has no opposite edges: with the spindle's axis taken as still at the height m, h(φ + π) = m − bottom(φ). An error of m is a
-//! square wave in h over the turn, ± δm, whose harmonics are odd, 4δm/(πk): they are in the u of the odd lobes. Its least-squares
-//! adjustment together with K odd orders leaves u(m) = s·√((XᵀX)⁻¹₀₀), the more the more orders are adjusted: over half a turn
+//! Half a revolution has no opposite edges: with the spindle's axis taken as still at the height m, h(φ + π) = m − bottom(φ). An error of m is a
+//! square wave in h over the revolution, ± δm, whose harmonics are odd, 4δm/(πk): they are in the u of the odd lobes. Its least-squares
+//! adjustment together with K odd orders leaves u(m) = s·√((XᵀX)⁻¹₀₀), the more the more orders are adjusted: over half a revolution
 //! 1 = (4/π)·Σ sin(kφ)/k is itself a sum of odd lobes.
 
 use super::reading_scatter::{ScatterTest, effective_number};
 
-/// Fewest angles of half a turn whose even lobes leave a residual.
+/// Fewest angles of half a revolution whose even lobes leave a residual.
 const LEAST_HALF: usize = 6;
 
-/// Scatter of a turn's widths.
+/// Scatter of a revolution's widths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TurnScatter {
     /// Standard deviation of one width, mm.
     pub(super) sd_width_mm: f64,
     /// Standard uncertainty of the mean of the widths, mm.
     pub(super) u_mean_mm: f64,
-    /// Against the edges' own statements.
+    /// Against the stated uncertainties of the edges.
     pub(crate) test: Option<ScatterTest>,
 }
 
-/// Of a whole turn: `widths_mm` at even angles, an even number; `u_width_mm` states one width.
+/// Of a whole revolution: `widths_mm` at even angles, an even number; `u_width_mm` states one width.
 pub(super) fn of_whole_turn(widths_mm: &[f64], u_width_mm: f64) -> TurnScatter {
     let pairs = widths_mm.len() / 2;
     let differences: Vec<f64> = (0..pairs).map(|i| widths_mm[i] - widths_mm[i + pairs]).collect();
@@ -34,7 +36,8 @@ pub(super) fn of_whole_turn(widths_mm: &[f64], u_width_mm: f64) -> TurnScatter {
     scatter(0.5 * square / pairs as f64, pairs as f64, &differences, u_width_mm, widths_mm.len() as f64)
 }
 
-/// Of half a turn: `widths_mm` at even angles over π, filtered at `cutoff_upr`; `None` from too few angles to tell form from scatter.
+/// Over half a revolution: `widths_mm` at even angles over π, filtered at `cutoff_upr`; `None` from
+/// too few angles to separate form from scatter.
 pub(super) fn of_half_turn(widths_mm: &[f64], cutoff_upr: f64, u_width_mm: f64) -> Option<TurnScatter> {
     let n = widths_mm.len();
     if n < LEAST_HALF {
@@ -67,9 +70,9 @@ fn scatter(variance: f64, freedom: f64, series: &[f64], u_width_mm: f64, n: f64)
     TurnScatter { sd_width_mm: variance.sqrt(), u_mean_mm: (variance * counted / n).sqrt(), test }
 }
 
-/// Height of the spindle's axis from the middles over half a turn, and its standard uncertainty.
+/// Height of the spindle's axis from the middles over half a revolution, and its standard uncertainty.
 ///
-/// The middle is the axis plus odd harmonics of the turn (eccentricity, odd lobes), whose mean over half a turn is not zero: both are
+/// The middle is the axis plus odd harmonics of the revolution (eccentricity, odd lobes), whose mean over half a revolution is not zero: both are
 /// adjusted together, as many orders as a third of the angles allows. `middles` are (angle in degrees, height in mm), `u_middle_mm` states one;
 /// where they scatter more, that counts. `None` where they do not determine it.
 pub(super) fn axis_of_half_turn(middles: &[(f64, f64)], u_middle_mm: f64) -> Option<(f64, f64)> {
@@ -104,7 +107,7 @@ mod tests {
 
     use super::*;
 
-    /// Widths with two and four lobes, noise and a drift over the turn.
+    /// Widths with two and four lobes, noise and a drift over the revolution.
     fn widths(n: usize, span: f64, sd: f64, drift: f64, rng: &mut Pcg64) -> Vec<f64> {
         let noise = Normal::new(0.0, sd).unwrap();
         (0..n)
@@ -136,15 +139,16 @@ mod tests {
             assert!((found.sqrt() / (sd / n.sqrt()) - 1.0).abs() < 0.12, "{n}: {}", found.sqrt());
         }
         assert!(alarms <= 6, "{alarms} of 1200 at a false alarm of 0.1 %");
-        // Stated too small by five: said so.
+        // Stated too small by a factor of five: detected.
         assert!(of_whole_turn(&widths(72, TAU, 5.0 * sd, 0.0, &mut rng), sd).test.unwrap().beyond_u);
-        // A drift of 20 sd over the turn: half of it between opposite readings, and the mean is off by no less than a fifth of it.
+        // A drift of 20 sd over the revolution: half of it between opposite readings, and the mean is off by no less than a fifth of it.
         let drifting = of_whole_turn(&widths(72, TAU, sd, 20.0 * sd, &mut rng), sd);
         assert!(drifting.test.unwrap().beyond_u && drifting.u_mean_mm > 3.0 * sd, "{drifting:?}");
         assert!(of_half_turn(&[1.0; 5], 50.0, sd).is_none());
     }
 
-    /// Odd lobes that are adjusted and noise: the axis scatters as it says. Its gain over a mean of 36 is √15.
+    /// Odd lobes that are adjusted and noise: the axis scatters as its uncertainty states. Its gain
+    /// over a mean of 36 is √15.
     #[test]
     fn the_axis_of_half_a_turn_is_as_uncertain_as_it_says() {
         let mut rng = Pcg64::seed_from_u64(5);

@@ -1,11 +1,11 @@
-//! Whether a frame as a whole is accepted, once its edges are fitted and those that are none are refused.
+//! Whether a frame as a whole is accepted, after fitting and rejection.
 
 use super::refusals::explain;
 use super::rejection::neighbour_test;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::GaugeSettings;
 
-/// Fewest columns with both edges that make a frame believable.
+/// Fewest columns with both edges that make a frame acceptable.
 const LEAST_VALID: usize = 8;
 /// Least fraction of the measured columns that must lie on unbroken contours.
 const LEAST_COHERENT: f64 = 0.5;

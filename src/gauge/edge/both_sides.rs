@@ -1,7 +1,7 @@
 //! Both sides of a frame at once.
 
-/// Both sides at once where that is wished and there are threads, one after the other where there are not. Neither sees the other's
-/// work, so the result is the same.
+/// Runs both sides in parallel where requested and where there are threads, one after the other
+/// otherwise. They are independent, so that the result is the same.
 pub(crate) fn both<A: Send, B: Send>(
     splits: bool,
     a: impl FnOnce() -> A + Send,

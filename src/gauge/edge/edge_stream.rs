@@ -17,12 +17,12 @@ pub struct EdgeStream {
 }
 
 impl EdgeStream {
-    /// A stream that knows nothing yet.
+    /// A stream without any frame.
     pub fn new(settings: GaugeSettings) -> Self {
         Self { area: AreaStream::new(settings), narrow: None }
     }
 
-    /// Expects of every edge what a calibration's masters left of the edge model.
+    /// Takes residuals relative to the systematic residual that the masters left of the edge model.
     #[must_use]
     pub(crate) fn with_systematic_residual(self, reduced_chi2: Option<&SystematicResidual>) -> Self {
         Self { area: self.area.with_systematic_residual(reduced_chi2), ..self }
@@ -47,7 +47,7 @@ impl EdgeStream {
         }
     }
 
-    /// Forgets what earlier frames taught.
+    /// Discards the state kept from earlier frames.
     pub fn restart(&mut self) {
         self.narrow = None;
         self.area.restart();

@@ -1,4 +1,4 @@
-//! What a frame says about itself before its edges are fitted.
+//! Levels, noise and rounding of a frame before its edges are fitted.
 
 use super::rounded_frame::Rounding;
 use crate::gauge::edge::estimation::censored::Ends;
@@ -26,7 +26,7 @@ impl FrameSurvey {
     }
 }
 
-/// What a stream's last frame leaves.
+/// State kept from a stream's last frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Last {
     /// Rows and columns.

@@ -3,18 +3,20 @@
 //! In: a [`FrameView`](crate::frame::FrameView) and [`GaugeSettings`](crate::gauge::GaugeSettings). Out:
 //! [`FrameEdges`](crate::gauge::FrameEdges), two lines of edges in px with uncertainties, states and reasons of gaps.
 //!
-//! From below: `model` (what an edge looks like) → `image` (where in the frame it is) → `estimation` (levels, noise, blur, the fit of
-//! every column) → `rejection` (edges that are none of the part's), `refusals` (frames refused, in words) → `wire` (both edges of a
-//! thin shadow), `side` (one side of a wide one) → `rounded_frame`, `rings`, `scene` (both sides) → `acceptance`, `stream` (a frame, and
+//! From below: `model` (the edge-spread function) → `image` (where in the frame it is) →
+//! `estimation` (levels, noise, blur, the fit of every column) → `rejection` (edges that are not
+//! those of the part), `refusals` (frames refused, in words) → `wire` (both edges of a
+//! thin shadow), `side` (one side of a wide one) → `rounded_frame`, `rings`, `frame_survey` (both sides) → `acceptance`, `stream` (a frame, and
 //! the frames that follow it) → `narrow` (line cameras) → `edge_stream` (either camera) → `parallel` (frames shared out).
 //!
-//! One more step of a frame is a file in the room whose question it answers and one call in `stream` or `side`; it takes values
-//! and gives values. Imports run in the order above.
+//! One more step of a frame is a file in the room to which it belongs and one call in `stream` or
+//! `side`; it is a function of values. Imports run in the order above.
 
 pub(crate) mod acceptance;
 pub(crate) mod both_sides;
 pub(crate) mod edge_stream;
 pub(crate) mod estimation;
+pub(crate) mod frame_survey;
 pub(crate) mod image;
 pub(crate) mod model;
 pub(crate) mod narrow;

@@ -136,7 +136,7 @@ fn piled_up(values: &[f64]) -> Option<f64> {
 }
 
 impl Narrow {
-    /// Settings under which neighbours owe each other nothing.
+    /// Settings under which neighbours are independent of each other.
     fn pooled_settings(settings: &GaugeSettings) -> GaugeSettings {
         let rejection = if settings.rejection == Rejection::Off { Rejection::Off } else { Rejection::ByEdge };
         GaugeSettings { rejection, outlier_px: 1e4, ..settings.clone() }

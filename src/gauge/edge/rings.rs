@@ -46,7 +46,7 @@ pub(crate) fn stuck_contrast(shape: &EdgeSpreadFunction, contrast: f32) -> f32 {
     if shape.is_ringed() { RING_TO_RING * contrast } else { contrast }
 }
 
-/// Checks that no ring is clipped: where the crests are missing, nothing states where the edge is.
+/// Checks that no ring is clipped: without the crests the position of the edge is not determined.
 ///
 /// # Errors
 /// Refuses a frame whose crests are cut, known pattern or not.

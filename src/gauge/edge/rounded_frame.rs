@@ -1,4 +1,4 @@
-//! What rounding repeats in the edges of both sides of a frame.
+//! Rounding that repeats in the edges of both sides of a frame.
 
 use super::side::SideState;
 use crate::gauge::edge::estimation::levels::LevelCurve;
@@ -32,15 +32,16 @@ impl Rounding {
         }
         let [top, bottom] = [&sides[0].figures.survey.spread, &sides[1].figures.survey.spread];
         let behind = [0, 1].map(|k| {
-            // Clipped light says nothing of its noise; rounding is not what limits it.
+            // Clipped light shows no noise of its own; rounding is not what limits it.
             step * noise_in_steps(top[k].with(bottom[k]), step)
         });
-        // Crushed shadow states no noise of its own: the light's is its upper bound, or as near as is known.
+        // A crushed shadow shows no noise of its own: that of the light is its upper bound.
         let in_dark = top[0].with(bottom[0]).variance().map_or(behind[1], |_| behind[0]);
         Self { step, behind: [in_dark, behind[1]] }
     }
 
-    /// States it at either edge but where the light is clipped, whose fit states its own.
+    /// Adds it to the uncertainty of either edge, except where the light is clipped, whose fit
+    /// contains its own.
     pub(crate) fn state(&self, sides: &[SideState; 2], clipped: [bool; 2], out: &mut FrameEdges) {
         if self.step <= 0.0 || !RoundedSide::repeats(self.behind.map(|sd| sd / self.step)) {
             return;

@@ -108,7 +108,8 @@ impl SideState {
         self.shape.position_ambiguity(self.blur.mean())
     }
 
-    /// Learns the edge-spread function from the places in `line`; false where the frame does not tell it.
+    /// Estimates the edge-spread function from the positions in `line`; false where the frame does
+    /// not determine it.
     pub(crate) fn learn(&mut self, line: &[Edge]) -> bool {
         let residuals = EsfSamples {
             windows: &self.windows,

@@ -86,7 +86,7 @@ pub(crate) struct AreaStream {
 }
 
 impl AreaStream {
-    /// A stream that knows nothing yet.
+    /// A stream without any frame.
     pub(crate) fn new(settings: GaugeSettings) -> Self {
         let shape = match &settings.esf {
             EsfModel::Table(samples) => {
@@ -136,7 +136,7 @@ impl AreaStream {
         }
     }
 
-    /// Forgets what earlier frames taught.
+    /// Discards the state kept from earlier frames.
     pub(crate) fn restart(&mut self) {
         self.last = None;
         self.sides.iter_mut().for_each(SideState::forget);

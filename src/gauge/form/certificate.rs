@@ -18,7 +18,7 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// A certificate that proves nothing.
+    /// A certificate without a proof.
     pub(crate) fn none(contacts: Vec<usize>) -> Self {
         Self { contacts, gap: f64::INFINITY, proven_within: 0.0 }
     }

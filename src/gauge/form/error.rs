@@ -34,7 +34,7 @@ pub enum FormError {
         /// The feature asked for.
         feature: &'static str,
     },
-    /// The two edges of a turn differ in number.
+    /// The two edges of a revolution differ in number.
     #[error("{top} top edges but {bottom} bottom edges; a turn needs one of each at every angle")]
     Unpaired {
         /// Top edges.
@@ -42,7 +42,7 @@ pub enum FormError {
         /// Bottom edges.
         bottom: usize,
     },
-    /// Angles that do not divide one turn evenly.
+    /// Angles that do not divide one revolution evenly.
     #[error(
         "reading {index} stands at {angle_deg} deg but an even division of one turn has {expected_deg} deg there; \
          resample to even angles first"

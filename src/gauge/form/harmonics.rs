@@ -1,17 +1,17 @@
-//! Harmonics of a turn by FFT, each with what it can be blamed on.
+//! Harmonics of a revolution by FFT, each with its possible causes.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use super::turn::Turn;
 
-/// What a harmonic of a turn of silhouettes is made of.
+/// What a harmonic of a revolution of silhouettes is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
     /// The section's own even lobes, free of spindle motion.
     Form,
-    /// Odd lobes and odd synchronous spindle motion (ISO 230-7), which one view cannot tell apart.
+    /// Odd lobes and odd synchronous spindle motion (ISO 230-7), which one view cannot separate.
     FormAndSpindle,
     /// Spindle motion alone: nothing of the part is in it.
     Spindle,
@@ -34,7 +34,7 @@ pub struct Harmonic {
     pub origin: Origin,
 }
 
-/// Harmonics of a turn.
+/// Harmonics of a revolution.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct TurnHarmonics {
     /// Mean of the support function, mm: half the mean caliper diameter.
@@ -46,7 +46,7 @@ pub struct TurnHarmonics {
 }
 
 impl TurnHarmonics {
-    /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a turn: a square wave of that height, 4/(πk) of it at
+    /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a revolution: a square wave of that height, 4/(πk) of it at
     /// order k.
     #[must_use]
     pub fn with_axis(mut self, u_axis_mm: f64) -> Self {
@@ -67,7 +67,7 @@ pub(super) fn spectrum(values: &[f64]) -> Vec<Complex<f64>> {
     (0..=n / 2).map(|k| buffer[k] * (scale(k) / n as f64)).collect()
 }
 
-/// Harmonics up to `max_lobes` (at most n/2 − 1) of a turn whose single edges carry the random standard uncertainty
+/// Harmonics up to `max_lobes` (at most n/2 − 1) of a revolution whose single edges carry the random standard uncertainty
 /// `u_edge_mm`: each component's is u_edge/√n, since two edges contribute to it.
 pub fn harmonics(turn: &Turn, max_lobes: usize, u_edge_mm: f64) -> TurnHarmonics {
     let n = turn.len();

@@ -12,7 +12,7 @@ use super::circle::{CircleFit, assemble, centroid, check, radii};
 use super::error::FormError;
 use crate::numerics::normal_equations::NormalEquations;
 
-/// A least-squares circle with what its residuals say.
+/// A least-squares circle and its covariance from the residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSquaresCircle {
     /// The circle and its proof.
@@ -95,7 +95,7 @@ fn newton_step(at: &Local) -> Option<Vector2<f64>> {
     if smallest > 1e-12 {
         return at.hessian.try_inverse().map(|inverse| -(inverse * at.gradient));
     }
-    // Far from the optimum the Hessian may be indefinite: go down hill.
+    // Far from the optimum the Hessian may be indefinite: follow the gradient.
     (smallest.is_finite() && at.gradient.norm() > 0.0).then(|| -at.gradient)
 }
 

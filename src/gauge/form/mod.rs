@@ -1,4 +1,5 @@
-//! Form: reference circles, lines and cylinders, and what a turn of silhouettes tells about a section.
+//! Form: reference circles, lines and cylinders, and the form of a section from the silhouettes of
+//! a revolution.
 //!
 //! Everything here is a pure function over points or readings; units are those of the input (mm or px), and a
 //! result in mm follows from points in mm. Reference features follow ISO 12181 (roundness), ISO 12780

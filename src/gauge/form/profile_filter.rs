@@ -53,7 +53,7 @@ pub fn gaussian_transmission(lobes: f64, cutoff: Cutoff) -> f64 {
     (-(lobes / cutoff.0).powi(2)).exp2()
 }
 
-/// Low-pass filters one full turn of evenly spaced values: undulations from 0 up to the cutoff remain.
+/// Low-pass filters one full revolution of evenly spaced values: undulations from 0 up to the cutoff remain.
 pub fn gaussian_closed(profile: &[f64], cutoff: Cutoff) -> Vec<f64> {
     let n = profile.len();
     if n == 0 {

@@ -1,9 +1,9 @@
 //! Radial run-out (ISO 1101) from the heights of one edge; the datum axis is the spindle's.
 //!
-//! What an indicator at the top edge would read over a turn: it contains eccentricity, form and the spindle's own
+//! What an indicator at the top edge would read over a revolution: it contains eccentricity, form and the spindle's own
 //! motion. A silhouette's indicator has a flat, infinitely wide anvil, so that hollows narrower than the tangent are not seen.
 
-/// Circular radial run-out: full indicator movement of one section over a turn, in the heights' unit. `None` without
+/// Circular radial run-out: full indicator movement of one section over a revolution, in the heights' unit. `None` without
 /// finite heights.
 pub fn circular_run_out(heights: &[f64]) -> Option<f64> {
     span(heights.iter().copied())

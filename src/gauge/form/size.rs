@@ -1,4 +1,4 @@
-//! Sizes of a section over a turn: least squares (GG), minimum circumscribed (GN), maximum inscribed (GX).
+//! Sizes of a section over a revolution: least squares (GG), minimum circumscribed (GN), maximum inscribed (GX).
 //!
 //! ISO 14405-1 defines these for the section itself; a silhouette shows its convex hull only. GN of the hull is GN of
 //! the section (the smallest circle around a body is the smallest around its hull); GX and GG of the hull are not
@@ -19,7 +19,7 @@ use super::profile_filter::Cutoff;
 use super::silhouette::polar_profile;
 use super::turn::Turn;
 
-/// Two-point (caliper) sizes and global sizes of the silhouette over one turn, mm.
+/// Two-point (caliper) sizes and global sizes of the silhouette over one revolution, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnSizes {
     /// Least-squares size GG of the hull.
@@ -30,7 +30,7 @@ pub struct TurnSizes {
     pub gn_mm: f64,
     /// Maximum inscribed size GX of the hull.
     pub gx_mm: f64,
-    /// Mean caliper diameter over the turn: the hull's perimeter over π (Cauchy).
+    /// Mean caliper diameter over the revolution: the hull's perimeter over π (Cauchy).
     pub mean_caliper_mm: f64,
     /// Least caliper diameter.
     pub min_caliper_mm: f64,
@@ -40,7 +40,7 @@ pub struct TurnSizes {
     pub circles: [Circle; 3],
 }
 
-/// Sizes of a turn; `u_edge_mm` is the random standard uncertainty of one edge.
+/// Sizes of a revolution; `u_edge_mm` is the random standard uncertainty of one edge.
 ///
 /// GN and GX are extremes: noise widens GN and narrows GX by some standard uncertainties unless the turn is
 /// filtered, so both are taken from the support function after the same filter as GG.

@@ -22,7 +22,8 @@ pub struct Taper {
     pub middle_z_mm: f64,
     /// Standard uncertainty of the middle diameter from the random parts, mm.
     pub u_middle_mm: f64,
-    /// Σ(residual/u_random)² over (stations − 2): about 1 for a straight cone read with honest uncertainty.
+    /// Σ(residual/u_random)² over (stations − 2): about 1 for a straight cone read with correct
+    /// uncertainty.
     pub reduced_chi2: f64,
 }
 

@@ -1,4 +1,4 @@
-//! One turn of silhouettes at one z: the heights of both edges at every spindle angle.
+//! One revolution of silhouettes at one z: the heights of both edges at every spindle angle.
 //!
 //! With c(φ) the spindle's motion across the line of sight and h the section's support function,
 //! top = c(φ) + h(φ) and bottom = c(φ) − h(φ+π). Their difference w(φ) = h(φ) + h(φ+π) holds the even lobes of h, free
@@ -10,12 +10,12 @@
 //! s(φ) = m̄_even(φ)                   synchronous spindle motion of even order
 //! ```
 //!
-//! Averaging several turns removes only asynchronous motion. φ is the spindle angle: a lobe with its peak at φ_k stands
+//! Averaging several revolutions removes only asynchronous motion. φ is the spindle angle: a lobe with its peak at φ_k stands
 //! at the body angle θ = −φ_k.
 
 use super::error::FormError;
 
-/// Edge heights over one turn at even spindle angles, mm.
+/// Edge heights over one revolution at even spindle angles, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
     first_angle_deg: f64,
@@ -24,7 +24,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// A turn of n readings at `first_angle_deg + i·360/n`; n even and at least 8.
+    /// A revolution of n readings at `first_angle_deg + i·360/n`; n even and at least 8.
     ///
     /// # Errors
     /// Refuses unpaired, odd, few or non-finite readings.
@@ -47,7 +47,7 @@ impl Turn {
         }
     }
 
-    /// A turn from readings (angle in degrees, top, bottom) in any order, their angles an even division of a turn to
+    /// A revolution from readings (angle in degrees, top, bottom) in any order, their angles an even division of a revolution to
     /// 1e-3 of a division.
     ///
     /// # Errors
@@ -71,12 +71,12 @@ impl Turn {
         Self::even(first, column(1), column(2))
     }
 
-    /// Readings in the turn.
+    /// Readings in the revolution.
     pub fn len(&self) -> usize {
         self.top_mm.len()
     }
 
-    /// Never: a turn has at least eight readings.
+    /// Never: a revolution has at least eight readings.
     pub fn is_empty(&self) -> bool {
         self.top_mm.is_empty()
     }
@@ -96,7 +96,7 @@ impl Turn {
         &self.bottom_mm
     }
 
-    /// Caliper diameters w(φ), mm: half a turn shows each twice.
+    /// Caliper diameters w(φ), mm: half a revolution shows each twice.
     pub fn widths_mm(&self) -> Vec<f64> {
         self.top_mm.iter().zip(&self.bottom_mm).map(|(t, b)| t - b).collect()
     }

@@ -12,7 +12,7 @@ use crate::frame::FrameView;
 use crate::gauge::edge::image::valleys::{Bridged, Valleys, median_down};
 use crate::numerics::robust::median_of as median;
 
-/// What the coarse search found, to a pixel or so.
+/// Result of the coarse search, to about a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coarse {
     /// Outline.
@@ -202,7 +202,8 @@ fn outline(pixels: &[usize], columns: usize) -> Result<Option<Coarse>, RingError
             *slot = (slot.0.min(arm.length()), slot.1.max(arm.length()));
         }
         let middle = median(extremes.iter().map(|e| e.1).collect());
-        // Medians of opposite directions' differences would do as well; clipping the departures bounds the dirt's pull.
+        // Medians of opposite directions' differences would do as well; clipping the departures
+        // bounds the influence of contamination.
         let shift = extremes.iter().enumerate().map(|(k, e)| {
             let direction = DVec2::from_angle(TAU * (k as f64 + 0.5) / directions as f64);
             direction * (e.1 - middle).clamp(-0.1 * middle, 0.1 * middle) * (2.0 / directions as f64)

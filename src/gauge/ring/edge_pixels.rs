@@ -30,7 +30,7 @@ pub(super) struct Band {
     pub(super) sectors: Vec<Vec<EdgePixel>>,
 }
 
-/// How to read a band.
+/// Geometry of a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BandOrder {
     /// The circle it follows.
@@ -85,7 +85,8 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
 pub(super) const FLAT: f64 = 0.7;
 
 impl Band {
-    /// Divides the pixels by a light that is not even; `dark` is the shadow's level, counts, and `circle` what the band follows.
+    /// Divides the pixels by an uneven light; `dark` is the shadow's level, counts, and `circle`
+    /// the circle of the band.
     pub(super) fn level(&mut self, field: &LightField, dark: f64, circle: &Circle) {
         for pixel in self.sectors.iter_mut().flatten() {
             let arm = pixel.reach * circle.radius;
@@ -94,8 +95,8 @@ impl Band {
         }
     }
 
-    /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge, counts, and `whole` says that grey
-    /// values are whole counts.
+    /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge,
+    /// counts, and `whole` whether grey values are whole counts.
     pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
         let reach = self.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
         let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > FLAT * reach;
@@ -112,7 +113,7 @@ impl Band {
             sum / v.iter().flatten().count().max(1) as f64
         };
         let contrast = mean(&light) + mean(&dark);
-        // Light so far beyond the end that nothing could be fitted: the noise of an ordinary frame.
+        // Light too far beyond the end for a fit: the noise of an ordinary frame.
         let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
         let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
         let find = |level: Level, values: &[Vec<f32>], other: f64| {
@@ -121,7 +122,8 @@ impl Band {
             let found = grey_ends::judge(&mut pool, unit, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
                 let below = pairs_below(values, end).map_or(0.0, free);
-                // What is left of the flank's residuals is no noise only: of the shadow's it says nothing.
+                // The residuals of the flank are not noise only: they do not show that of the
+                // shadow.
                 let flank = if level == Level::Light { free(flank) } else { 0.0 };
                 if below > least {
                     below

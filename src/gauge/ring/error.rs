@@ -1,4 +1,4 @@
-//! Why no ring is measured.
+//! Reasons for which no ring is measured.
 
 use thiserror::Error;
 

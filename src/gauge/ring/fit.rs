@@ -22,19 +22,22 @@ const POOLED: usize = 7;
 /// The same and the amplitudes of the shape terms.
 const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
-/// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the light must not darken it.
+/// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the
+/// light must not lower its level.
 const HUBER: f64 = 3.0;
-/// Residuals beyond so many standard deviations are hot or dead pixels, or dirt: noise reaches it once in 5·10⁸ pixels. A caliper may have
-/// so many of them (of 2 % hot pixels, one caliper of thirty pixels in fifty has more); dirt covers more.
+/// Residuals beyond so many standard deviations are hot or dead pixels, or contamination: noise
+/// reaches it once in 5·10⁸ pixels. A caliper may have so many of them (of 2 % hot pixels, one
+/// caliper of thirty pixels in fifty has more); contamination covers more.
 const STRAY: f64 = 6.0;
 const MOST_STRAY: usize = 2;
-/// A caliper's χ² beyond so many times the usual one is no edge's.
+/// χ² of a caliper over the usual one above which it does not show an edge.
 const CHI2_GATE: f64 = 4.0;
 /// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the noise.
 const LEAST_LEFT: f64 = 0.1;
-/// Change of a step below which the calipers of clipped light are judged, px and shares of the contrast.
+/// Change of a step below which the calipers of clipped light are tested, px and fractions of the
+/// contrast.
 const SETTLED: f64 = 1e-3;
-/// Contrast is looked for up to this multiple of what is seen of it.
+/// Upper bound of the contrast in the fit, as a multiple of the part of it that is seen.
 const MOST_CONTRAST: f64 = 4.0;
 type Vector<const P: usize> = SVector<f64, P>;
 type Matrix<const P: usize> = SMatrix<f64, P, P>;
@@ -48,7 +51,7 @@ pub(super) struct Caliper {
     pub(super) u_shift: f64,
     /// Σ(residual/σ_n)² over its pixels − 1.
     pub(super) reduced_chi2: f64,
-    /// Whether it can be trusted.
+    /// Whether it is usable.
     pub(super) good: bool,
     /// Where the grey values of a caliper that is refused cross the middle of the levels, px towards the light: the outline
     /// of a burr, which no model of one edge fits. `None` where they do not, and for a good caliper.
@@ -118,7 +121,7 @@ struct State<const P: usize> {
     noise_known_to: f64,
 }
 
-/// What is known of a clipped edge.
+/// Prior data of a clipped edge.
 #[derive(Clone, Copy, Debug)]
 struct Clipped {
     ends: Ends,
@@ -183,7 +186,8 @@ impl<const P: usize> State<P> {
         })
     }
 
-    /// Takes place and blur off the shape terms, for an edge seen whole under the noise as it stands.
+    /// Makes the shape terms orthogonal to position and blur of an edge seen whole, under the
+    /// current noise.
     fn separate(&mut self, reach: f64) {
         const STEP: f64 = 0.25;
         let (sigma, variance) = (self.pooled[SIGMA], self.variance);
@@ -198,7 +202,7 @@ impl<const P: usize> State<P> {
         self.clipped.iter_mut().for_each(|clipped| clipped.separated = separated);
     }
 
-    /// Adds what is known of the shape terms beforehand.
+    /// Adds the prior of the shape terms.
     fn add_priors(&self, normal: &mut Matrix<P>, right: &mut Vector<P>) {
         for k in POOLED..P {
             normal[(k, k)] += AMPLITUDE.powi(-2);
@@ -319,7 +323,7 @@ impl<const P: usize> State<P> {
         let spread = zones.map(|mut z| robust_mean(&mut z).unwrap_or(0.0).max(self.least_variance));
         let [dark, middle, light] = spread;
         let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
-        // Where the light is clipped the pixels left are the ones that read too low.
+        // Where the light is clipped the remaining pixels are those that read too low.
         let light = if counts[2] >= 100 && ends.high.is_infinite() { light } else { 2.0 * middle - dark };
         // √(2/n) is known of the variance at mid-edge, twice of which stands in the light's; half of that of its root.
         self.noise_known_to = (2.0 / counts[1].max(2) as f64).sqrt() * middle / light.max(0.5 * middle);
@@ -333,7 +337,7 @@ impl<const P: usize> State<P> {
             return 0.0;
         }
         let repeated = |variance: f64| {
-            // At the least variance nothing is seen of the noise.
+            // At the least variance the noise is not observable.
             let seen = variance > 1.01 * self.least_variance;
             repeated_variance(if seen { noise_behind(variance) } else { 0.0 })
         };
@@ -401,8 +405,8 @@ fn departures(shifts: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends` where grey values are clipped. `Err`
-/// says what went wrong.
+/// Fits an edge; `least_variance` is the quantisation's (1/12 for integers) and above 0; `ends`
+/// where grey values are clipped. `Err` is the reason of a failure.
 pub(super) fn fit_edge(
     band: &Band,
     least_variance: f64,
@@ -424,7 +428,7 @@ fn settle<const P: usize>(
     let singular = "too few pixels, or all of them clipped";
     let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
     let mut settled = f64::INFINITY;
-    // What is clipped follows from the edge's shape alone: it takes longer.
+    // A clipped level follows from the edge's shape alone: it converges more slowly.
     let (rounds, steps) = if P == SHAPED { (6, 40) } else { (4, 12) };
     for round in 0..rounds {
         if P == SHAPED {
@@ -437,7 +441,8 @@ fn settle<const P: usize>(
             }
         }
         state.estimate_variance(band);
-        // Calipers that still move are not judged: all of them do while the light beyond the end is looked for.
+        // Calipers that still move are not tested: all of them do while the light beyond the end is
+        // being estimated.
         if round + 1 < rounds && (P == POOLED || settled < SETTLED) {
             // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
@@ -455,7 +460,7 @@ fn settle<const P: usize>(
     finish(&state, band).ok_or_else(|| singular.to_owned())
 }
 
-/// Variance along a lever were the shape terms known.
+/// Variance along a lever with the shape terms fixed.
 fn known_shape<const P: usize>(normal: &Matrix<P>, lever: &Vector<P>) -> Option<f64> {
     let (normal, lever) = (normal.fixed_view::<POOLED, POOLED>(0, 0), lever.fixed_rows::<POOLED>(0));
     let covariance = normal.into_owned().try_inverse()?;
@@ -494,7 +499,8 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
         })
         .collect();
     let all = lever.dot(&(covariance * lever));
-    // A lens that departs from its edge model in what is seen does so in what is not.
+    // A lens that departs from its edge model in the visible part departs as much in the clipped
+    // one.
     let beyond = (POOLED..P).fold(1.0, |most: f64, k| most.max(state.pooled[k].abs() / AMPLITUDE));
     let shape = match beyond > 1.0 {
         true => (all - known_shape(&normal, &lever)?).max(0.0) * (beyond * beyond - 1.0),

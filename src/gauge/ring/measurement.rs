@@ -33,7 +33,7 @@ pub fn measure_ring(view: &FrameView<'_>, settings: &RingSettings) -> Result<Rin
     let side = |light_outside| Side { view, settings, light_outside, half };
     let mut seen = side(true).light(&outer).unwrap_or_default();
     if let Some(mut inside) = inner.as_ref().and_then(|bore| side(false).light(bore)) {
-        // One light falls on both sides of the wall.
+        // The same light falls on both sides of the wall.
         seen.lit.append(&mut inside.lit);
     }
     let field = LightField::fit(&seen.lit).map(|field| (field, seen.dark));
@@ -226,8 +226,8 @@ impl Side<'_> {
 }
 
 impl RingMeasurement {
-    /// Flat keys for machines: `outer_diameter_px`, `u_outer_diameter_mm`, `roundness_inner_px`, `concentricity_px`, …; what
-    /// was not measured is absent.
+    /// Flat keys for machine reading: `outer_diameter_px`, `u_outer_diameter_mm`,
+    /// `roundness_inner_px`, `concentricity_px`, …; quantities not measured are absent.
     pub fn to_json(&self) -> serde_json::Value {
         let mut map = serde_json::Map::new();
         let mut put = |key: String, value: f64| map.insert(key, value.into());

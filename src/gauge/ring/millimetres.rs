@@ -19,7 +19,7 @@ use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
 use crate::gauge::uncertainty::budget::{Budget, add_conditions, common};
 
 impl RingScale {
-    /// Diameters (of the edge, as felt), u and roundness in mm.
+    /// Diameters (of the edge, and as traced by the stylus), u and roundness in mm.
     pub(super) fn millimetres(
         &self,
         outer: bool,
@@ -91,7 +91,7 @@ impl Mapping<'_> {
         let side = if outline.outer { 1.0 } else { -1.0 };
         let seen = ideal_circle(outline, None)?;
         let ideal = ideal_circle(outline, self.lens())?;
-        // What the lens adds to a diameter it adds to each of them.
+        // The lens adds the same amount to each of the diameters.
         let [d, felt] = [edge.diameter_px, edge.stylus_diameter_px].map(|d| d + 2.0 * (ideal.1 - seen.1));
         let mm = self.mm_per_px();
         let at_t = |d: f64| mm * d + side * self.calibration.offset_mm;

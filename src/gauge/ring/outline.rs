@@ -1,4 +1,4 @@
-//! The outline of an edge: caliper by caliper, its roundness, and how a ball would feel it.
+//! The outline of an edge: caliper by caliper, its roundness, and the outline as traced by a ball.
 
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ use super::fit::EdgeFit;
 pub enum PointOrigin {
     /// An edge was fitted and is trusted.
     Fitted,
-    /// Refused as burr or dirt: where the grey values cross the middle of the levels.
+    /// Refused as burr or contamination: where the grey values cross the middle of the levels.
     Crossing,
     /// Nothing to be seen: a straight line between the neighbours.
     Bridged,
@@ -32,8 +32,9 @@ pub struct Outline {
     pub outer: bool,
 }
 
-/// Least ratio of a part's diameter to the radius of the tip that feels it, for a Gaussian filter of so many undulations per
-/// revolution (ISO 12181-2): a larger tip would filter more than the filter does.
+/// Least ratio of a part's diameter to the radius of the stylus tip, for a Gaussian filter of so
+/// many undulations per revolution (ISO 12181-2): a larger tip would filter more than the filter
+/// does.
 pub(super) fn least_ratio_to_stylus(cutoff_upr: f64) -> f64 {
     let table = [(15.0, 5.0), (50.0, 15.0), (150.0, 50.0), (500.0, 150.0)];
     table.into_iter().find(|(upr, _)| cutoff_upr <= *upr).map_or(500.0, |(_, ratio)| ratio)
@@ -81,7 +82,8 @@ impl Outline {
         roundness_of(&self.trusted_radii(), cutoff_upr)
     }
 
-    /// Least-squares diameter of the outline as a ball of this radius feels it, burrs included, px.
+    /// Least-squares diameter of the outline as traced by a ball of this radius, burrs included,
+    /// px.
     ///
     /// # Errors
     /// A ball that does not fit the bore.
@@ -132,9 +134,10 @@ fn bridged(shifts: &[Option<f64>]) -> Vec<f64> {
         .collect()
 }
 
-/// Morphological closing of a closed profile by a ball (ISO 16610-41), heights positive out of the material: the ball's
-/// centre rides on the highest contact, then its lower side is what is felt. A parabola of the given curvature stands for
-/// the ball, right to (contact distance/radius)² of the height.
+/// Morphological closing of a closed profile by a ball (ISO 16610-41), heights positive out of the
+/// material: the ball's centre rides on the highest contact, and its lower side is the traced
+/// profile. A parabola of the given curvature approximates the ball, right to (contact
+/// distance/radius)² of the height.
 fn mechanical_closing(heights: &[f64], arc: f64, curvature: f64) -> Vec<f64> {
     let n = heights.len();
     let (low, high) =

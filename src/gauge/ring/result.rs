@@ -19,7 +19,8 @@ pub struct EdgeCircle {
     pub circumscribed_px: f64,
     /// Diameter of the maximum inscribed circle of the good calipers, px.
     pub inscribed_px: f64,
-    /// Least-squares diameter that a ball of [`Self::stylus_radius_px`] would feel, burrs included, px.
+    /// Least-squares diameter as traced by a ball of [`Self::stylus_radius_px`], burrs included,
+    /// px.
     pub stylus_diameter_px: f64,
     /// Radius of that ball, px.
     pub stylus_radius_px: f64,
@@ -31,7 +32,7 @@ pub struct EdgeCircle {
     pub reduced_chi2: f64,
     /// Calipers.
     pub calipers: usize,
-    /// Calipers that dirt, burrs or a poor fit made useless; they are not in the circle.
+    /// Calipers unusable because of contamination, burrs or a poor fit; they are not in the circle.
     pub refused: usize,
     /// The edge caliper by caliper, in even steps of the angle.
     #[serde(skip)]
@@ -71,7 +72,7 @@ pub struct EdgeMillimetres {
     pub u_diameter_mm: f64,
     /// The part of it that all parts measured at this scale share, mm.
     pub u_common_mm: f64,
-    /// Diameter that the stylus would feel, mm.
+    /// Diameter as traced by the stylus, mm.
     pub stylus_diameter_mm: f64,
     /// Roundness, mm.
     pub roundness_mm: f64,

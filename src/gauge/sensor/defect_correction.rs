@@ -1,4 +1,5 @@
-//! Defective pixels take what the good ones beside them show, interpolated along the shaft, where the picture hardly changes.
+//! Interpolates defective pixels from the good ones beside them along the shaft, where the picture
+//! hardly changes.
 
 /// Which way the shaft runs in the frames as the camera delivers them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -112,7 +113,7 @@ mod tests {
     const ROWS: usize = 12;
     const COLUMNS: usize = 20;
 
-    /// An image that is `grey` but for dead defects; the largest error after healing.
+    /// An image that is `grey` but for dead defects; the largest error after interpolation.
     fn worst(defects: &[[u32; 2]], shaft: ShaftRuns, grey: impl Fn(usize, usize) -> f32) -> f32 {
         let mut pixels: Vec<f32> = (0..ROWS * COLUMNS).map(|i| grey(i / COLUMNS, i % COLUMNS)).collect();
         for [r, c] in defects {

@@ -4,10 +4,12 @@
 //! m' = black + (m − black)·l_min/l(u, v)        l: quadratic surface through the flat field, 1 at its brightest
 //! ```
 //!
-//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective pixel takes what its nearest
-//! good neighbours along the shaft show (see `defect_correction`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is reported, not divided
-//! out: at .5 % it adds what 40 000 electrons' shot noise does, once per edge, and averages over columns as noise does,
-//! while a map of it would carry the noise of the flats that it was made from.
+//! so that no pixel is pushed beyond full scale; a saturated pixel stays saturated. A defective
+//! pixel is interpolated from its nearest good neighbours along the shaft (see
+//! `defect_correction`), where the picture hardly changes. Pixel-to-pixel response (PRNU) is
+//! reported, not divided out: at .5 % it adds as much as the shot noise of 40 000 electrons, once
+//! per edge, and averages over columns as noise does, while a map of it would carry the noise of
+//! the flats that it was made from.
 
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 use nalgebra::{DMatrix, DVector};

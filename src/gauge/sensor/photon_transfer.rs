@@ -1,6 +1,6 @@
 //! Photon transfer: the sensor's gain, noise, non-uniformity and linearity from pairs of frames (EMVA 1288, release 4.0).
 //!
-//! Two frames a, b of the same exposure part what changes from what stays:
+//! Two frames a, b of the same exposure separate the temporal from the fixed part:
 //!
 //! ```text
 //! temporal variance   σ² = ½·mean (a − b)² − ½·(μ_a − μ_b)²
@@ -32,7 +32,7 @@ pub struct FramePair<'a> {
     pub second: FrameView<'a>,
 }
 
-/// What photon transfer found.
+/// Result of photon transfer.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PhotonTransfer {
     /// System gain K, counts per electron.
@@ -337,7 +337,7 @@ fn transfer_point(
     saturation: f64,
 ) -> TransferPoint {
     let signal_counts = s.mean - dark.mean;
-    // The dark frames' own clipping is theirs to explain; light that clips is of no use for the gain.
+    // Clipping in the dark frames is tested apart; light that clips is of no use for the gain.
     let used =
         signal_counts > 0.0 && signal_counts <= 0.7 * saturation.max(0.0) && s.clipped <= 1e-4 + dark.clipped;
     TransferPoint {

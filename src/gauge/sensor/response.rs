@@ -7,7 +7,8 @@
 //! ln e = p·ln y + c·(y − 1) + a              for every exposure e at every place, whose light is exp(−a)
 //! ```
 //!
-//! least squares over the medians of tiles, each tile's own light taken off, so that light that falls off says as much as
+//! least squares over the medians of tiles, each tile's own light subtracted, so that an
+//! illumination gradient is worth as much as
 //! exposures that differ; c needs three exposures. L grows as long as p > 0 and p + c > 0.
 
 use nalgebra::{Matrix2, Vector2};
@@ -27,7 +28,8 @@ const SAME_EXPOSURE: f64 = 0.02;
 const LEAST_SIGNAL: f64 = 0.05;
 /// Signal that is clipped, or nearly, of full scale.
 const MOST_SIGNAL: f64 = 0.97;
-/// Rest of ln e, rms, beyond which the curve is none of these exposures: lamp and shutter are good to 1 %.
+/// Residual of ln e, rms, beyond which the curve does not describe these exposures: lamp and
+/// shutter are good to 1 %.
 const MOST_RESIDUAL: f64 = 0.03;
 /// Tiles along either side.
 const TILES: usize = 8;
@@ -46,7 +48,7 @@ pub struct Response {
     pub reference_counts: f64,
     /// Largest departure of the response from a line, as a share of the reference.
     pub departure: f64,
-    /// What the curve leaves of the exposures' logarithms, rms.
+    /// Residual of the exposures' logarithms, rms.
     pub residual: f64,
 }
 
@@ -61,7 +63,7 @@ pub struct NoResponse {
     pub exponent: f64,
     /// Largest departure from a line.
     pub departure: f64,
-    /// What is left.
+    /// Residual.
     pub residual: f64,
 }
 

@@ -20,7 +20,7 @@ use crate::gauge::width::column_means::ColumnMeans;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Share {
-    /// Shrinks with averaging.
+    /// Decreases with averaging.
     Random,
     /// The same in all readings of one calibration and set-up.
     Common,
@@ -41,7 +41,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Its word in tables and files.
+    /// Its name in tables and files.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Normal => "normal",
@@ -62,13 +62,13 @@ impl Serialize for Shape {
 pub struct Contribution {
     /// The source.
     pub source: String,
-    /// What is known of the input, with its unit.
+    /// Estimate or limits of the input, with its unit.
     pub input: String,
     /// Shape of its distribution.
     pub shape: Shape,
     /// Whether it averages.
     pub share: Share,
-    /// Degrees of freedom; none for what is known from elsewhere (type B).
+    /// Degrees of freedom; none for an evaluation of type B.
     pub freedom: Option<f64>,
     /// Standard uncertainty it gives the diameter, mm.
     pub u_mm: f64,
@@ -83,7 +83,8 @@ pub struct Budget {
     pub contributions: Vec<Contribution>,
 }
 
-/// Probability of the intervals where nobody names a coverage factor: what k = 2 covers of a normal distribution.
+/// Probability of the intervals where no coverage factor is given: that of k = 2 for a normal
+/// distribution.
 pub const PROBABILITY: f64 = 0.954_499_736_103_641_6;
 
 /// Draws of [`Budget::half_width_mm`]: the quantile is then known to 1 %.
@@ -117,16 +118,16 @@ impl Budget {
         if fourth > 0.0 { self.u_mm().powi(4) / fourth } else { f64::INFINITY }
     }
 
-    /// Adds a row, unless it is nothing. What is no number stays: the sum is then no number either, where leaving it out would
-    /// pass for certainty.
+    /// Adds a row, unless it is zero. NaN is kept: the sum is then NaN too, where leaving it out
+    /// would state a certainty.
     pub fn push(&mut self, contribution: Contribution) {
         if contribution.u_mm != 0.0 {
             self.contributions.push(contribution);
         }
     }
 
-    /// The rows for people: largest first, percentages of the variance. U is k·u for a coverage factor given, else for
-    /// [`Self::factor_or`]'s.
+    /// The rows as a table: largest first, percentages of the variance. U is k·u for a coverage
+    /// factor given, else for that of [`Self::factor_or`].
     pub fn to_table(&self, given: Option<f64>) -> String {
         let k = self.factor_or(given);
         let freedom = match self.effective_freedom() {
@@ -166,14 +167,14 @@ impl Budget {
             u(self.u_common_mm()),
             u(self.u_mm()),
             u(expanded_mm),
-            // Up to three digits, none of them for nothing.
+            // Up to three digits, none of them for zero.
             (1e3 * k).round() / 1e3
         );
         text
     }
 }
 
-/// A width in the image whose diameter's budget is asked for.
+/// A width in the image, input of a diameter's budget.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WidthReading {
     /// Column where it stands (the middle of those averaged), px.
@@ -190,7 +191,8 @@ pub struct WidthReading {
     pub quantisation_share: f64,
     /// Standard uncertainty of the width by the levels of light and shadow, px.
     pub u_levels_px: f64,
-    /// Standard uncertainty of the width by what the residual may hide, beyond what the calibration's masters left, px.
+    /// Standard uncertainty of the width by the edge model, beyond the systematic residual of the
+    /// calibration's masters, px.
     pub u_misfit_px: f64,
     /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
     pub u_clipped_px: f64,
@@ -200,9 +202,9 @@ pub struct WidthReading {
     pub u_blur_px: f64,
     /// Standard uncertainty of the blur, px.
     pub u_sigma_px: f64,
-    /// The frame's figures: what its edge-spread function leaves open.
+    /// The frame's figures, for the ambiguity of its edge-spread function.
     pub figures: FrameFigures,
-    /// Form, texture and sampling: scatter of what was averaged.
+    /// Form, texture and sampling: scatter of the widths averaged.
     pub form: Scatter,
 }
 
@@ -264,8 +266,8 @@ impl WidthReading {
         budget
     }
 
-    /// The row of edges whose place is unknown because their edge-spread function was learnt and the masters' was not, or the other
-    /// way round.
+    /// The row of edges with ambiguous position, because their edge-spread function was estimated
+    /// from the frame and the masters' was not, or the other way round.
     fn place(&self, calibration: &Calibration) -> Contribution {
         let limit = self.figures.position_ambiguity_px[0] + self.figures.position_ambiguity_px[1];
         let (source, input) = if calibration.is_learnt() {
@@ -303,7 +305,7 @@ impl WidthReading {
         random("quantisation", width(quantisation), quantisation, None);
         random("levels of light and shadow", width(self.u_levels_px), self.u_levels_px, None);
         random("form, texture and sampling", width(u_form_px), u_form_px, Some(form_freedom));
-        // All columns have the frame's blur; a stream takes it from every frame anew.
+        // All columns share the frame's blur; a stream estimates it from every frame anew.
         random("blur", format!("{:.5} px of blur", self.u_sigma_px), self.u_blur_px, None);
         // The same light falls on every frame: it does not average.
         let misfit = format!("{:.5} px beyond the masters'", self.u_misfit_px);
@@ -331,7 +333,7 @@ pub(super) fn quantisation_share(edges: &FrameEdges) -> f64 {
     if edges.figures.quantised && mid > 0.0 { (1.0 / 12.0 / mid).min(1.0) } else { 0.0 }
 }
 
-/// Whether only limits are known of a source of the calibration.
+/// Whether a source of the calibration is known by limits alone.
 pub fn is_rectangular(source: &str) -> bool {
     ["temperature", "expansion", "distortion", "telecentricity"].iter().any(|word| source.starts_with(word))
 }
@@ -349,7 +351,7 @@ pub(crate) fn common(part: &CovariancePart, by: &[f64; 6]) -> Contribution {
     }
 }
 
-/// Without a bench only scale and offset are known, with their covariance.
+/// Without an optical setup only scale and offset are known, with their covariance.
 fn add_scale_and_offset(budget: &mut Budget, calibration: &Calibration, width_px: f64) {
     let row = |source: &str, input: String, u_mm: f64| Contribution {
         source: source.to_owned(),
@@ -412,7 +414,7 @@ mod tests {
         assert!((budget.coverage_factor(0.99) - 2.92).abs() < 0.02, "{}", budget.coverage_factor(0.99));
     }
 
-    /// A row that is no number makes the sum none: left out, it would make the diameter look certain.
+    /// A row that is NaN makes the sum NaN: left out, the diameter would seem certain.
     #[test]
     fn what_is_no_number_does_not_vanish() {
         let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };

@@ -16,7 +16,7 @@ pub const OF_CONDITIONS: [&str; 5] = [
 pub(crate) struct Row {
     /// One of [`OF_CONDITIONS`].
     pub(crate) source: &'static str,
-    /// What is known of the input, with its unit.
+    /// Estimate or limits of the input, with its unit.
     pub(crate) input: String,
     /// Where the limits are multiplied by a factor that is itself uncertain: its estimate over its root mean square.
     pub(crate) factor: Option<f64>,

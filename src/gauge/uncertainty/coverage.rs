@@ -91,7 +91,8 @@ impl Budget {
     }
 }
 
-/// What is added to the rectangles: a normal, or Student's t where it is known from few degrees of freedom.
+/// The part added to the rectangles: a normal distribution, or Student's t where it has few degrees
+/// of freedom.
 struct Rest {
     s: f64,
     student: Option<StudentsT>,
@@ -103,7 +104,7 @@ impl Rest {
             // As in the draws: below two degrees of freedom there is no standard deviation.
             return Self { s: u, student: StudentsT::new(0.0, 1.0, freedom.max(2.1)).ok() };
         }
-        // Widened to the t that it is alone: beside rectangles within 1 %.
+        // Widened to its t distribution alone: beside rectangles within 1 %.
         let wider = student(freedom, probability) / student(f64::INFINITY, probability);
         Self { s: u * wider, student: None }
     }

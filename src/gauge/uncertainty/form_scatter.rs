@@ -1,9 +1,11 @@
-//! How far the widths that a mean is taken over scatter by form, texture and sampling.
+//! Scatter, by form, texture and sampling, of the widths that a mean is taken over.
 //!
-//! Neighbouring columns share texture, so the scatter of single columns would understate what their mean is uncertain by: it is taken of
-//! the means of blocks, about a line (taper is form that is meant to be seen), and noise comes off. Before that every block's width is
-//! freed of the lens' distortion, as the diameter is: left in, it would be taken for form. Fewer than three whole blocks cannot tell form
-//! from noise: they are cut to three, noise stays in, and their one degree of freedom widens U.
+//! Neighbouring columns share texture, so that the scatter of single columns would understate the
+//! uncertainty of their mean. It is computed from the means of blocks about a line (a taper is form
+//! to be measured), less the noise. Before that the width of every block is corrected for lens
+//! distortion, as the diameter is; uncorrected, distortion would count as form. With fewer than
+//! three whole blocks form and noise cannot be separated: the columns are then cut into three, the
+//! noise stays in, and their one degree of freedom widens U.
 
 use crate::gauge::calibration::{ColumnSpread, LensModel};
 use crate::gauge::edges::FrameEdges;
@@ -14,7 +16,7 @@ use crate::numerics::line::Line;
 const BLOCK: usize = 16;
 /// Least and most blocks: two lie on any line.
 const BLOCKS: (usize, usize) = (3, 12);
-/// Columns below which their scatter does not tell form from noise.
+/// Columns below which their scatter does not separate form from noise.
 pub(super) const FEW_COLUMNS: usize = BLOCKS.0 * BLOCK;
 
 /// Mean edges of a block of neighbouring columns.
@@ -47,14 +49,14 @@ impl Block {
     }
 }
 
-/// What is known of the scatter of the widths averaged.
+/// Data on the scatter of the widths averaged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scatter {
     /// Blocks, whose widths show it.
     Blocks {
         /// Mean edges of each.
         blocks: Vec<Block>,
-        /// Whether they hold columns enough to tell form from noise.
+        /// Whether there are columns enough to separate form from noise.
         tell_noise: bool,
     },
     /// The scatter itself.
@@ -139,7 +141,8 @@ mod tests {
         Scatter::of_blocks(edges, &ColumnMeans::over(edges, 0..COLUMNS).unwrap())
     }
 
-    /// A perfect pin behind a lens of .05 % distortion: all that its widths scatter is the lens', which the diameter is freed of.
+    /// A perfect pin behind a lens of .05 % distortion: its widths scatter by the lens alone, for
+    /// which the diameter is corrected.
     #[test]
     fn distortion_is_not_taken_for_form() {
         let lens = lens();
@@ -150,7 +153,7 @@ mod tests {
         assert!(corrected < 1e-5 && freedom == 10.0, "{corrected} {freedom}");
     }
 
-    /// Form that stands on the part stays: waves that a block holds one half of.
+    /// Form of the part itself remains: waves of which a block holds one half.
     #[test]
     fn form_of_the_part_stays_in() {
         let lens = lens();

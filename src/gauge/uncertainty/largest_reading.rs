@@ -1,4 +1,4 @@
-//! The largest diameter of a frame as a reading whose budget is asked for.
+//! The largest diameter of a frame as a reading, input of its budget.
 
 use super::budget::{WidthReading, quantisation_share};
 use super::form_scatter::{FEW_COLUMNS, Scatter};

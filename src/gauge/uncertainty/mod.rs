@@ -3,9 +3,9 @@
 //! In: a width or diameter, its calibration and conditions. Out: a [`Budget`](budget::Budget) with k and U (`coverage`), the same by Monte
 //! Carlo (`monte_carlo`, JCGM 101), values as people read them (`stated`).
 //!
-//! One more source is one more row: a `Contribution` with its sensitivity, distribution and degrees of freedom, made in `budget` (of a
-//! width) or in `budget_conditions` (of the conditions of use). `form_scatter` is what columns scatter by, `largest_reading` the budget
-//! of a largest diameter.
+//! One more source is one more row: a `Contribution` with its sensitivity, distribution and degrees
+//! of freedom, made in `budget` (of a width) or in `budget_conditions` (of the conditions of use).
+//! `form_scatter` is the scatter of columns, `largest_reading` the budget of a largest diameter.
 
 pub mod budget;
 pub(crate) mod budget_conditions;

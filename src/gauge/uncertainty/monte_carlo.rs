@@ -14,7 +14,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Trials of a block (JCGM 101, 7.9.4 recommends at least 10⁴).
 pub const BLOCK: usize = 10_000;
 
-/// What is known of an input, about its estimate.
+/// Distribution of an input about its estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
@@ -76,7 +76,7 @@ impl Distribution {
     }
 }
 
-/// An input: its best estimate and what surrounds it.
+/// An input: its best estimate and its distribution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Input {
     /// Its name.

@@ -1,9 +1,9 @@
-//! Values with their uncertainty as people read them: u or U with two significant digits, the value rounded to the same place
-//! (GUM 7.2.6). Files and JSON keep every digit.
+//! Values with their uncertainty as printed: u or U with two significant digits, the value rounded
+//! to the same place (GUM 7.2.6). Files and JSON keep every digit.
 
 /// Significant digits of an uncertainty.
 const DIGITS: i32 = 2;
-/// Decimals where no uncertainty says how many mean something.
+/// Decimals printed where no uncertainty determines how many are significant.
 const WITHOUT_U: i32 = 5;
 
 /// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996 is 0.10. Negative from 100 on.

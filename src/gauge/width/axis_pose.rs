@@ -1,4 +1,5 @@
-//! How the axis of a straight part lies in a frame: its slope and that of the flanks, and what they do to a width.
+//! Pose of the axis of a straight part in a frame: its slope and that of the flanks, and their
+//! effect on a width.
 
 use crate::gauge::edges::FrameEdges;
 use crate::numerics::line::Line;

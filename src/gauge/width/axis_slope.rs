@@ -16,10 +16,10 @@ const TERMS: usize = 6;
 const LEAST_COLUMNS: usize = 256;
 /// Columns whose middles are averaged first.
 const BLOCK: usize = 16;
-/// It must leave this share of what a line leaves, at most: a bend below the noise changes no diameter.
+/// Largest residual as a fraction of that of a line: a bend below the noise changes no diameter.
 const BETTER: f64 = 0.7;
-/// It describes the middles where it leaves no more than this many of their own roughnesses, and this many pixels: steps out of
-/// the centre are no bend.
+/// Largest residual in units of the middles' own roughness, and in px, at which the polynomial
+/// describes them: steps out of the centre are no bend.
 const ROUGH: f64 = 2.0;
 const ROUGH_PX: f64 = 0.02;
 /// Standard deviations beyond which a middle is left out, and rounds of it.
@@ -95,7 +95,7 @@ impl Bent {
     }
 }
 
-/// Least squares of the first `terms` powers, with what lies far off left out; and what remains of the rest, rms.
+/// Least squares of the first `terms` powers without outliers; and the residual of the rest, rms.
 fn fitted(
     points: &[(f64, f64)],
     (middle, half): (f64, f64),

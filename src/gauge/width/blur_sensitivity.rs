@@ -1,15 +1,16 @@
-//! What the blur's own uncertainty does to a width.
+//! Uncertainty of a width by that of the blur.
 //!
-//! At one sub-pixel phase place and blur are estimated together: with the information matrix I of (x, σ) a blur off by δ moves the
-//! place by −δ·I_xσ/I_xx. Between equal noise on both sides that changes its sign from phase to phase, and only a level edge keeps any of
-//! it; photon noise, which weighs the shadow's foot more, leaves some everywhere. The blur is known to
-//! u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
+//! At one sub-pixel phase position and blur are estimated together: with the information matrix I
+//! of (x, σ) a blur off by δ moves the position by −δ·I_xσ/I_xx. With equal noise on both sides
+//! this changes its sign from phase to phase, and only a level edge keeps any of it; photon noise,
+//! which gives the dark end of the flank more weight, leaves some everywhere. The variance of the
+//! blur is u_σ² = 1/Σ(I_σσ − I_xσ²/I_xx) over the columns that it is estimated from.
 
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::{Edge, FrameEdges};
 
-/// Columns whose phases are looked at.
+/// Columns whose phases are evaluated.
 const LOOKED_AT: usize = 64;
 /// Pixels either side of the edge.
 const REACH: i32 = 24;

@@ -1,4 +1,5 @@
-//! Means over some columns of one frame: what a calibration observes and what a budget starts from.
+//! Means over some columns of one frame: the observations of a calibration and the input of a
+//! budget.
 
 use super::axis_pose::Pose;
 use crate::gauge::edges::{Edge, FrameEdges};
@@ -16,11 +17,11 @@ pub(crate) struct ColumnMeans {
     pub(crate) column_variance_px2: f64,
     /// Mean rows of the upper and the lower edge, px.
     pub(crate) rows_px: (f64, f64),
-    /// Variance of the mean width from what each column has for itself, px².
+    /// Variance of the mean width by the columns' independent parts, px².
     pub(crate) own_variance_px2: f64,
-    /// Standard uncertainty of the width that the columns share (levels, misfit), px.
+    /// Standard uncertainty of the width that the columns share (levels, edge model), px.
     pub(crate) u_shared_px: f64,
-    /// The part of it that a misfit of the edge model states, px.
+    /// The part of it due to the edge model, px.
     pub(crate) u_misfit_px: f64,
 }
 

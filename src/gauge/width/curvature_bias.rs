@@ -7,7 +7,7 @@ use crate::gauge::edges::Edge;
 
 /// Columns either side of the parabola that gives y''.
 const ARM: usize = 12;
-/// A curvature below so many standard uncertainties is noise, and left alone.
+/// A curvature below so many standard uncertainties is noise, and not corrected.
 const SIGNIFICANT: f64 = 4.0;
 
 /// ½(σ² + 1/12), px²: the bias a unit of y'' gives.
@@ -15,7 +15,8 @@ pub(crate) fn bias_per_curvature(sigma_px: f64) -> f64 {
     0.5 * (sigma_px * sigma_px + 1.0 / 12.0)
 }
 
-/// Bias of each edge of a line, px, to be taken off its row; 0 where the edge is straight or not known well enough.
+/// Bias of each edge of a line, px, to be subtracted from its row; 0 where the edge is straight or
+/// its curvature not significant.
 pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Vec<f64> {
     let mut bias = vec![0.0; line.len()];
     let factor = bias_per_curvature(sigma_px);

@@ -12,7 +12,8 @@ use crate::gauge::edges::FrameEdges;
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
-/// Standard uncertainties by which the tangents must lie farther apart than the largest width to be what a caliper touches.
+/// Standard uncertainties by which the tangents must lie farther apart than the largest width to
+/// give the caliper diameter.
 const APART: f64 = 2.0;
 /// −d²(w²)/dc²/2 of a circle is 4; between these it is taken for a round part seen end-on.
 const ROUND: (f64, f64) = (2.0, 8.0);
@@ -57,8 +58,9 @@ pub fn largest_caliper_over(edges: &FrameEdges, least: usize) -> Option<LargestC
     largest_caliper_where(edges, least, |_, top_px, bottom_px| bottom_px - top_px)
 }
 
-/// The caliper diameter as the image shows it, px, where `size` of (column, rows of the upper and lower edge) is largest: behind a lens that
-/// distorts, the widest place of the image is not that of the part.
+/// The caliper diameter in the image, px, where `size` of (column, rows of the upper and lower
+/// edge) is largest: behind a lens that distorts, the widest place of the image is not that of the
+/// part.
 pub(crate) fn largest_caliper_where(
     edges: &FrameEdges,
     least: usize,
@@ -156,13 +158,14 @@ fn of_shaft(found: &Largest, tangents: bool) -> LargestCaliper {
     }
 }
 
-/// What the curvature of both edges of a disc takes from its diameter, px.
+/// Correction of a disc's diameter for the curvature of both edges, px.
 fn end_on_bias(edges: &FrameEdges, diameter_px: f64) -> f64 {
     let sum: f64 = edges.figures.sigma_px.iter().map(|s| bias_per_curvature(*s)).sum();
     2.0 * sum / diameter_px
 }
 
-/// Root mean square of what the widths' uncertainties share (levels, blind light): it does not average down over the columns.
+/// Root mean square of the shared uncertainties of the widths (levels, clipped light): it does not
+/// average down over the columns.
 fn shared_u_px(edges: &FrameEdges) -> f64 {
     let usable = edges.top.iter().zip(&edges.bottom).filter(|(t, b)| t.is_usable() && b.is_usable());
     let (sum, count) = usable.fold((0.0, 0.0_f64), |(sum, count), (top, bottom)| {

@@ -1,4 +1,5 @@
-//! Pixels: from two lines of edges to widths, with what the pose of the axis, curvature and blur do to them.
+//! Pixels: from two lines of edges to widths, corrected for the pose of the axis, curvature and
+//! blur.
 //!
 //! In: [`FrameEdges`](crate::gauge::FrameEdges). Out: widths and middles in px: per column, as means over columns (`column_means`), or the
 //! largest caliper diameter of the frame (`largest_caliper`, over the stretches of `stretch`). Factors for slope (`axis_pose`,

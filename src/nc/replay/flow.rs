@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// A line without comments, upper case, with what an active comment says.
+/// A line without comments, upper case, with the text of an active comment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Line {
     pub(super) text: String,

@@ -93,7 +93,7 @@ pub(super) enum Motion {
     Feed,
 }
 
-/// Modal state; `None` is what the program has not said yet.
+/// Modal state; `None` is what the program has not set yet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Modal {
     pub(super) motion: Option<Motion>,

@@ -1,4 +1,4 @@
-//! Contamination as the bench has it: one window for all frames, new air for each, films wherever the shaft is looked at.
+//! Contamination as the optical setup has it: one window for all frames, new air for each, films wherever the shaft is looked at.
 
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -21,7 +21,7 @@ const PEAK_OF_UNIT_GAUSSIAN: f64 = 0.398_942_280_401_432_7;
 /// Blur widths on either side of a raised edge that its mask covers.
 const MASK_REACH: f64 = 3.0;
 
-/// The contamination of a bench.
+/// The contamination of an optical setup.
 #[derive(Debug)]
 pub struct ContaminationModel {
     settings: Contamination,

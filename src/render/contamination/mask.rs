@@ -13,7 +13,7 @@ pub const AIR_DROPLET: u8 = 4;
 pub const CHIP: u8 = 8;
 /// A film on the shaft raises the edge here.
 pub const FILM: u8 = 16;
-/// Dirt on the window.
+/// Specks on the window.
 pub const DIRT: u8 = 32;
 /// Scratches on the window.
 pub const SCRATCH: u8 = 64;

@@ -1,9 +1,10 @@
 //! Contamination: what lies between light and camera, or on the shaft, and is not the part.
 //!
-//! Three kinds by how they move. On the protective window (droplets, dirt, scratches): fixed in the image, the same in
-//! every frame. In the air (mist, droplets, chips): drawn anew for every frame. On the shaft (films): fixed to the body,
-//! they turn with it and raise the silhouette ([`AdheringFilms`]). The first two are a transmission 0..1.. that
-//! multiplies the light of every pixel ([`TransmissionMap`]); every pixel says in its [`mask`] what touches it.
+//! Three kinds by how they move. On the protective window (droplets, specks, scratches): fixed in
+//! the image, the same in every frame. In the air (mist, droplets, chips): drawn anew for every
+//! frame. On the shaft (films): fixed to the body, they turn with it and raise the silhouette
+//! ([`AdheringFilms`]). The first two are a transmission 0..1.. that multiplies the light of every
+//! pixel ([`TransmissionMap`]); the [`mask`] of every pixel states what touches it.
 //!
 //! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus is folded with the
 //! disc of confusion of radius b = |y|·NA, so that its shade grows and pales. Numbers are Poisson, sizes lognormal, places

@@ -245,7 +245,7 @@ fn density(key: &'static str, per_cm2: f64) -> Result<(), RenderError> {
 }
 
 impl Contamination {
-    /// Whether nothing at all soils the view.
+    /// Whether neither window nor air nor shaft is contaminated.
     pub fn is_clean(&self) -> bool {
         self.is_clear() && self.films.per_cm2 == 0.0
     }

@@ -18,13 +18,13 @@ pub(super) struct Band<'a> {
     pub touched: &'a mut [bool],
 }
 
-/// What is wanted of a window's light.
+/// A request for the light of a window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TransmissionRequest {
     /// Rows and columns.
     pub size: [usize; 2],
-    /// Whether the mask is wanted, too.
+    /// Whether the mask is requested, too.
     pub with_mask: bool,
-    /// Rows of the window whose light nobody reads.
+    /// Rows of the window whose light is not needed.
     pub unseen: Range<i32>,
 }

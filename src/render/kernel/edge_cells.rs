@@ -5,7 +5,7 @@
 
 use super::column_edges::{Edge, PROFILE};
 use super::job::Job;
-use super::light_map::whole;
+use super::light_map::floor_to_u32;
 use super::shadowgraph::transmitted;
 
 /// Columns of a cell, the light map's.
@@ -119,7 +119,7 @@ fn edge_spreads(job: &Job<'_>, u: &[f32; CELL], tables: &[u32; CELL], skip: u32)
         // Plain comparisons: those of f32 mind NaN, which costs three instructions.
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < segments { place } else { segments };
-        let segment = whole(place).min(last);
+        let segment = floor_to_u32(place).min(last);
         t[i] = place - segment as i32 as f32;
         index[i] = tables[i].wrapping_add(skip).wrapping_add(segment);
     }

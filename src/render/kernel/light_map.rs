@@ -2,7 +2,7 @@
 //!
 //! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
 //! vignetting and the gradient of the backlight ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what
-//! contamination leaves. Stray light in the shadow is a veil over the whole field and stays as it is.
+//! contamination leaves. Stray light in the shadow is uniform over the field and stays as it is.
 //!
 //! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
 //! 32 pixels of a row that nothing touches are known, written once and read by no one.
@@ -13,7 +13,7 @@ pub const CLEAR: f32 = 32_768.0;
 /// Two factors of clear light.
 const CLEAR_WORD: u32 = 0x8000_8000;
 
-/// Pixels of a row that are told apart as touched or clear.
+/// Pixels of a row that are marked as touched or clear.
 pub const CELL: usize = 32;
 
 /// Words of a cell.
@@ -24,7 +24,7 @@ const CELL_WORDS: usize = CELL / 2;
 pub struct LightMap {
     /// Two factors a word, rows padded to whole words.
     pub words: Vec<u32>,
-    /// Bits of [`crate::render::contamination::mask`], row-major; empty where nobody asked for it.
+    /// Bits of [`crate::render::contamination::mask`], row-major; empty where not requested.
     pub mask: Vec<u8>,
     /// Whether a factor of a cell of [`CELL`] pixels differs from clear light, row-major.
     pub touched: Vec<bool>,
@@ -70,7 +70,8 @@ impl LightMap {
 }
 
 impl Lines<'_> {
-    /// Packs the factors of these rows; `dimmed` tells of every cell of a row whether it holds others than 1.
+    /// Packs the factors of these rows; `dimmed` states of every cell of a row whether it holds
+    /// others than 1.
     #[inline(always)]
     pub(crate) fn pack(&mut self, values: &[f32], dimmed: &[bool]) {
         let lines = self.words.chunks_exact_mut(self.columns.div_ceil(2));
@@ -103,12 +104,12 @@ fn pack_cell(words: &mut [u32], values: &[f32]) {
 /// A factor in 2⁻¹⁵, rounded, at most 2.
 #[inline(always)]
 fn factor(value: f32) -> u32 {
-    whole((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
+    floor_to_u32((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
 }
 
 /// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
 #[inline(always)]
-pub(crate) fn whole(x: f32) -> u32 {
+pub(crate) fn floor_to_u32(x: f32) -> u32 {
     let rounded = x + 8_388_608.0;
     let over = u32::from(rounded - 8_388_608.0 > x);
     (rounded.to_bits() & 0x007f_ffff) - over

@@ -1,4 +1,4 @@
-//! What the kernel is told about a frame: the same bytes for the shader and for its CPU twin.
+//! Parameters of a frame for the kernel: the same bytes for the shader and for its CPU twin.
 
 use super::noise::frame_key;
 use crate::frame::PixelFormat;

@@ -114,7 +114,7 @@ impl PartialEq for Folded {
     }
 }
 
-/// Tables already made for a bench: a partially coherent one takes tenths of a second, and every pose of a part asks for it.
+/// Tables already made for an optical setup: a partially coherent one takes tenths of a second, and every pose of a part asks for it.
 #[derive(Clone, Debug, Default)]
 pub struct TableCache(Arc<Mutex<Vec<Kept>>>);
 

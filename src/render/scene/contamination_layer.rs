@@ -50,7 +50,7 @@ pub(crate) struct WindowView<'a> {
     pub dark: std::ops::Range<i32>,
 }
 
-/// What contamination does to the window's pixels, with its mask; `None` where the bench is clean.
+/// What contamination does to the window's pixels, with its mask; `None` where the optical setup is clean.
 ///
 /// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
 pub(crate) fn contamination(

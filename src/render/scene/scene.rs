@@ -1,4 +1,4 @@
-//! A scene: one shaft before one bench, ready to be drawn at any field and angle.
+//! A scene: one shaft before one optical setup, ready to be drawn at any field and angle.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ const ASYNCHRONOUS_STREAM: u64 = 0x6173_796e_6368;
 /// Room that a pinhole keeps from the shaft, mm.
 const CLEARANCE_MM: f64 = 1.0;
 
-/// One shaft before one bench.
+/// One shaft before one optical setup.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(super) setup: OpticalSetup,
@@ -43,7 +43,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Prepares a shaft for the bench: bounds, tables.
+    /// Prepares a shaft for the optical setup: bounds, tables.
     ///
     /// # Errors
     /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses the rest.
@@ -90,7 +90,8 @@ impl Scene {
         })
     }
 
-    /// The same scene with its surface wiped: no films adhere to it, whatever soils window and air.
+    /// The same scene with its surface wiped: no films adhere to it, whatever contaminates window
+    /// and air.
     #[must_use]
     pub fn wiped(self) -> Self {
         Self { wiped: true, ..self }

@@ -1,4 +1,4 @@
-//! The true bench: what the optics really are, drawn by seed around the nominal settings. Only `truth` may know it.
+//! The true optical setup: drawn by seed around the nominal settings. Only `truth` may use it.
 
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use super::features;
 use crate::render::error::RenderError;
 use crate::shaft::{ProfileKnot, Shaft};
 
-/// Fewest segments of a turn: bounds the half width of a segment at .0123 rad, where cos and sin to the sixth order
+/// Fewest segments of a revolution: bounds the half width of a segment at .0123 rad, where cos and sin to the sixth order
 /// are exact to 1e-17.
 const FEWEST_SEGMENTS: usize = 256;
 
@@ -24,7 +24,7 @@ const CORNER: f64 = 3e-4;
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub(super) shaft: Shaft,
-    /// Segments of a turn, a multiple of the texture's nodes.
+    /// Segments of a revolution, a multiple of the texture's nodes.
     pub(super) segments: usize,
     /// Segments between two nodes of the texture.
     pub(super) per_node: usize,
@@ -115,7 +115,7 @@ impl Outline {
         after.checked_sub(1).is_some_and(|last| self.broken_mm[last].1 >= from_mm)
     }
 
-    /// Undulations a turn of the finest form that turns past the camera.
+    /// Undulations a revolution of the finest form that turns past the camera.
     pub fn undulations(&self) -> f64 {
         let f = &self.shaft.features;
         let lobes = self.shaft.lobes.iter().map(|l| l.order_upr).max().unwrap_or(1);

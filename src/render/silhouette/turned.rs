@@ -18,7 +18,7 @@ const TILT_STILL_MM: f64 = 1e-11;
 const ROOT_STEPS: usize = 80;
 const ROOT_STILL_MM: f64 = 1e-13;
 
-/// Distance at which the two sides of a shoulder are told apart, mm.
+/// Distance at which the two sides of a shoulder are separated, mm.
 pub(super) const BESIDE_MM: f64 = 1e-9;
 
 /// Both edges of the shaft's shadow over a z, in machine coordinates.

@@ -7,7 +7,7 @@ use crate::gauge::calibration::Adjustment;
 /// A finished calibration.
 #[derive(Clone, Debug)]
 pub struct Calibrated {
-    /// The calibration; its check says whether it may be used.
+    /// The calibration; its check decides whether it may be used.
     pub calibration: Calibration,
     /// The adjustment behind it, for propagation of distributions.
     pub adjustment: Adjustment,

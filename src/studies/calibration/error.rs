@@ -19,7 +19,7 @@ pub enum CalibrateError {
     /// Frames that cannot be read.
     #[error("{0}")]
     Frames(String),
-    /// The simulated bench cannot draw.
+    /// The simulated optical setup cannot draw.
     #[error("simulate: {0}")]
     Render(#[from] RenderError),
     /// Dark and flat fields that are none.

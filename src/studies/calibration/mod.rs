@@ -1,4 +1,4 @@
-//! Calibration of a bench: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
+//! Calibration of an optical setup: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
 //! its residuals and the verdict of a check pin.
 
 mod calibrated;
@@ -34,14 +34,14 @@ use crate::gauge::{
 struct PinEdges {
     edges: Vec<(FrameEdges, f64)>,
     size: (usize, usize),
-    /// Frames left out because they taught no edge-spread function.
+    /// Frames left out because no edge-spread function could be estimated from them.
     unlearnt: usize,
 }
 
 /// Makes a calibration.
 ///
 /// # Errors
-/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no bench.
+/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no optical setup.
 pub fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
@@ -185,7 +185,8 @@ fn sensor_response(dark: &[Frame], flats: &[(f64, Vec<Frame>)]) -> Result<Option
     response(&dark, &flats)
 }
 
-/// One frame of a field says nothing of its noise: left out in silence, it would be missed in the transfer curve only.
+/// A single frame of a field has no measure of its noise: left out in silence, it would be missed
+/// in the transfer curve only.
 fn at_least_two(key: &str, found: usize) -> Result<(), CalibrateError> {
     match found {
         2.. => Ok(()),
@@ -372,7 +373,7 @@ mod tests {
     use super::*;
     use crate::frame::{Buffer, FrameMeta, PixelFormat};
 
-    /// Two dark frames, and as many of each exposure as said.
+    /// Two dark frames, and the given number of each exposure.
     struct Fields(Vec<usize>);
 
     fn frame() -> Frame {

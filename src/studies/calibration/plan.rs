@@ -87,8 +87,8 @@ pub struct Fields {
     pub flats: Vec<FlatPlan>,
 }
 
-/// A bench to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
-/// file draws the same bench.
+/// An optical setup to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
+/// file draws the same optical setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
@@ -96,7 +96,7 @@ pub struct SimulatedPlan {
     pub seed: u64,
     /// Frames of each position and exposure.
     pub frames_each: usize,
-    /// A job's config beside this file: its bench and seed, exactly as `render` and `run` draw them, in place of the tables below.
+    /// A job's config beside this file: its optical setup and seed, exactly as `render` and `run` draw them, in place of the tables below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub config: Option<PathBuf>,
     /// Pins are laid obliquely in the image plane by up to this, mrad. 0 ..= 100.
@@ -113,7 +113,7 @@ pub struct SimulatedPlan {
     pub sensor: Sensor,
     /// What moves during an exposure.
     pub motion: Motion,
-    /// What soils the view.
+    /// Contamination of window, air and shaft.
     pub contamination: Contamination,
     /// How far the true bench may lie from these values.
     pub departures: SetupDeviations,
@@ -157,7 +157,7 @@ impl SimulatedPlan {
         }
     }
 
-    /// The bench and seed of a job in place of its own.
+    /// The optical setup and seed of a job in place of its own.
     #[must_use]
     pub fn before_setup_of(&self, job: &Job) -> Self {
         let SetupSettings { camera, optics, light, sensor, motion, contamination, departures } =
@@ -215,7 +215,7 @@ pub struct CalibrationPlan {
     /// Days the calibration is valid.
     #[serde(default = "a_year")]
     pub valid_days: u32,
-    /// What the lens' data sheet promises.
+    /// Limits of the lens by its data sheet.
     #[serde(default)]
     pub lens: LensLimits,
     /// Temperature of the masters.
@@ -243,7 +243,7 @@ fn a_year() -> u32 {
 }
 
 impl CalibrationPlan {
-    /// The calibration of a job's own bench on its own master pins, each at three heights of the field.
+    /// The calibration of a job's own optical setup on its own master pins, each at three heights of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
         let pin = |(index, pin): (usize, &MasterCertificate)| {
             let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
@@ -277,8 +277,8 @@ impl CalibrationPlan {
         }
     }
 
-    /// The plan with what a rendered bench knows: temperature and finish are exact where `[simulate]` draws them and the plan
-    /// states nothing.
+    /// The plan with the truth of a rendered setup: temperature and finish are exact where
+    /// `[simulate]` draws them and the plan states nothing.
     #[must_use]
     pub fn settled(&self) -> Self {
         if self.simulate.is_none() {

@@ -1,5 +1,6 @@
-//! A bench rendered in place of a recorded one. What it really is (scale, blur, gain, telecentricity, the masters' true
-//! diameters and temperature) is drawn from what the plan says is known of it, and only the frames show it.
+//! A rendered optical setup in place of a recorded one. Its true values (scale, blur, gain,
+//! telecentricity, the masters' true diameters and temperature) are drawn from the uncertainties in
+//! the plan, and only the frames show them.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
@@ -16,13 +17,13 @@ use crate::render::settings::Sensor;
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{AxisKnot, Pose, Shaft};
 
-/// Stream of the true values, apart from the bench's own.
+/// Stream of the true values, apart from the optical setup's own.
 const TRUTH_STREAM: u64 = 0x0063_616c_6962;
 
 /// Stream of the lens' true distortion.
 const LENS_STREAM: u64 = 0x6c65_6e73;
 
-/// A shaft laid before a simulated bench.
+/// A shaft laid before a simulated optical setup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laid {
     /// Its form at 20 °C; pose and deflection are set here.
@@ -80,7 +81,7 @@ impl<'a> SimulatedSetup<'a> {
         self.renderer.render(&self.scene(laid)?, &request, None)
     }
 
-    /// The scene of a shaft before the bench.
+    /// The scene of a shaft before the optical setup.
     ///
     /// # Errors
     /// As [`Self::frame`].
@@ -192,7 +193,7 @@ fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
 }
 
 impl SimulatedPlan {
-    /// The bench as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
+    /// The optical setup as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
     /// telecentricity lie within the data sheet's limits about the config's, unless the config itself is the truth.
     ///
     /// # Errors
@@ -219,7 +220,7 @@ struct Lying {
     frames: Vec<(Laid, u64)>,
 }
 
-/// Frames of a plan's pins on a simulated bench: recorded once, however often they are looked at.
+/// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are looked at.
 pub struct SimulatedRecordings<'a> {
     setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
@@ -230,10 +231,10 @@ pub struct SimulatedRecordings<'a> {
 }
 
 impl<'a> SimulatedRecordings<'a> {
-    /// The bench of a plan that has a `[simulate]` table.
+    /// The optical setup of a plan that has a `[simulate]` table.
     ///
     /// # Errors
-    /// A bench that cannot be.
+    /// An optical setup that cannot be.
     pub fn new(plan: &CalibrationPlan, renderer: &'a Renderer) -> Result<Self, CalibrateError> {
         let plan = &plan.settled();
         let simulate = plan.simulate.clone().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! One scene of the coverage study: a bench is drawn, calibrated on drawn masters, and a drawn part measured with it.
+//! One scene of the coverage study: an optical setup is drawn, calibrated on drawn masters, and a drawn part measured with it.
 
 use std::collections::BTreeMap;
 
@@ -259,7 +259,7 @@ pub fn run(class: Class, seed: u64, renderer: &Renderer) -> Result<Outcome, Cali
     Ok(judge(&drawn, &calibration, &frame, d20_mm))
 }
 
-/// The same bench in partially coherent light.
+/// The same optical setup in partially coherent light.
 fn in_other_light<'a>(
     drawn: &Drawn,
     seed: u64,
@@ -270,7 +270,7 @@ fn in_other_light<'a>(
     })
 }
 
-/// The same bench with something about it changed.
+/// The same optical setup with something about it changed.
 fn changed<'a>(
     drawn: &Drawn,
     seed: u64,

@@ -24,7 +24,7 @@ pub enum Constraint {
     Depth,
 }
 
-/// A point with everything that the model says of it.
+/// A point with all results of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solution {
     /// Cutting data.
@@ -214,7 +214,7 @@ impl Problem {
         checks.into_iter().filter(|(_, active)| *active).map(|(constraint, _)| constraint).collect()
     }
 
-    /// A point with everything the model says of it.
+    /// A point with all results of the model.
     pub fn solution(&self, point: Point) -> Solution {
         Solution {
             time_min: self.time_min(&point),

@@ -19,8 +19,9 @@ const PER_BLOCK: usize = 32;
 pub(crate) const FINAL_PER_BLOCK: usize = 128;
 /// Columns of a block from which its blur is known.
 const LEAST_COUNT: f64 = 6.0;
-/// Contrast of a window's ends over the most in the window from which it sees one edge: noise of a tenth of the contrast and light that falls
-/// 4:1 over a field leave more, a second edge leaves less.
+/// Contrast of a window's ends over the largest contrast in the window above which it contains one
+/// edge alone: noise of a tenth of the contrast and light that falls by 4:1 over a field leave
+/// more, a second edge leaves less.
 const LEAST_AT_ENDS: f32 = 0.7;
 
 /// Sums for the blur of one block.
@@ -103,7 +104,8 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
         let n = |m: &f32| (m - dark) / (light - dark);
         let spread = |part: &[f32]| part.iter().map(|m| n(m) * (1.0 - n(m))).sum::<f32>();
         let used = window.len() - 1;
-        // What the flat ends sum to is noise (−σ_n² a pixel): scaled to the window, it is taken off.
+        // The sum over the flat ends is noise (−σ_n² a pixel): scaled to the window, it is
+        // subtracted.
         let ends = spread(&window[..flat]) + spread(&window[used - flat..used]);
         let middle = spread(&window[flat..used - flat]);
         pool.push(middle - ends * (used - 2 * flat) as f32 / (2 * flat) as f32);
@@ -117,8 +119,8 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
 }
 
-/// Whether most windows see one edge alone: their outermost pixels hold most of the contrast that there is in the window. Where one
-/// reaches another shadow, or the part's other edge, they do not.
+/// Whether most windows contain one edge alone: their outermost pixels hold most of the contrast in
+/// the window. Where a window reaches another shadow, or the part's other edge, they do not.
 pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
     let (mut alone, mut seen) = (0_usize, 0_usize);
     for place in (0..windows.centre.len()).filter(|place| windows.centre[*place].is_ok()) {
@@ -143,7 +145,7 @@ pub(crate) struct BlurContext<'a> {
     pub(crate) dark: &'a LevelCurve,
     pub(crate) light: &'a LevelCurve,
     pub(crate) slope: &'a [f32],
-    /// Edges found with an earlier blur: what was refused there is not looked at.
+    /// Edges found with an earlier blur; refused ones are left out.
     pub(crate) line: Option<&'a [Edge]>,
     /// Whether columns are readings one after the other: no course along the field.
     pub(crate) level_lines: bool,
@@ -205,13 +207,14 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     join(context, sigma, &sums)
 }
 
-/// Share by which the width of a ringed pattern may differ from its nominal one, either way.
+/// Relative half width within which the width of a ringed pattern may differ from its nominal one.
 const RINGED_SEARCH: f64 = 0.15;
 /// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring converges from half of it.
 const RING_PHASE: f64 = 1.0;
 
-/// The width that leaves least of rings among some around `start`: their phase, πv²/2 at v units √(λz/2) from the edge, goes with the
-/// square of it, so that scoring from afar would settle on a neighbouring ring.
+/// The width that leaves the smallest residual of rings among some around `start`: their phase,
+/// πv²/2 at v units √(λz/2) from the edge, is proportional to its square, so that scoring from afar
+/// would converge on a neighbouring ring.
 fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> f64 {
     let columns = context.windows.centre.len();
     let BlurScratch { table, normalised } = scratch;

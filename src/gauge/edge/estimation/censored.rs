@@ -1,8 +1,9 @@
 //! A grey value that is censored at the ends of the scale (Tobin's model).
 //!
-//! A pixel between the ends states its grey value, one at an end only that the light lies beyond. With α = (end − μ)/s the scores by
-//! the mean μ are (m − μ)/s² between and h(α)/s at the upper end, h = φ/(1 − Φ) (hazard), and the expected information of a
-//! pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s²; at the lower end with the signs turned.
+//! The measurement of a pixel between the ends is its grey value, that of one at an end only that
+//! the light lies beyond. With α = (end − μ)/s the scores by the mean μ are (m − μ)/s² between the
+//! ends and h(α)/s at the upper end, h = φ/(1 − Φ) (hazard), and the expected information of a
+//! pixel is [Φ(α) − α φ(α) + φ(α) h(α)]/s²; at the lower end with the signs reversed.
 
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
@@ -34,7 +35,7 @@ impl Ends {
     }
 }
 
-/// What a pixel says of its mean, in units of its standard deviation.
+/// Score of the mean of a pixel, in units of its standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Censored {
     /// Score by the mean.
@@ -50,7 +51,8 @@ pub(crate) struct Censored {
     pub(crate) by_noise: f64,
 }
 
-/// Distance of the mean beyond an end, standard deviations, from which a pixel at that end states nothing: its score is below 1e-8.
+/// Distance of the mean beyond an end, standard deviations, from which a pixel at that end carries
+/// no information: its score is below 1e-8.
 const FAR_BEYOND: f64 = 6.0;
 
 impl Censored {

@@ -1,8 +1,9 @@
 //! The inner loop of a side: from windows and levels to edges, four neighbouring columns at a time.
 //!
-//! Four columns whose windows and levels are sound are scored together, so that what is done once a column (levels, noise,
-//! uncertainty) fills a vector register; a column that is not takes the path of one by itself. Both do the same operations in the
-//! same order, so that a column's edge does not depend on its neighbours' fate or on the machine's instruction set.
+//! Four columns with valid windows and levels are scored together, so that the computations of a
+//! column (levels, noise, uncertainty) fill a vector register; any other column is scored by
+//! itself. Both paths do the same operations in the same order, so that the edge of a column
+//! depends neither on its neighbours nor on the machine's instruction set.
 
 use wide::f32x4;
 
@@ -17,7 +18,8 @@ use crate::profile::Reason;
 /// Columns scored together.
 const FOUR: usize = 4;
 
-/// What is beside an edge and lit by more than this share of the contrast is no shadow of the part but light dimmed by mist.
+/// A shadow lit by more than this fraction of the contrast is not that of the part but light dimmed
+/// by mist.
 const LIT_SHADOW: f32 = 0.25;
 
 /// Columns that share a table.
@@ -31,7 +33,8 @@ pub(crate) struct ColumnJob<'a> {
     pub(crate) blur_shift: f32,
     pub(crate) min_snr: f32,
     pub(crate) reject: bool,
-    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they say nothing.
+    /// Level of the part's own shadow and contrast of the frame, counts; minus infinity where they
+    /// are not known.
     pub(crate) shadow: f32,
     pub(crate) contrast: f32,
 }
@@ -171,7 +174,7 @@ fn fit_column<const C: usize>(
     }
 }
 
-/// An edge that is not where it was looked for, with all of its window.
+/// An edge outside the middle of its window, located with all of its pixels.
 #[cold]
 fn locate_in_whole(
     job: &ColumnJob<'_>,
@@ -222,7 +225,7 @@ mod tests {
         windows
     }
 
-    /// The same by the textbook: one pixel after the other, in f64.
+    /// The same by definition: one pixel after the other, in f64.
     fn in_scalars(window: &[f32], table: &Table) -> f64 {
         let (first, length) = table.core();
         let grey = |k: usize| (f64::from(window[k]) - 100.0) / 1000.0;
@@ -284,7 +287,7 @@ mod tests {
             assert_eq!(together, alone);
             for (column, edge) in together.iter().enumerate().filter(|(_, e)| e.is_usable()) {
                 let x = in_scalars(windows.of(column), &table);
-                // An edge that a rounding takes to the next phase tells nothing of the arithmetic.
+                // An edge that rounding moves to the next phase is no test of the arithmetic.
                 let departure = (edge.row_px - 500.0 - x).abs();
                 if departure < 2e-5 {
                     largest = largest.max(departure);

@@ -2,7 +2,8 @@
 //!
 //! Cameras clip below full scale (254, 235, 1023 in 16 bits, a 12-bit value shifted left), some pixels are hot, some frames carry no
 //! noise. Flat light is clipped where its grey values pile up at their largest one: more of them there than in the step
-//! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the other level, on the flank) says there
+//! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the
+//! other level, on the flank) implies there
 //! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
 
 use crate::gauge::edge::image::scan_windows::Windows;
@@ -17,13 +18,14 @@ const BEYOND: f64 = 0.04;
 const AT_ONE: f64 = 0.015;
 /// Times as many pixels at an end as in the step before it.
 const PILED: f64 = 1.5;
-/// Pixels expected beyond an end, none seen, that prove it: chance leaves none of ten once in 20 000.
+/// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
+/// once in 20 000.
 const EXPECTED: f64 = 10.0;
 /// Share of the pixels expected beyond an end that may be seen there: hot ones.
 const SEEN: f64 = 0.2;
-/// Pairs of pixels that tell a noise.
+/// Fewest pairs of pixels from which a noise is estimated.
 const PAIRS: usize = 32;
-/// Most flat pixels looked at closely.
+/// Largest number of flat pixels evaluated.
 const CLOSELY: usize = 4096;
 /// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps toggles under the least noise: √(1/4 − 1/12) = 0.41 are
 /// left without rounding's own) and of the contrast.
@@ -59,7 +61,7 @@ pub(crate) struct Elsewhere {
     pub(crate) step: f64,
 }
 
-/// Whether anything speaks for an end at a level: a glance at few pixels.
+/// Whether there is any evidence of an end at a level, from a few pixels.
 pub(crate) fn may_end(windows: &Windows, level: Level, pool: &mut Vec<f32>) -> bool {
     collect(windows, level, GLANCE, pool);
     candidate(pool).is_some_and(|end| stands_out(pool, end))
@@ -103,7 +105,7 @@ pub(crate) fn judge(
     let step = f64::from(grid(pool)).max(known_step);
     let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
     let at_end = pool.iter().filter(|v| **v == end).count() as f64;
-    // At least a step is looked at below: most levels are done with here, before their noise is asked for.
+    // At least a step is looked at below: for most levels this suffices, without their noise.
     if !(at_end > PILED * count(end - step as f32, end)) {
         return None;
     }
@@ -128,7 +130,8 @@ pub(crate) fn expected_noise(level: Level, (flank, known_to): (f64, f64), other:
     match level {
         // Light has the noise of the dark, and its photons'.
         Level::Light => flank.max(other),
-        // In the dark the photons' are missing: what is left of a line through light and flank.
+        // In the dark the photons' noise is missing: the intercept of a line through light and
+        // flank remains.
         Level::Dark => {
             let left = 2.0 * flank * flank - other * other;
             if left > (6.0 * known_to).max(0.3) * flank * flank { left.sqrt() } else { 0.0 }
@@ -237,7 +240,7 @@ pub(crate) fn light_scatter(
             (at_end, all) = (at_end + f64::from(u8::from(end.is_some_and(|end| *a >= end))), all + 1.0);
         }
     }
-    // Most pairs of clipped light are equal: no median stands for them.
+    // Most pairs of clipped light are equal: their median is no measure of scatter.
     let mean = match end {
         Some(_) if squares.len() >= PAIRS => {
             squares.iter().map(|s| f64::from(*s)).sum::<f64>() / squares.len() as f64

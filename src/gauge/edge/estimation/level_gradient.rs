@@ -1,9 +1,11 @@
-//! Light that falls off across an edge: a cloud of mist, a veil, the flank of a light that is not even.
+//! Illumination gradient across an edge: a cloud of mist, a film on the window, the flank of an
+//! uneven light.
 //!
 //! The light's level is read from flat pixels D px beyond the edge and holds up to it only where the light is even. A few pixels
 //! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
 //! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out.
-//! Where the change is plain among its own scatter it is taken out of the windows, the contrast of every pixel being divided by
+//! Where the change is significant against its own scatter it is removed from the windows, the
+//! contrast of every pixel being divided by
 //!
 //! ```text
 //! exp(g·t + q·t²),  t = y_k − D        exact for light that falls exponentially and for Gaussian spots
@@ -25,13 +27,14 @@ use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
 const TILE: usize = 64;
 const STEP: usize = 4;
-/// Columns looked at below which a tile says nothing.
+/// Columns looked at below which a tile is left out.
 const LEAST: usize = 5;
 /// Pixels looked at, and the distance of the first from the end of the window, px.
 const FAR: usize = 4;
 const BEYOND: usize = 8;
 /// Change of the light between both places that counts, as a share of the contrast and in standard deviations: a clean frame's
-/// uncertainty stays what the noise says. What less may hide moves an edge by some thousandths of a pixel.
+/// uncertainty remains that of the noise. A gradient below this moves an edge by some thousandths
+/// of a pixel.
 const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
@@ -48,16 +51,18 @@ const LEFT_OF_BEND: f32 = 0.3;
 /// something else than the same light: a spot of 4:1 within the field departs by 7 %.
 const MOST_BEND: f32 = 2.0;
 const MOST_BENT: f32 = 0.12;
-/// Fewest tiles that show a side's curvature.
+/// Fewest tiles from which a side's curvature is estimated.
 const LEAST_BENT: usize = 2;
 /// Standard uncertainties of a tile's change from which it is taken out.
 const PLAIN: f32 = 6.0;
-/// Least factor of the contrast that a pixel of a window is divided by: farther into the shadow no light is left.
+/// Least factor of the contrast by which a pixel of a window is divided: farther into the shadow
+/// there is no light.
 const LEAST_FACTOR: f32 = 0.25;
 /// Least change that is taken out, as a share of the contrast: ripples and tails of an edge-spread function change by 2 % beyond a
 /// window, and less than that moves an edge by some thousandths of a pixel, which are stated.
 const LEAST_LEVELLED: f32 = 0.03;
-/// Most change that is taken out, as a share of the contrast: more is not light that falls off but a cloud or another part.
+/// Largest change that is removed, as a fraction of the contrast: a larger one is not a gradient of
+/// the light but a cloud or another part.
 const MOST_CHANGE: f32 = 0.5;
 /// Change over the far pixels as a share of that from the flat end to them from which they see an edge: light that falls off changes by a
 /// quarter over them, beside its crest by a half.
@@ -91,7 +96,7 @@ struct Change {
     farther: f32,
     /// Standard uncertainty of that, counts.
     farther_scatter: f32,
-    /// Whether the far pixels see another shadow.
+    /// Whether the far pixels lie in another shadow.
     other: bool,
     /// Columns looked at.
     columns: u32,
@@ -157,13 +162,13 @@ impl LevelGradient {
             others += usize::from(other);
             self.tiles.push(Change { farther, farther_scatter, other, ..change });
         }
-        // Along most of the side another shadow runs: it says nothing of the light.
+        // Along most of the side another shadow runs: it does not show the illumination.
         if 2 * others > self.tiles.len() {
             self.tiles.iter_mut().filter(|t| t.other).for_each(|t| t.counts = f32::NAN);
         }
     }
 
-    /// Knows nothing of the light beyond the windows.
+    /// Clears what was known of the light beyond the windows.
     pub(crate) fn clear(&mut self) {
         self.tiles.clear();
         (self.levelled, self.bend) = (false, None);
@@ -232,7 +237,8 @@ impl LevelGradient {
         Some((median, (MEDIAN as f32 * variance.sqrt() / n).hypot(apart / n.sqrt())))
     }
 
-    /// Mean change of a light that is level beside the windows but plainly bent: a spot in the edge's own row.
+    /// Mean change of a light that is level beside the windows but significantly curved: a spot in
+    /// the row of the edge.
     fn bent(&self, windows: &Windows, bend: Option<(f32, f32)>) -> Option<f32> {
         let far = apart(windows.flat) + FARTHER as f32;
         bend.filter(|(bend, u)| bend.abs() > PLAIN * u && bend.abs() * far * far > LEAST_LEVELLED)?;
@@ -256,7 +262,7 @@ impl LevelGradient {
         let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
         for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
             known += 1;
-            // Most frames end here.
+            // Most frames return here.
             if change.counts.abs() > PLAIN * change.scatter {
                 let share = change.share(windows, tile_columns(tile, windows));
                 let side = usize::from(share > 0.0);
@@ -285,7 +291,7 @@ impl LevelGradient {
         self.tiles[left].taken + t * (self.tiles[left + 1].taken - self.tiles[left].taken)
     }
 
-    /// Adds to the shared uncertainty of a side's edges what the light's change outwards moved them by.
+    /// Adds to the shared uncertainty of a side's edges their shift by the gradient of the light.
     pub(crate) fn state(
         &self,
         line: &mut [Edge],
@@ -359,7 +365,8 @@ impl Change {
 }
 
 impl Change {
-    /// The change as a share of the contrast of its columns, where it is plain and no more than light falls off by; else 0.
+    /// The change as a fraction of the contrast of its columns, where it is significant and within
+    /// the limit of a gradient; else 0.
     fn share(&self, windows: &Windows, columns: std::ops::Range<usize>) -> f32 {
         let share = self.counts / mean_levels(windows, columns).1;
         let plain = self.counts.abs() > PLAIN * self.scatter && share.abs() < MOST_CHANGE;

@@ -2,12 +2,15 @@
 //!
 //! Every column gives the mean of its flat pixels. Means of sixteen columns are fitted by piecewise linear curves with
 //! 2, 3, 5, 9, … equidistant knots; the number of knots is the one with the least χ² + 4·knots, between Mallows' C_p (2) and Schwarz'
-//! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by more than its variance says, and
-//! the uncertainty of long means was too small by 3 % at a price of 2.5.
+//! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by
+//! more than its variance implies, and the uncertainty of long means was too small by 3 % at a
+//! penalty of 2.5.
 //!
-//! In a short frame few bins leave few knots, and light that falls along the shaft bends between them. Where χ² shows that, a quartic is taken
-//! off first and added again (P2 to P4 of Legendre, so that line and bend share nothing in an evenly filled field). What the curve of a short
-//! frame leaves of its bins beyond their noise widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40 (1932) 207).
+//! In a short frame few bins leave few knots, and light that falls along the shaft bends between
+//! them. Where χ² shows that, a quartic is subtracted first and added again (P2 to P4 of Legendre,
+//! which are orthogonal to the line in an evenly filled field). The residual of the curve of a
+//! short frame beyond the noise of its bins widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40
+//! (1932) 207).
 
 /// Columns of a bin.
 const BIN: usize = 16;
@@ -94,7 +97,7 @@ impl LevelPool {
         true
     }
 
-    /// Finds the number of knots that is cheapest; the fit is the best one.
+    /// Finds the number of knots with the least penalised χ²; the fit is the best one.
     fn search(&mut self, columns: usize, variance: f64, max_knots: usize) -> Found {
         let (mut least, mut reduced_chi2) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
@@ -119,7 +122,7 @@ impl LevelPool {
     }
 }
 
-/// What a search for knots ended with.
+/// Result of a search for the number of knots.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     /// χ² + price of the knots.
@@ -204,7 +207,7 @@ impl Bins {
     }
 }
 
-/// Sum of a whole bin without a missing value or one far from the others; `None` where it needs a closer look.
+/// Sum of a whole bin without a missing value or an outlier; `None` where there is one.
 fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
     let values: &[f32; BIN] = chunk.try_into().ok()?;
     let (mut sums, mut low, mut high) = ([0.0_f32; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
@@ -221,7 +224,7 @@ fn clean_sum(chunk: &[f32], widest: f32) -> Option<f32> {
     (sum.is_finite() && most - least <= widest).then_some(sum)
 }
 
-/// What is kept of a bin with missing values or far ones.
+/// The values kept of a bin with missing values or outliers.
 struct Kept {
     sum: f32,
     count: usize,
@@ -290,7 +293,8 @@ impl Fit {
         self.knots.reserve(knots.saturating_sub(self.knots.len()));
     }
 
-    /// Weighted least squares with so many knots; gives χ², infinite where the knots cannot be told.
+    /// Weighted least squares with so many knots; returns χ², infinite where the knots are not
+    /// determined.
     fn fit(&mut self, bins: &Bins, columns: usize, knots: usize, variance: f64) -> f64 {
         let per_spacing = (knots - 1) as f64 / (columns.max(2) - 1) as f64;
         self.knots.clear();

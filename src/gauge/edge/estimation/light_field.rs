@@ -14,7 +14,8 @@ use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
 /// Fewest pixels of light that show a field.
 const LEAST: usize = 200;
-/// Contrast below which a pixel is no light but dirt or another part, as a share of the median.
+/// Contrast below which a pixel is not light but contamination or another part, as a fraction of
+/// the median.
 const LEAST_CONTRAST: f64 = 0.15;
 /// Residuals beyond so many standard deviations count by their size only.
 const HUBER: f64 = 3.0;
@@ -82,7 +83,7 @@ impl LightField {
         Vector6::new(1.0, x, y, x * x, x * y, y * y)
     }
 
-    /// What a pixel departs from the field, counts.
+    /// Departure of a pixel from the field, counts.
     fn residual(&self, p: &Lit) -> f64 {
         let log = self.terms(p.x, p.y).dot(&self.by);
         (p.contrast.ln() - log) * log.exp()
@@ -102,7 +103,7 @@ impl LightField {
     }
 }
 
-/// Whether the field leaves little more than the scatter of neighbouring pixels.
+/// Whether the residual of the field is little more than the scatter of neighbouring pixels.
 fn is_smooth(points: &[Lit], noise: f64, usual: f64) -> bool {
     let beside = points.windows(2).filter(|w| (w[0].x - w[1].x).hypot(w[0].y - w[1].y) < 1.5);
     let scatter = median_of(beside.map(|w| (w[0].contrast - w[1].contrast).abs()).collect());

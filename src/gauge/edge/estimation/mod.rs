@@ -1,11 +1,13 @@
-//! What windows of grey values state: levels, noise, blur, and the place of every edge by maximum likelihood.
+//! Estimation from windows of grey values: levels, noise, blur, and the position of every edge by
+//! maximum likelihood.
 //!
 //! In: `scan_windows::Windows` of one side. Out: level curves along the shaft (`levels`), the noise (`noise`), the blur and its
 //! uncertainty (`blur`, `blur_track`), edges with u and χ² (`column_fit` by the tables of `scoring_table`; `censored_fit` where light is
-//! clipped), and what rounding or the model's own misfit adds to u. Counts and px throughout.
+//! clipped), and what rounding or the systematic residual of the model adds to u. Counts and px
+//! throughout.
 //!
-//! One more estimate is one more file: a function of windows and what was estimated before it, called by `side`. Nothing here refuses
-//! an edge for where it lies; that is `rejection`.
+//! One more estimate is one more file: a function of windows and of the estimates before it, called
+//! by `side`. Whether an edge is refused for its position is decided in `rejection`.
 
 pub(crate) mod blur;
 pub(crate) mod blur_track;
@@ -21,6 +23,6 @@ pub(crate) mod noise;
 pub(crate) mod rounding;
 pub(crate) mod scoring;
 pub(crate) mod scoring_table;
+pub(crate) mod side_survey;
 pub(crate) mod slanted_edge;
 pub(crate) mod soft_knee;
-pub(crate) mod survey;

@@ -1,11 +1,15 @@
-//! What the masters' edges leave of the edge model, and what a part's edges leave beyond it.
+//! Systematic residual of the edge model at the masters' edges, and its part in the uncertainty of
+//! a part's edges.
 //!
-//! An edge model that is not the light's own places every edge wrongly by b. Where calibration and use share model, optics and light, b is the
-//! same in both and the masters' offset has swallowed it (GUM 5.2: a systematic effect common to both cancels in their difference). What a
-//! residual r may hide, u = ‖r‖/√J with the edge's information J, must then not be stated in full, but only what may have changed:
+//! An edge model that differs from the true edge-spread function displaces every edge by b. Where
+//! calibration and use share model, optics and light, b is the same in both and part of the
+//! masters' offset (GUM 5.2: a systematic effect common to both cancels in their difference). The
+//! displacement that a residual r may hide, u = ‖r‖/√J with the edge's information J, is then not
+//! stated in full, but only its possible changes:
 //!
-//! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over the distance d from the edge, χ² is taken of
-//!    r − r_c. A part that leaves what the masters left has χ² = 1; one that leaves anything else, or nothing, has not;
+//! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over
+//!    the distance d from the edge, χ² is computed of r − r_c. A part with the residual of the masters
+//!    has χ² = 1; one with any other residual, or none, has not;
 //! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first
 //!    order; zero where the weights are those of the masters;
 //! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫ w·r·e^{2πiu} du is not to be seen in r_c, which is
@@ -33,11 +37,12 @@ const KNOT_IN_BLURS: f64 = 0.4;
 const SMOOTHING: f64 = 1e-2;
 /// Distance of the values kept, px.
 const STEP_PX: f64 = 0.125;
-/// Mean excess of χ² over its expectation from which the masters' edges have a misfit: the noise of a few frames is known to 2 %.
+/// Mean excess of χ² over its expectation above which the masters' edges have a systematic
+/// residual: the relative standard uncertainty of the noise of a few frames is 2 %.
 const LEAST_EXCESS: f64 = 0.05;
-/// Fewest edges a side that teach.
+/// Fewest edges a side from which a residual is estimated.
 const LEAST_EDGES: u32 = 128;
-/// Slope above which a column does not teach.
+/// Slope above which a column is left out.
 const STEEPEST: f32 = 0.3;
 
 /// Gathers residuals from the masters' frames.
@@ -55,7 +60,7 @@ struct SideResiduals {
     edges: u32,
 }
 
-/// A side's frame as a lesson sees it.
+/// One side of a frame: what its residuals are computed from.
 pub(crate) struct SideView<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) shape: &'a EdgeSpreadFunction,
@@ -124,7 +129,8 @@ impl SideResiduals {
     }
 }
 
-/// Largest share of a misfit's norm that the place of an edge takes from its phase: the envelope of a(σ) over the edge's derivatives of
+/// Largest fraction of the norm of a residual that the position of an edge takes from its phase:
+/// the envelope of a(σ) over the edge's derivatives of
 /// orders 3 to 5 (module's heading).
 fn aliased(sigma: f64) -> f64 {
     (3.5 * (-7.5 * sigma * sigma).exp()).min(0.4)
@@ -135,7 +141,8 @@ fn aliased(sigma: f64) -> f64 {
 pub(crate) struct Expected {
     /// Values every 1/[`FINE`] px; the middle one at the edge.
     values: Vec<f32>,
-    /// What remains of frames judged so far: Σ of squares by weights and phase, px², and edges.
+    /// Sums over the edges tested so far: squares of the shifts by weights and phase, px², and
+    /// number of edges.
     left: (f64, f64),
 }
 

@@ -21,7 +21,7 @@ impl NoiseModel {
         Self { offset: dark.1 - gain * dark.0, gain, floor }
     }
 
-    /// Photon transfer as given, or `None` where the frame itself shall tell.
+    /// Photon transfer as given, or `None` where the noise is estimated from the frame.
     pub(crate) fn given(noise: Noise, sign: f32, floor: f64) -> Option<Self> {
         match noise {
             Noise::Estimated {} => None,
@@ -36,7 +36,7 @@ impl NoiseModel {
         (self.offset + self.gain * level).max(self.floor)
     }
 
-    /// Smallest variance taken seriously, counts².
+    /// Smallest variance used, counts².
     pub(crate) fn floor(&self) -> f64 {
         self.floor
     }
@@ -51,10 +51,10 @@ impl NoiseModel {
 /// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this, counts.
 pub(crate) const LEAST_OF_COUNTS: f64 = MEDIAN_TO_SD * 0.5;
 
-/// Differences that the cut is told from.
+/// Differences from which the cut is estimated.
 const MEDIAN_OF: usize = 512;
 
-/// Squares of the differences of two pixels, without the far ones.
+/// Squares of the differences of two pixels, without outliers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spread {
     squares: f64,
@@ -65,9 +65,9 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of some differences; `least` is the smallest scale taken seriously, counts.
+    /// Of some differences; `least` is the smallest scale used, counts.
     pub(crate) fn of(differences: &[f32], least: f32) -> Self {
-        // The median only sets the cut, far out: a sample of the differences tells it well enough.
+        // The median only sets the cut, far out: a sample of the differences gives it well enough.
         let mut sample = [0.0_f32; MEDIAN_OF];
         let step = differences.len().div_ceil(MEDIAN_OF).max(1);
         let mut taken = 0;

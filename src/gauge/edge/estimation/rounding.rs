@@ -1,4 +1,5 @@
-//! What rounding to whole counts does to an edge where noise does not carry the grey values over several of them.
+//! The effect of rounding to whole counts on an edge where noise does not spread the grey values
+//! over several of them.
 //!
 //! A grey value m with normal noise of standard deviation σ, rounded to multiples of q, has the mean m + b(m) with (B. Widrow and I. Kollár,
 //! Quantization Noise, 2008, chapters 4 and 5)
@@ -7,8 +8,9 @@
 //! b(m) = q Σ_k (−1)^k/(πk)·exp(−2π²k²σ²/q²)·sin(2πkm/q)        mean of b² over m:  r(σ) = q² Σ_k 1/(2π²k²)·exp(−4π²k²σ²/q²)
 //! ```
 //!
-//! r is q²/12 without noise, a thirtieth of that at σ = 0.27 q, nothing from 0.5 q on. b is the same wherever m is the same: in every
-//! column of a level edge and in every frame. So the part of an edge's variance that r makes up,
+//! r is q²/12 without noise, a thirtieth of that at σ = 0.27 q, nothing from 0.5 q on. b is the
+//! same wherever m is the same: in every column of a level edge and in every frame. So the fraction
+//! of an edge's variance that is due to r,
 //!
 //! ```text
 //! f = Σ w_k² r(σ_k) / Σ w_k² v_k        w the weights of the fit, v the variances of the pixels
@@ -96,12 +98,13 @@ struct Sums {
 }
 
 impl RoundedSide<'_> {
-    /// Whether rounding repeats here at all.
+    /// Whether rounding repeats in this frame at all.
     pub(crate) fn repeats(noise: [f64; 2]) -> bool {
         noise.iter().any(|sd| *sd < DITHERED)
     }
 
-    /// Moves what repeats from what the edges have for themselves to what they share; gives the standard uncertainty that repeats, px.
+    /// Moves the repeating variance from the edges' own to their shared uncertainty; returns the
+    /// standard uncertainty that repeats, px.
     pub(crate) fn state(&self, line: &mut [Edge]) -> f64 {
         let sums = self.sums(line);
         if !(sums.count > 0.0) {
@@ -126,14 +129,16 @@ impl RoundedSide<'_> {
         (total / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Share of repetition by the edges themselves: neighbours that repeat their rounding differ by less than their u says.
-    /// The grey values' own scatter may mislead: at a level half-way between two counts the least noise makes them differ.
+    /// Fraction of repetition by the edges themselves: neighbours that repeat their rounding differ
+    /// by less than their standard uncertainty.
+    /// The scatter of the grey values may mislead: at a level half-way between two counts the least
+    /// noise makes them differ.
     fn shown(&self, line: &[Edge]) -> f64 {
         let pairs = line.windows(2).filter(|pair| pair.iter().all(Edge::is_usable));
         let (mut square, mut own) = (0.0, 0.0);
         for pair in pairs {
             let variance = pair.iter().map(|e| f64::from(e.u_own_px).powi(2)).sum::<f64>();
-            // A step along the part is no noise.
+            // A step along the part is not noise.
             square += (pair[1].row_px - pair[0].row_px).powi(2).min(25.0 * variance);
             own += variance;
         }
@@ -194,11 +199,12 @@ pub(crate) fn rows_swept(line: &[Edge]) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Share of differences of two steps and more below which grey values take two neighbouring steps only: noise of 0.3 steps makes more of them,
-/// wherever the level lies.
+/// Fraction of differences of two steps and more below which grey values take only two neighbouring
+/// steps: noise of 0.3 steps gives more of them, wherever the level lies.
 const FEW_WIDE: f64 = 1e-3;
-/// Noise that is then taken, in steps: the scatter of two values shows where between them the level lies, and little of the noise, 0 to 0.28.
-/// Its repeated rounding is within a factor of two of theirs (standard deviation).
+/// Noise then assumed, in steps: the scatter of two values determines where between them the level
+/// lies, but hardly the noise, 0 to 0.28. Its repeated rounding is within a factor of two of theirs
+/// (standard deviation).
 const TWO_VALUED: f64 = 0.15;
 
 /// Noise behind rounded grey values that scatter so, in steps of the grey scale.

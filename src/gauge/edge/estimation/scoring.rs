@@ -5,16 +5,17 @@ use wide::f32x4;
 use super::scoring_table::{CorePhase, Phase, Table};
 use crate::gauge::edge::image::window_layout::{PHASE_REACH, half};
 
-/// Steps after which an edge that still moves is given up.
+/// Steps after which an edge that still moves is abandoned.
 const MOST_STEPS: usize = 10;
 
-/// A step below this many phases ends the scoring: what it leaves is second order, below 7e-5 px at σ = 0.5 px.
+/// A step below this many phases ends the scoring: the remainder is of second order, below 7e-5 px
+/// at σ = 0.5 px.
 const SETTLED: f32 = 0.75;
 
-/// Pixels by which a window may be off its edge: its flat ends stand in for what the move would have to read.
+/// Pixels by which a window may be off its edge: its flat ends then replace the pixels not read.
 const MOST_SHIFT: i32 = 3;
 
-/// What scoring says of an edge.
+/// Result of scoring an edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// Place, px from the central pixel.
@@ -167,13 +168,13 @@ fn core_square<const C: usize>(core: &[Lanes; C], phase: &CorePhase<C>) -> f32x4
     sums.halves()
 }
 
-/// Where the area of a core without light puts the edge, px.
+/// Position of an edge by the area of a core without light, px.
 const fn empty_core<const C: usize>() -> f32 {
     (4 * C + 1) as f32 - 0.5
 }
 
-/// Scores the core of a window, `C` eights of it, until the edge stays at its phase; `None` where it leaves the middle or
-/// does not settle at once: then [`locate`] has the whole window.
+/// Scores the core of a window, `C` eights of it, until the edge stays at its phase; `None` where
+/// it leaves the middle or does not converge at once: then [`locate`] takes the whole window.
 #[inline(always)]
 pub(crate) fn locate_core<const C: usize>(
     window: &[f32],
@@ -291,7 +292,7 @@ pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -
         if !full.is_finite() {
             return None;
         }
-        // Far from the edge the step is not to be trusted in full.
+        // Far from the edge the full step may diverge.
         let step = full.clamp(-0.5, 0.5);
         x = phase.scalars.phase + step;
         // Scoring converges by a factor of ρ = |1 − observed/expected information| a step (0.3 at the lowest SNR), so an

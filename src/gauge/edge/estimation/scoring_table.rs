@@ -17,7 +17,7 @@ use crate::gauge::edge::model::gaussian::EdgeSample;
 
 /// Phases per pixel of the tables that place edges.
 pub(crate) const FINE: u32 = 64;
-/// Phases per pixel of the tables that only serve to find the blur.
+/// Phases per pixel of the tables that are used only to find the blur.
 pub(crate) const COARSE: u32 = 16;
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
@@ -96,7 +96,7 @@ pub(crate) enum Cores {
     Two(Vec<CorePhase<2>>),
     /// 24 pixels.
     Three(Vec<CorePhase<3>>),
-    /// Longer ones: the whole window serves.
+    /// Longer ones: the whole window is used.
     Whole,
 }
 
@@ -128,7 +128,7 @@ pub(crate) struct Table {
     pub(crate) freedom: f32,
     /// Phases per pixel.
     pub(crate) per_px: f32,
-    /// Where the area of the light puts the edge, px into the light from where it is.
+    /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     pub(crate) centroid: f32,
     core: usize,
     cores: Cores,
@@ -153,7 +153,7 @@ impl Table {
         let mut table = Self::empty();
         table.fill(shape, of);
         table.fill_core();
-        // What only the filling needed.
+        // Arrays needed for the filling alone.
         table.borders = Vec::new();
         table
     }

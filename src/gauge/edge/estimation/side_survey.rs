@@ -1,4 +1,4 @@
-//! What a side shows before the other one is known: levels, noise, and where its grey values end.
+//! Levels, noise and grey-scale ends of one side, before the other one is known.
 
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
@@ -7,7 +7,7 @@ use crate::gauge::edge::image::scan_windows::LevelSums;
 /// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
 const AT_THE_END: f64 = 2.0;
 
-/// What is known of the sensor before a frame is looked at.
+/// Properties of the sensor known before a frame is evaluated.
 #[derive(Clone, Copy)]
 pub(crate) struct GreyScaleLimits {
     /// Variance of quantisation, counts²; 0 for frames that are not quantised.
@@ -25,7 +25,7 @@ impl GreyScaleLimits {
         Self { floor: step * step / 12.0 }
     }
 
-    /// Smallest scale of differences that is taken seriously, counts.
+    /// Smallest scale of differences, counts.
     pub(crate) fn least(self, contrast: f64) -> f32 {
         self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
     }
@@ -36,7 +36,7 @@ impl GreyScaleLimits {
     }
 }
 
-/// What a side says of itself before the other one is known.
+/// Levels, noise and grey-scale ends of one side, before the other one is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SideSurvey {
     pub(crate) levels: LevelSums,
@@ -77,8 +77,8 @@ impl SideSurvey {
         }
     }
 
-    /// The noise that two sides show together, from the mean levels of shadow and light and the least variance, counts²; `None` of too
-    /// few pixels.
+    /// The noise of both sides together, from the mean levels of shadow and light and the least
+    /// variance, counts²; `None` of too few pixels.
     pub(crate) fn noise_with(
         &self,
         other: &Self,

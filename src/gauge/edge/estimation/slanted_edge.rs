@@ -1,12 +1,16 @@
-//! The edge-spread function learnt from the frame itself, as with a slanted edge (after ISO 12233).
+//! The edge-spread function estimated from the frame itself, as with a slanted edge (after ISO
+//! 12233).
 //!
-//! An edge that is not parallel to the rows passes through all sub-pixel phases along the shaft. A smooth curve through the places of many
-//! columns is freer of phase errors than any one of them; the grey values of all columns over their distance from that curve sample the
-//! pixel-integrated edge E(u) many times a pixel. E minus the Gaussian fitted before is a cubic spline, by least squares.
+//! An edge that is not parallel to the rows passes through all sub-pixel phases along the shaft. A
+//! smooth curve through the positions of many columns has smaller phase errors than any one of
+//! them; the grey values of all columns over their distance from that curve sample the
+//! pixel-integrated edge E(u) many times a pixel. E minus the Gaussian fitted before is a cubic
+//! spline, by least squares.
 //!
-//! Places of single columns would not do: a grey value at distance u always stems from the same phase, so that
-//! an error b(phase) of the places and a shape E(u + b) explain each other. The curve breaks that tie; it needs an edge that
-//! travels at least [`LEAST_TRAVEL`] pixels over the frame, and leaves the zero of the distance open.
+//! Positions of single columns would not do: a grey value at distance u always stems from the same
+//! phase, so that an error b(phase) of the positions and a shape E(u + b) cannot be separated. The
+//! curve separates them; it needs an edge that travels at least [`LEAST_TRAVEL`] pixels over the
+//! frame, and leaves the zero of the distance open.
 
 use super::levels::LevelCurve;
 use crate::gauge::edge::image::scan_windows::Windows;
@@ -30,7 +34,7 @@ const MOST_SEGMENTS: usize = 16;
 const SMOOTHING: f64 = 1e-5;
 /// Knots of the table per pixel.
 const TABLE_PER_PX: f64 = 32.0;
-/// Slope above which a column does not teach.
+/// Slope above which a column is left out.
 const STEEPEST: f32 = 0.3;
 
 /// What a side knows of its frame.

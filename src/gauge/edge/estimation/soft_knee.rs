@@ -1,21 +1,24 @@
 //! A response that bends before it ends (a soft knee, the flat top of a gamma curve): found by its noise.
 //!
-//! Photons' noise grows with the light, so that a linear sensor's light scatters at least as much as its flanks and its dark. Light that
-//! scatters far less has been compressed. How far down the bend begins the flat pixels do not show: grey values above [`TRUSTED`] of the
-//! contrast are then taken as "at least this much", as clipped ones are. Light that is clipped altogether shows no noise: there the
-//! shape of the flank states it (`censored_fit`).
+//! Photon noise grows with the light, so that a linear sensor's light scatters at least as much as
+//! its flanks and its dark. Light that scatters far less has been compressed. Where the bend begins
+//! cannot be seen from the flat pixels: grey values above [`TRUSTED`] of the contrast are then
+//! taken as "at least this much", as clipped ones are. Light that is clipped altogether shows no
+//! noise: there the shape of the flank determines it (`censored_fit`).
 
 use super::grey_ends::{Elsewhere, flank_noise, light_scatter};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::numerics::distributions::{inverse_tail, phi_cdf, phi_pdf};
 
-/// Share of the variance expected of the light below which it is compressed: a slope of .55. A linear sensor's is 1 or more, known to some
-/// per cent; gentler bends move an edge by less than what the misfit of the edge model then states.
+/// Fraction of the expected variance of the light below which it is compressed: a slope of .55. A
+/// linear sensor's is 1 or more, known to some per cent; gentler bends move an edge by less than
+/// the model uncertainty then added.
 const COMPRESSED: f64 = 0.3;
 /// Least variance expected, squared steps of the grey scale, that rounding leaves comparable.
 const LEAST_EXPECTED: f64 = 0.25;
-/// Noise in the dark, as a share of the contrast, below which nothing scatters that could be compressed (what is left is the part's own drift
-/// through the pixels), and above which the flank, found among it, is no fair sample of it.
+/// Noise in the dark, as a fraction of the contrast, below which there is no scatter that could be
+/// compressed (the remainder is the part's own drift through the pixels), and above which the
+/// flank, found among it, is a biased sample of it.
 const NOISE: (f64, f64) = (1e-3, 0.1);
 /// Share of the contrast up to which grey values are taken as they stand: knees of video cameras begin at 80 to 95 % of full scale.
 const TRUSTED: f64 = 0.65;

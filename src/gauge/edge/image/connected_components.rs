@@ -43,7 +43,8 @@ impl Components {
         areas.clear();
         for index in 0..self.runs.len() {
             let (run, root) = (self.runs[index], root(&mut self.parent, index as u32));
-            // The root is the first run of its component: its area is there before any other run asks for it.
+            // The root is the first run of its component: its area exists before any other run is
+            // joined to it.
             if root as usize == index {
                 self.areas[index] = areas.len() as u32;
                 let (rows, columns) = ((run.row, run.row), (run.from, run.to));

@@ -1,5 +1,6 @@
 //! The step of the grey scale: 1 count in most frames, 16 in 12-bit values shifted into 16 bits, 257 in 8-bit values stretched to
-//! them, 1/255 in floats that hold eight bits. What it is decides what rounding does to an edge.
+//! them, 1/255 in floats that hold eight bits. The step determines the effect of rounding on an
+//! edge.
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
@@ -7,7 +8,8 @@ use super::plane::{Plane, Sample};
 /// Columns looked at, and pixels across either edge of each: the grey values between shadow and light are the many ones.
 const COLUMNS: usize = 48;
 const ACROSS: usize = 24;
-/// Different floats from which their least distance is a step and not what a few happen to lie apart.
+/// Number of different floats above which their least distance is taken for a step and not for
+/// chance.
 const ENOUGH_VALUES: usize = 16;
 /// Rounding of stretched values, counts, and the finest difference of the steps tried.
 const ROUNDED: f64 = 0.75;
@@ -47,7 +49,7 @@ pub(crate) fn grey_step<T: Sample>(
     }
     let values = &grid[..different];
     let unit = if whole_counts { 1.0 } else { 0.0 };
-    // Values that hardly ever occur twice have no step that is seen.
+    // Values that hardly ever occur twice have no detectable step.
     if values.len() < 2 || (!whole_counts && 2 * values.len() > looked_at) {
         return unit;
     }

@@ -1,8 +1,9 @@
 //! Where the part is: the largest shadow of a thinned image, then whole-pixel edges along its border.
 //!
 //! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at the level that
-//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of several: [`super::shadows`]). Specks of dirt, holes and
-//! neighbours that peep in at the border are other components and never seen again. Where one level does not separate
+//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of
+//! several: [`super::shadows`]). Specks of contamination, holes and neighbouring parts at the
+//! border are other components and ignored. Where one level does not separate
 //! light from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column cuts the part in
 //! two, the part is the largest shadow that stands between light in its own columns ([`super::valleys`]).
 
@@ -54,7 +55,7 @@ pub(crate) struct Coarse {
     spans: Vec<Span>,
     valleys: Valleys,
     widths: Vec<i32>,
-    /// What the search by two levels found, while valleys are looked for.
+    /// Result of the search by two levels, while valleys are searched.
     spare: [Vec<CoarseEdge>; 2],
 }
 
@@ -73,7 +74,7 @@ struct Thinned {
     line: Vec<f32>,
 }
 
-/// What a search found, in figures.
+/// Figures of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
     /// Median width of the shadow, px.
@@ -83,7 +84,7 @@ pub(crate) struct Found {
 }
 
 impl Coarse {
-    /// What a search of its own finds in a frame; `None` without a part.
+    /// Result of an independent search in a frame; `None` without a part.
     pub(crate) fn found<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSettings) -> Option<Found> {
         let mut coarse = Self::default();
         coarse.find_part(plane, settings).ok()?;
@@ -126,7 +127,7 @@ impl Coarse {
         if by_levels.is_ok() && seen as f64 >= WHOLE * plane.columns as f64 {
             return Ok(());
         }
-        // A choice among several shadows stands: between light lies one wall as well as one part.
+        // A choice among several shadows is kept: between light lies one wall as well as one part.
         if settings.which.is_some() || self.shadows.seen.joined > 1 || is_several(&by_levels) {
             return by_levels;
         }
@@ -298,7 +299,7 @@ impl Thinned {
 struct TwoLevels {
     /// Otsu's threshold between them.
     threshold: f32,
-    /// What is darker is the part's own shadow, not light dimmed by mist.
+    /// Darker values are the part's own shadow, not light dimmed by mist.
     shadow: f32,
 }
 
@@ -313,7 +314,8 @@ fn separate(values: &[f32]) -> Option<TwoLevels> {
         return None;
     }
     let scale = (BINS as f32 - 1.0) / (high - low);
-    // Four histograms: neighbours mostly fall into the same bin, and one count need not wait for the other.
+    // Four histograms: neighbours mostly fall into the same bin, and their increments are then
+    // independent.
     let mut parts = [[0_u32; BINS]; 4];
     let (fours, rest) = values.as_chunks::<4>();
     for four in fours {

@@ -132,7 +132,7 @@ macro_rules! with_plane {
 }
 pub(crate) use with_plane;
 
-/// Whether every value that is looked at is a finite number; integer containers always are.
+/// Whether every value sampled is a finite number; integer containers always are.
 pub(crate) fn all_finite(view: &FrameView<'_>) -> bool {
     match view.pixels() {
         Pixels::U8(_) | Pixels::U16(_) => true,

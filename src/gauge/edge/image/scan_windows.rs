@@ -10,10 +10,12 @@ use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::profile::Reason;
 
-/// An edge this close to the central pixel is centred, px. More than half a pixel, so that noise cannot keep a window hopping.
+/// Distance of an edge from the central pixel below which its window is centred, px. More than half
+/// a pixel, so that noise cannot alternate a window between two rows.
 const CENTRED: f32 = 0.65;
 
-/// What is left to the scoring where noise keeps a window hopping, px: its own shifts reach that far.
+/// Largest distance left to the scoring where noise alternates a window, px: its own shifts reach
+/// that far.
 const LATER: f32 = 2.5;
 
 /// Columns of a tile: their pixels in a row fill one or two lines of the cache.
@@ -64,9 +66,9 @@ pub(crate) struct Windows {
     pub(crate) dark: Vec<f32>,
     /// Mean of the flat pixels in the light, counts; NaN without a window.
     pub(crate) light: Vec<f32>,
-    /// Whether the centres are known to be right: then only the flat ends are looked at.
+    /// Whether the centres are final: then only the flat ends are evaluated.
     pub(crate) centred: bool,
-    /// Where the area of the light puts the edge, px into the light from where it is.
+    /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     centroid: f32,
     tile: Vec<[f32; TILE]>,
 }
@@ -100,7 +102,8 @@ impl Windows {
         self.flat =
             ((half(width) as f64 - shape.reach(sigma) - f64::from(PHASE_REACH)).floor() as usize).max(3);
         if shape.is_ringed() {
-            // Rings reach beyond the window: what its own light and flat ends give for an edge in the middle.
+            // Rings reach beyond the window: the area and the flat ends that an edge in the middle
+            // has.
             let mut samples = vec![EdgeSample::default(); width];
             shape.samples(-(half(width) as f64), 0.0, sigma, &mut samples);
             let light: Vec<f32> = samples.iter().map(|s| s.value as f32).collect();
@@ -300,8 +303,8 @@ impl Windows {
     }
 }
 
-/// Reads a tile of neighbouring windows row by row, which the cache likes better than column by column, and turns it, eight
-/// columns at a time where their edges lie in the same row.
+/// Reads a tile of neighbouring windows row by row, which uses the cache better than column by
+/// column, and transposes it, eight columns at a time where their edges lie in the same row.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"), dispatcher = "direct")]
 fn read_tile<T: Sample>(
     windows: &mut Windows,

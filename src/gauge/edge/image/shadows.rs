@@ -26,7 +26,7 @@ const EQUAL: f64 = 0.8;
 /// Share of the thickness of the shadow measured from which another shadow counts as as large.
 const AS_LARGE: f64 = 0.5;
 
-/// One strip: a shadow with its mean place.
+/// One strip: a shadow with its mean position.
 #[derive(Clone, Copy, Debug)]
 struct Strip {
     area: Area,
@@ -55,13 +55,13 @@ pub(crate) struct Grid<'a> {
     pub(crate) columns: usize,
     /// Rows of the frame that a cell stands for.
     pub(crate) row_step: usize,
-    /// What is darker is shadow, counts.
+    /// Values below are shadow, counts.
     pub(crate) threshold: f32,
     /// Thickness below which a shadow is no part, px.
     pub(crate) min_diameter_px: f64,
 }
 
-/// Memory of the choice.
+/// Buffers of the choice.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shadows {
     components: Components,
@@ -141,7 +141,7 @@ impl Shadows {
                 (first, last, n) = (first + *a as f64, last + *b as f64 + 1.0, n + 1.0);
             }
             let rows_px = (step * first / n, step * last / n);
-            // A speck with arms is no strip: what a strip spans is mostly dark.
+            // A speck with arms is no strip: most of the extent of a strip is dark.
             let solid = f64::from(area.cells) >= 0.5 * (last - first) && n >= least;
             if *area == main || solid {
                 let part = rows_px.1 - rows_px.0 >= grid.min_diameter_px;
@@ -218,7 +218,7 @@ impl Shadows {
         }
     }
 
-    /// Takes down light that the thinned image did not show.
+    /// Records light that the thinned image did not show.
     pub(crate) fn add_light_inside(&mut self, light_px: f64) {
         if light_px > 0.0 && self.seen.joined < 2 {
             self.seen.joined = 2;
@@ -278,7 +278,7 @@ fn is_one_part(upper: &Strip, lower: &Strip) -> bool {
     beside(upper, lower).is_some_and(|(thin, thick)| gap <= NARROW * thick && gap <= thin)
 }
 
-/// What makes two strips ambiguous: as thick as each other, and nearer than two parts usually lie.
+/// Ambiguous strips: equally thick, and closer than two parts usually lie.
 fn doubt(upper: &Strip, lower: &Strip) -> Option<String> {
     let gap = gap_px(upper, lower);
     let (thin, thick) = beside(upper, lower).filter(|_| upper.part && lower.part)?;

@@ -1,4 +1,4 @@
-//! Stuck rows of the sensor beside an edge: the windows that they cross are not looked at.
+//! Stuck rows of the sensor beside an edge: the windows that they cross are left out.
 //!
 //! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a fifth of the contrast
 //! (an edge is monotone, a fringe's crest wider than a pixel), or where it has one value all along and neither neighbour has.
@@ -38,7 +38,8 @@ struct Level {
     departure: f32,
 }
 
-/// Takes the windows that stuck rows cross out of a side; gives the row that crosses most of them.
+/// Leaves out the windows of a side that stuck rows cross; returns the row that crosses most of
+/// them.
 pub(crate) fn leave_out<T: Sample>(
     plane: &Plane<'_, T>,
     windows: &mut Windows,

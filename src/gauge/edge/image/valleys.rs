@@ -15,15 +15,15 @@
 
 /// Depth of a valley in standard deviations of the noise: of a hundred thousand cells of noise none is as deep.
 const LEAST_DEPTH_SIGMAS: f32 = 8.0;
-/// Depth of a valley as a share of the frame's whole range of grey values: a part is opaque, what hardly dims the light is
-/// mist or a film.
+/// Depth of a valley as a fraction of the frame's whole range of grey values: a part is opaque;
+/// what hardly dims the light is mist or a film.
 const LEAST_DEPTH_SHARE: f32 = 0.03;
 /// Cells of a row between two shadow cells that count as shadow: a stuck column of the sensor does not cut a part in two.
 const BRIDGE: usize = 4;
 /// Share of the way from floor to fill below which a pixel is shadow, as for a frame of two levels.
 const SHADOW: f32 = 0.35;
 
-/// The valleys of a thinned image, row by row; memory that a stream keeps.
+/// The valleys of a thinned image, row by row; buffers that a stream keeps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Valleys {
     /// 0 at the floor of a valley, 1 in the light.
@@ -196,7 +196,7 @@ mod tests {
     /// Shares of one column.
     fn shares(values: &[f32]) -> Vec<f32> {
         let mut valleys = Valleys::default();
-        // Two equal columns: neighbours in a row show no noise.
+        // Two equal columns: neighbours in a row have no noise.
         let grid: Vec<f32> = values.iter().flat_map(|v| [*v, *v]).collect();
         valleys.find(&grid, 2, Bridged::No);
         valleys.shares.iter().step_by(2).copied().collect()

@@ -1,4 +1,5 @@
-//! The edge-spread function that is fitted: the Gaussian, one given as a table, or one learnt from the frame.
+//! The edge-spread function that is fitted: the Gaussian, one given as a table, or one estimated
+//! from the frame.
 //!
 //! Every one is a location-scale family. With the integral I(t) = ∫F over t = u·σ₀/σ, a step at x0 reads in pixel k
 //!
@@ -209,7 +210,8 @@ impl EdgeSpreadFunction {
         matches!(self, Self::Table(table) if table.ringed)
     }
 
-    /// Least blur that is believed, px: a sharp edge that is given as a table may be sharper than any that is found.
+    /// Least blur of the search, px: a sharp edge that is given as a table may be sharper than any
+    /// that is found.
     pub(crate) fn least_sigma(&self) -> f64 {
         match self {
             Self::Gaussian => SIGMA_RANGE.0,
@@ -225,7 +227,7 @@ impl EdgeSpreadFunction {
         }
     }
 
-    /// Where the area of the light puts the edge, px into the light from where it is.
+    /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     pub(crate) fn centroid(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,
@@ -233,8 +235,8 @@ impl EdgeSpreadFunction {
         }
     }
 
-    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): what the area of the light goes by where rings
-    /// reach beyond the window.
+    /// Sum of E over a window of `width` pixels, the edge at its central one (`half`): the expected
+    /// area of the light where rings reach beyond the window.
     pub(crate) fn window_sum(&self, sigma: f64, width: usize, half: usize) -> f64 {
         let mut samples = vec![EdgeSample::default(); width];
         self.samples(-(half as f64), 0.0, sigma, &mut samples);

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::gauge::settings::EsfSamples;
 
-/// Largest difference of the light of two tables of one edge: the scale by which px became µm before the masters were fitted
-/// is known to parts in a thousand, worth a few thousandths of the light on the flank; tables of other optics differ by more.
+/// Largest difference of the light of two tables of one edge: the scale by which px became µm
+/// before the masters were fitted is known to parts in a thousand, equivalent to a few thousandths
+/// of the light on the flank; tables of other optics differ by more.
 const SAME: f64 = 0.01;
 
 /// Most samples in a file.
@@ -31,7 +32,7 @@ impl EdgeTable {
         }
     }
 
-    /// As the gauge takes it, at a scale.
+    /// As the gauge uses it, at a scale.
     pub fn samples(&self, um_per_px: f64) -> EsfSamples {
         EsfSamples {
             distance_px: self.distance_um.iter().map(|d| d / um_per_px).collect(),

@@ -1,4 +1,5 @@
-//! What an edge looks like: the edge-spread function, its integral over a pixel, and where it departs from the fitted one.
+//! The model of an edge: the edge-spread function, its integral over a pixel, and its systematic
+//! residual.
 //!
 //! In: a distance from the edge, a blur. Out: light as a share of the bright field, with derivatives by place and blur
 //! (`gaussian::EdgeSample`); `edge_spread::EdgeSpreadFunction` is the one type that all fits take, whatever the function is. Distances are in px,

@@ -1,22 +1,24 @@
-//! What a real edge-spread function may have that the fitted one has not: skewness and kurtosis of its line-spread function (the
-//! series of Gram and Charlier, ∫He₂φ and ∫He₃φ over the pixel).
+//! Departures of a real edge-spread function from the fitted one: skewness and kurtosis of its
+//! line-spread function (Gram-Charlier series, ∫He₂φ and ∫He₃φ over the pixel).
 //!
-//! Of each term the part is taken off that place and blur of an edge that is seen whole would follow: an amplitude moves no edge
-//! that is not clipped. Where part of an edge is clipped the amplitudes, known to [`AMPLITUDE`] beforehand, state what its unseen part may
-//! have moved the edge by.
+//! Each term is made orthogonal to position and blur of an edge that is seen whole: its amplitude
+//! does not move an edge that is not clipped. Where part of an edge is clipped, the amplitudes,
+//! with a prior standard uncertainty of [`AMPLITUDE`], give the shift of the edge by its unseen
+//! part.
 
 use nalgebra::{Matrix2, Vector2};
 
 /// Number of terms.
 pub(crate) const TERMS: usize = 2;
-/// Standard deviation of the amplitudes where nothing is known of them; skewness is 6 and excess kurtosis 24 times as much. The value
-/// decides what light of 1.5 times the clip leaves open of a width, 0.1 px at a blur of 1 px.
+/// Prior standard deviation of the amplitudes; skewness is 6 and excess kurtosis 24 times as much.
+/// The value determines the uncertainty of a width in light of 1.5 times the clip, 0.1 px at a blur
+/// of 1 px.
 pub(crate) const AMPLITUDE: f64 = 0.0075;
 
 /// A sample of an edge: ∂E/∂x (or by distance), ∂E/∂σ, the plain terms, weight.
 pub(crate) type Sampled = ([f64; 2], [f64; TERMS], f64);
 
-/// The terms with what place and blur would follow taken off.
+/// The terms, orthogonal to position and blur.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ShapeTerms {
     taken_off: [[f64; 2]; TERMS],

@@ -14,11 +14,11 @@ use crate::profile::Reason;
 /// 9.8 standard deviations apart, and whole counts round them outwards.
 const ONE_LEVEL: f64 = 12.0;
 
-/// What is said where no window holds both levels.
+/// Text where no window holds both levels.
 const NO_LEVELS: &str = "no column shows both light and shadow beside an edge, and one is needed at least: the part is hidden, blurred beyond \
     its windows or runs the other way: focus, move the part, or try --vertical";
 
-/// What is said of NaN and infinity.
+/// Text for NaN and infinity.
 pub(crate) const NOT_FINITE: &str = "grey values that are not finite numbers; every pixel must be one: write a number in place of NaN and infinity";
 
 /// A refusal.
@@ -31,7 +31,7 @@ pub(crate) fn no_levels() -> FrameRefused {
     refused(Reason::NoEdge, NO_LEVELS.to_owned())
 }
 
-/// Why no shadow was chosen: what the choice says, else what the grey values do.
+/// Why no shadow was chosen: by the choice itself, else by the grey values.
 pub(crate) fn no_shadow<T: Sample>(
     plane: &Plane<'_, T>,
     settings: &GaugeSettings,

@@ -4,7 +4,7 @@ use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::settings::GaugeSettings;
 
-/// Least size that a shadow is looked for at to say how large the largest one is, px.
+/// Least size, px, of a shadow that is looked for in order to report the size of the largest one.
 const SMALLEST_PX: f64 = 6.0;
 /// Share of the columns in which another view of the frame must show a part to be recommended.
 const RECOMMENDED: f64 = 0.5;

@@ -1,6 +1,7 @@
 //! A bent shaft: its middles follow a smooth curve and its widths do not change with it.
 //!
-//! What adheres to one side widens the shadow by twice what it moves the middle; an axis that bends widens it not at all.
+//! Contamination on one side widens the shadow by twice the displacement of the middle; bending of
+//! the axis does not change the width.
 
 use nalgebra::SVector;
 
@@ -8,14 +9,15 @@ use super::centreline::CALM_PX;
 use super::departures::Block;
 use crate::numerics::normal_equations::NormalEquations;
 
-/// Coefficients of the curve: half a sine over two fields is met to 1e-4 of its height.
+/// Coefficients of the curve: half a sine over two fields is approximated to 1e-4 of its height.
 const TERMS: usize = 6;
-/// Largest departure of a width from its own line over the largest departure of a middle from its: a quarter of what contamination shows.
+/// Largest departure of a width from its line over the largest departure of a middle from its line:
+/// a quarter of the ratio that contamination gives.
 const MOST_WIDENING: f64 = 0.5;
-/// Fewest blocks that show such a curve.
+/// Fewest blocks from which such a curve can be fitted.
 const LEAST_BLOCKS: usize = 4 * TERMS;
 
-/// Whether every block's middle lies on a smooth curve while the widths stay on a line.
+/// Whether the middle of every block lies on a smooth curve while the widths stay on a line.
 pub(super) fn is_bent(blocks: &[Block]) -> bool {
     if blocks.len() < LEAST_BLOCKS {
         return false;
@@ -26,7 +28,8 @@ pub(super) fn is_bent(blocks: &[Block]) -> bool {
     off_curve < CALM_PX && widening < MOST_WIDENING * off_line
 }
 
-/// Largest departure from the least-squares polynomial of so many terms; `None` where a value is missing.
+/// Largest departure from the least-squares polynomial of `terms` coefficients; `None` where a
+/// value is missing.
 fn largest(blocks: &[Block], value: impl Fn(&Block) -> f64, terms: usize) -> Option<f64> {
     let mut fit = NormalEquations::<TERMS>::new();
     (terms..TERMS).for_each(|k| fit.normal[(k, k)] = 1.0);

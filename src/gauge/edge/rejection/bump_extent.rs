@@ -1,4 +1,5 @@
-//! From a refused stretch to where the shadow's width levels out: down its slopes, and over the hill that it is a flank of.
+//! Extends a refused stretch to where the width of the shadow levels out: down its flanks, and
+//! across the bump of which it is a flank.
 
 use super::centreline::fit;
 use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
@@ -12,7 +13,7 @@ const SHOULDER: f64 = 0.3;
 const BASE_FRACTION: f64 = 0.2;
 
 impl AxisScratch {
-    /// Whether a column has no width any more.
+    /// Whether a column has no width left.
     fn gone(&self, column: usize) -> bool {
         self.refused[column] || !self.departures[column].is_finite()
     }
@@ -48,9 +49,10 @@ impl AxisScratch {
         any
     }
 
-    /// Crosses a hill that begins behind the column `near` of a refused stretch whose other end is `far`; false where there is none: where the
-    /// width does not rise, rises like a shoulder, stays high like a collar, or falls again where the middle departs to the other side,
-    /// as a collar's do on a tilted part.
+    /// Crosses a bump that begins beyond the column `near` of a refused stretch whose other end is
+    /// `far`. False where there is none: where the width does not rise, rises like a shoulder,
+    /// stays high like a collar, or falls again where the middle departs to the other side, as at a
+    /// collar of a tilted part.
     fn cross_from(&mut self, near: isize, far: isize, step: isize, taper: f64) -> bool {
         let length = (near - far).abs() as f64;
         let (Some(base), Some(beyond)) =
@@ -91,7 +93,7 @@ impl AxisScratch {
         false
     }
 
-    /// Sum of the departures over the columns of a stretch's end.
+    /// Sum of the departures over the columns at the end of a stretch.
     fn side_of(&self, end: isize, step: isize) -> f32 {
         let columns = (0..2 * MEAN_COLUMNS as isize).map(|k| end + step * k);
         let known = columns.filter_map(|c| self.departures.get(usize::try_from(c).ok()?));
@@ -121,7 +123,8 @@ impl AxisScratch {
             let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
-            // Down by itself and against the part's taper: a step elsewhere in the field makes the taper's line too steep.
+            // Falls both by itself and after subtraction of the taper: a step elsewhere in the
+            // field makes the fitted taper too steep.
             let fall = (here - next).min(here - next + tapered);
             if fall < FLOOR_PX {
                 if at != from {

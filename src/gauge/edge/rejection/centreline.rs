@@ -1,4 +1,5 @@
-//! The axis that most blocks of a frame agree with: a parabola over the field, robust where they disagree.
+//! The axis on which most blocks of a frame lie: a parabola over the field, fitted robustly where
+//! blocks disagree.
 
 use nalgebra::Vector3;
 
@@ -6,13 +7,14 @@ use super::departures::{AGREEING, AxisScratch, Block, FLOOR_PX, basis};
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::MEDIAN_TO_SD;
 
-/// Trial axes of the robust fit.
+/// Number of trial axes of the robust fit.
 const TRIALS: usize = 160;
 /// Bend of an axis that is taken for the part's own, px.
 const BEND_OF_WAVY_PX: f64 = 0.03;
 /// Departures from the plain parabola up to which no other axis is looked for, px.
 pub(super) const CALM_PX: f64 = 0.05;
-/// Share of the plain parabola's spread below which another axis is believed, and bend up to which the parabola may be the part's own.
+/// Fraction of the scatter about the least-squares parabola below which another axis replaces it,
+/// and bend up to which the parabola may be the axis of the part, px.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
 /// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1 and 0.
@@ -26,17 +28,18 @@ const PROTRUDING: f64 = 0.75;
 const USUAL_BEND_PX: f64 = 0.05;
 
 impl AxisScratch {
-    /// The parabola by least squares.
+    /// The parabola by unweighted least squares.
     pub(super) fn plain(&self) -> Option<Vector3<f64>> {
         fit(self.blocks.iter().map(Block::point), true)
     }
 
-    /// Whether all blocks agree with a parabola that hardly bends.
+    /// Whether all blocks lie on a parabola with negligible bend.
     pub(super) fn is_calm(&self, plain: &Vector3<f64>) -> bool {
         plain[2].abs() < BEND_OF_WAVY_PX && !self.blocks.iter().any(|b| far(plain, CALM_PX, b))
     }
 
-    /// The axis of a frame that is not calm: what half of the blocks agree with best. `noise`: standard deviation of a block's median, px.
+    /// The axis of a frame that is not calm: the one about which half of the blocks scatter least.
+    /// `noise`: standard deviation of the median of a block, px.
     pub(super) fn axis(&mut self, plain: Vector3<f64>, noise: f64) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -48,13 +51,14 @@ impl AxisScratch {
                 return Some(*axis);
             }
         }
-        // Of few blocks half lie near some parabola by chance, nearer than their noise lets them.
+        // Of few blocks half lie near some parabola by chance, closer than their noise.
         let spread = found[0].0.max(noise);
         let wanders = spread > BETTER * self.spread(&plain) && plain[2].abs() < BEND_OF_PART_PX;
         Some(if wanders || shares[0].1 > PROTRUDING { plain } else { found[0].1 })
     }
 
-    /// The best line and the best parabola with what they cost: what two or three blocks say is not yet what all that agree say.
+    /// The best line and the best parabola with their costs, each refined over all blocks that
+    /// agree with it, since a trial passes exactly through two or three.
     fn candidates(&mut self, plain: &Vector3<f64>) -> Option<[(f64, Vector3<f64>); 2]> {
         let mut best = [(f64::INFINITY, *plain), (self.cost(plain), *plain)];
         let n = self.blocks.len();
@@ -64,7 +68,7 @@ impl AxisScratch {
             from + ((state >> 33) as usize) % (to - from).max(1)
         };
         for trial in 0..TRIALS {
-            // An axis through neighbours says nothing of the rest.
+            // An axis through neighbouring blocks is not determined elsewhere in the field.
             let mut three = [draw(0, n), draw(0, n), draw(0, n)];
             three.sort_unstable();
             let bent = trial % 2 == 0;
@@ -86,7 +90,7 @@ impl AxisScratch {
         Some(best)
     }
 
-    /// An axis by least squares through the blocks that agree with it.
+    /// Refines an axis by least squares over the blocks that agree with it.
     fn refined(&mut self, mut axis: Vector3<f64>) -> Option<Vector3<f64>> {
         for _ in 0..3 {
             let limit = (3.0 * self.spread(&axis)).max(0.5 * FLOOR_PX);
@@ -131,7 +135,8 @@ impl AxisScratch {
         if all > 0.0 { (protruding / all, receding / all) } else { (0.0, 0.0) }
     }
 
-    /// Of a run of blocks: Σ a·b and Σ a² of twice the middle's departure a and the width b, both over what the run's neighbours say.
+    /// Over a run of blocks: Σ a·b and Σ a², with a twice the departure of the middle and b the
+    /// width, both relative to the neighbours of the run.
     fn widening(&self, axis: &Vector3<f64>, line: &Vector3<f64>, run: std::ops::Range<usize>) -> (f64, f64) {
         let over = |b: &Block| (2.0 * (b.middle - axis.dot(&basis(b.x))), b.width - line.dot(&basis(b.x)));
         let before = run.start.checked_sub(1).map(|k| over(&self.blocks[k]));
@@ -152,12 +157,13 @@ impl AxisScratch {
         (widening, square)
     }
 
-    /// Spread about an axis, dearer where it bends.
+    /// Scatter about an axis, multiplied by its bend penalty.
     fn cost(&mut self, axis: &Vector3<f64>) -> f64 {
         self.spread(axis) * bend_penalty(axis)
     }
 
-    /// Whether an axis costs less than `cost`, told by counting: so many departures must be small that the quantile is.
+    /// Whether an axis costs less than `cost`. Counted, not sorted: the quantile is below the limit
+    /// exactly if that many departures are.
     fn is_cheaper(&self, axis: &Vector3<f64>, cost: f64) -> bool {
         let limit = cost / (MEDIAN_TO_SD * bend_penalty(axis));
         let (a, b, c) = (axis[0], axis[1], axis[2]);
@@ -189,7 +195,7 @@ fn through(points: [(f64, f64); 3], bent: bool) -> Vector3<f64> {
     Vector3::new(y0 - x0 * (slope + bend * x0), slope, bend)
 }
 
-/// Parabola or line by least squares; `None` where the points do not tell it.
+/// Parabola or line by least squares; `None` where the points do not determine it.
 pub(super) fn fit(points: impl Iterator<Item = (f64, f64)>, bent: bool) -> Option<Vector3<f64>> {
     let mut fit = NormalEquations::new();
     for (x, y) in points {

@@ -11,15 +11,18 @@ const COLUMN_LIMIT: f64 = 5.5;
 const BLOCK_LIMIT: f64 = 4.0;
 /// Standard deviation of a block's median over that of a column: √(π/2)/√16.
 pub(super) const MEDIAN_OF_BLOCK: f64 = 0.3133;
-/// Departures below this are left alone, px: they move a diameter by twice as much, well inside what a station's scatter says.
+/// Departures below this are not tested, px: they change a diameter by twice as much, well within
+/// the scatter of a station.
 pub(super) const FLOOR_PX: f64 = 0.04;
 /// A refused stretch grows over neighbours that depart to the same side by so many standard deviations, this far at most.
 pub(super) const GROW_LIMIT: f64 = 1.5;
 pub(super) const GROWTH: usize = 64;
-/// Neighbours of a refused stretch that go with it: the foot of what rises too gently to be told.
+/// Neighbouring columns that are refused with a stretch: the base of a flank too gentle to be
+/// detected.
 const GUARD: usize = 6;
-/// Share of the blocks that must agree with the axis: the median of their departures states their scatter.
-/// A smaller share would find axes among films that cover most of a field, and bends of clean texture too.
+/// Fraction of the blocks that must agree with the axis: the median of their departures gives their
+/// scatter. A smaller fraction would find axes among films that cover most of a field, and bends in
+/// clean texture.
 pub(super) const AGREEING: f64 = 0.5;
 /// Bumps that are left out together when the scatter elsewhere is estimated.
 pub(crate) const BUMPS: usize = 3;
@@ -37,19 +40,19 @@ pub(super) struct Block {
     pub(super) width: f64,
 }
 
-/// Blocks that stand out of their neighbourhood.
+/// Adjoining blocks that depart from their neighbourhood.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalBump {
     /// By how much the highest stands out, px of the middle.
     pub(super) peak: f64,
-    /// First and last of them.
+    /// First and last block.
     pub(super) first: usize,
     pub(super) last: usize,
     /// Where the neighbourhood lies: 0 on both sides, else before (-1) or behind (1).
     pub(super) step: isize,
 }
 
-/// Memory of [`super::one_sided`].
+/// Buffers of [`super::one_sided`], reused from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AxisScratch {
     /// Middle of every column, NaN without both edges; then its departure from the axis.
@@ -70,7 +73,8 @@ impl Block {
     }
 }
 
-/// Root mean square of the noise that the edges of some columns state of their middle, px.
+/// Root mean square standard uncertainty of the middle over some columns, from the own
+/// uncertainties of both edges, px.
 pub(super) fn own_noise((top, bottom): (&[Edge], &[Edge]), columns: std::ops::Range<usize>) -> f64 {
     let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
     let pairs = top[columns.clone()].iter().zip(&bottom[columns]);
@@ -94,7 +98,8 @@ fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
     Some(medians(&mut turned))
 }
 
-/// Standard deviation from the agreeing share of departures.
+/// Robust standard deviation: the [`AGREEING`] quantile of absolute departures over that of a
+/// normal distribution.
 pub(super) fn robust_sd(sizes: &mut [f64]) -> f64 {
     let index = (AGREEING * sizes.len() as f64) as usize;
     MEDIAN_TO_SD * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
@@ -117,7 +122,7 @@ fn median(values: &[f32], pool: &mut Vec<f32>) -> Option<(f32, usize)> {
 }
 
 impl AxisScratch {
-    /// Makes room for frames of so many columns, whatever they show.
+    /// Reserves buffers for frames of so many columns.
     pub(crate) fn reserve(&mut self, columns: usize) {
         fn room<T>(values: &mut Vec<T>, length: usize) {
             values.reserve(length.saturating_sub(values.len()));
@@ -132,13 +137,15 @@ impl AxisScratch {
         room(&mut self.suspects, BUMPS);
     }
 
-    /// Standard deviation that the edges' own noise gives the median of a block with so many usable columns in all, px.
+    /// Standard deviation of the median of a block by the own noise of its edges, with so many
+    /// usable columns in the frame, px.
     pub(super) fn block_noise(&self, edges: (&[Edge], &[Edge]), usable: usize) -> f64 {
         let columns = usable as f64 / self.blocks.len().max(1) as f64;
         own_noise(edges, 0..edges.0.len()) * (0.5 * std::f64::consts::PI / columns.max(1.0)).sqrt()
     }
 
-    /// Middles of the columns and medians of the blocks; gives the number of columns with both edges.
+    /// Middles of the columns and medians of the blocks; returns the number of columns with both
+    /// edges.
     pub(super) fn middles(&mut self, top: &[Edge], bottom: &[Edge]) -> usize {
         let columns = top.len();
         self.departures.clear();
@@ -176,7 +183,8 @@ impl AxisScratch {
         usable
     }
 
-    /// Widths of the columns and of the blocks, px from the first one's; once a frame that is not calm.
+    /// Widths of the columns and of the blocks relative to the first one, px; once a frame, and
+    /// only where it is not calm.
     pub(super) fn measure_widths(&mut self, top: &[Edge], bottom: &[Edge]) {
         if !self.widths.is_empty() {
             return;
@@ -201,7 +209,8 @@ impl AxisScratch {
         robust_sd(&mut self.sizes)
     }
 
-    /// Turns middles into departures; gives the robust standard deviations of a column and of a block, px.
+    /// Subtracts the axis from the middles; returns the robust standard deviations of a column and
+    /// of a block, px.
     pub(super) fn depart(&mut self, axis: &Vector3<f64>, columns: usize) -> (f64, f64) {
         let scale = 2.0 / columns.max(1) as f64;
         for (column, departure) in self.departures.iter_mut().enumerate() {
@@ -214,12 +223,14 @@ impl AxisScratch {
         let every = self.departures.iter().step_by(step);
         self.sizes.extend(every.filter(|d| d.is_finite()).map(|d| f64::from(d.abs())));
         let column_sd = if self.sizes.is_empty() { 0.0 } else { robust_sd(&mut self.sizes) };
-        // The scatter of a few blocks may be small by chance, but hardly smaller than that of its columns makes it.
+        // The scatter of a few blocks may be small by chance, but hardly smaller than that of their
+        // columns implies.
         (column_sd, block_sd.max(column_sd * MEDIAN_OF_BLOCK))
     }
 
-    /// Marks what departs, and what belongs to it; gives whether anything does. Where light falls off along the shaft, edges in its dim
-    /// part scatter by more than the field does: what their own noise makes is no departure.
+    /// Marks departures and the columns that belong to them; returns whether there are any. Where
+    /// illumination falls off along the shaft, edges in its dim part scatter by more than the mean
+    /// of the field: a departure within their own noise is none.
     pub(super) fn mark(&mut self, (column_sd, block_sd): (f64, f64), edges: (&[Edge], &[Edge])) -> bool {
         let columns = self.departures.len();
         let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
@@ -262,7 +273,8 @@ impl AxisScratch {
         self.refused.iter().zip(&self.departures).filter(|(r, d)| **r && d.is_finite()).count()
     }
 
-    /// Extends refused stretches over neighbours that still depart to the same side, and a guard beyond.
+    /// Extends refused stretches over neighbouring columns that depart to the same side, and by a
+    /// guard beyond.
     pub(super) fn grow(&mut self, limit: f32) {
         let columns = self.departures.len() as isize;
         let refused = &self.refused;

@@ -1,9 +1,13 @@
-//! Hills: what stands out of its own neighbourhood on one side of the part, wherever the axis goes.
+//! Local bumps: protrusions on one side of the part relative to their own neighbourhood, whatever
+//! the course of the axis.
 //!
-//! Where the axis itself wanders, or matter covers half of what is left of a field, departures from one axis for all tell little. But
-//! matter has ends. The middle of a block is compared with the line through two others some blocks away (on both sides of it; near the field's
-//! border on one): matter on one side lifts it by half of what it widens the shadow by, form lifts the width alone, an axis that wanders
-//! the middle alone. How much such a comparison gives without matter is told by the same comparison elsewhere in the frame.
+//! Where the centreline itself is wavy, or contamination covers half of the remaining field,
+//! departures from one axis for the whole field are no criterion. But contamination has ends. The
+//! middle of a block is compared with the line through two others some blocks away (on both sides;
+//! near the border of the field on one). Contamination on one side displaces it by half of the
+//! widening of the shadow, form changes the width alone, a wavy centreline the middle alone. The
+//! scatter of such a comparison without contamination is estimated from the same comparison
+//! elsewhere in the frame.
 
 use nalgebra::Vector3;
 
@@ -14,25 +18,28 @@ use super::departures::{
 use crate::gauge::edges::Edge;
 use crate::numerics::median_network::BLOCK;
 
-/// Blocks to either side of a place that its neighbourhood is read from: half the length of a film, a short one first.
+/// Distance in blocks at which the neighbourhood of a block is read: half the length of a film,
+/// short ones first.
 const REACHES: [usize; 3] = [2, 3, 5];
-/// Departures from the neighbourhood that are matter, in robust standard deviations of such departures at n places elsewhere, and px.
-/// A standard deviation from a few places is worth less, so that the limit is 1 + FEW/n times higher; but in a field that is dirty anyhow
-/// matter is likelier, and the limit lower.
+/// Departures from the neighbourhood that are contamination: in robust standard deviations of the
+/// same comparison at n places elsewhere, and px. A standard deviation from few places is
+/// uncertain, so that the limit is 1 + FEW/n times higher; in a field known to be contaminated the
+/// prior probability is higher, and the limit lower.
 const LOCAL_LIMIT: f64 = 4.0;
 const FEW: f64 = 4.0;
 const AMONG_CONTAMINATION: f64 = 0.85;
 const LOCAL_FLOOR_PX: f64 = 0.05;
-/// Places elsewhere that tell that standard deviation.
+/// Fewest places elsewhere from which that standard deviation is estimated.
 const LEAST_PLACES: usize = 3;
-/// Standard deviation of a comparison over that of one block, between two others as far away and beyond them: √1.5 and √6.
+/// Standard deviation of a comparison over that of one block, between two others at equal distances
+/// and beyond them: √1.5 and √6.
 const BETWEEN: f64 = 1.2247;
 const BEYOND: f64 = 2.4495;
-/// Share of a departure down to which its neighbours belong to it.
+/// Fraction of a departure down to which the neighbouring blocks belong to it.
 const FLANK: f64 = 0.2;
 
-/// Standard deviation of a block's middle by the noise of its edges alone, px: a few places may scatter less by chance, but that is what
-/// they are worth.
+/// Standard deviation of the middle of a block by the noise of its edges alone, px: the lower bound
+/// of the scatter, as that of a few places may be smaller by chance.
 fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
     const STEP: usize = 4;
     let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
@@ -42,7 +49,8 @@ fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
 }
 
 impl AxisScratch {
-    /// Marks what stands out of its neighbourhood on one side, wherever the axis goes: matter that a wandering axis would hide.
+    /// Marks protrusions from the neighbourhood on one side, which a wavy centreline would
+    /// otherwise hide.
     pub(crate) fn mark_local(
         &mut self,
         axis: &Vector3<f64>,
@@ -97,7 +105,7 @@ impl AxisScratch {
         any
     }
 
-    /// Whether nothing is held against a block.
+    /// Whether a block is neither refused nor part of a suspected bump.
     fn is_open(&self, k: usize) -> bool {
         !self.refused[self.blocks[k].index * BLOCK]
             && !self.suspects.iter().any(|bump| bump.first <= k && k <= bump.last)
@@ -165,7 +173,7 @@ impl AxisScratch {
         Some(bump)
     }
 
-    /// Number and robust standard deviation of the same comparison where no hill has a part in it.
+    /// Number and robust standard deviation of the same comparison over blocks outside all bumps.
     fn elsewhere(&mut self, axis: &Vector3<f64>, reach: usize, step: isize) -> (usize, f64) {
         let mut sizes = std::mem::take(&mut self.sizes);
         sizes.clear();

@@ -1,10 +1,11 @@
-//! Whether an edge lies where its neighbours do, and whether both lines are contours of one part.
+//! Whether an edge lies on the line of its neighbours, and whether both lines are contours of one
+//! part.
 
 use crate::gauge::edges::{Edge, EdgeState};
 use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
-/// Columns whose median stands for the neighbourhood.
+/// Columns whose median represents a neighbourhood.
 const NEIGHBOURS: usize = 32;
 
 /// Medians of the usable edges in groups of neighbours, as (column, row).
@@ -24,7 +25,7 @@ fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
     }
 }
 
-/// Scratch of [`refuse_outliers`].
+/// Buffers of [`refuse_outliers`], reused from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OutlierScratch {
     pool: Vec<f64>,
@@ -32,7 +33,7 @@ pub(crate) struct OutlierScratch {
 }
 
 impl OutlierScratch {
-    /// Makes room for lines of so many columns.
+    /// Reserves buffers for lines of so many columns.
     pub(crate) fn reserve(&mut self, columns: usize) {
         self.pool.reserve(NEIGHBOURS.saturating_sub(self.pool.len()));
         self.medians.reserve((columns / NEIGHBOURS + 1).saturating_sub(self.medians.len()));
@@ -94,7 +95,8 @@ fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
     true
 }
 
-/// Half the largest second difference of the medians around an interval, px: what a line misses of an arc, at the ends too.
+/// Half the largest second difference of the medians around an interval, px: the departure of an
+/// arc from its chord, at the ends too.
 fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     let second = |k: usize| (knots[k + 1].1 - 2.0 * knots[k].1 + knots[k - 1].1).abs();
     let before = if left >= 1 { second(left) } else { 0.0 };

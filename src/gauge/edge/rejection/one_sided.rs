@@ -1,9 +1,13 @@
-//! One edge that leaves its place while the other one does not: matter on the part, not its form.
+//! One edge departs from the contour while the other one does not: contamination on the part, not
+//! its form.
 //!
-//! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle (top + bottom)/2 follows the axis: over
-//! one field a parabola, whatever the profile. Matter that adheres to one side, or a chip that touches it, moves the middle by half of
-//! what it adds to the diameter. A shaft that bends more than a parabola shows leaves its widths alone ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they disagree; the scatter about it
-//! (noise, texture, vibration) is the yardstick, so that a part whose middle wanders by itself is not refused.
+//! Steps, tapers and bends of a turned part move both edges of a column alike, so that the middle
+//! (top + bottom)/2 follows the axis: over one field a parabola, whatever the profile.
+//! Contamination that adheres to one side, or a chip that touches it, moves the middle by half of
+//! what it adds to the diameter. A shaft that bends more than a parabola leaves its widths
+//! unchanged ([`bent`]). The parabola is fitted to medians of sixteen columns, robustly where they
+//! disagree. Departures are tested against the scatter about it (noise, texture, vibration), so
+//! that a part with a wavy centreline is not refused.
 
 use super::bent;
 use super::departures::AxisScratch;
@@ -11,9 +15,9 @@ use crate::gauge::edges::{Edge, EdgeState};
 use crate::numerics::median_network::BLOCK;
 use crate::profile::Reason;
 
-/// Fewest blocks that tell an axis from an excursion.
+/// Fewest blocks from which the axis can be separated from a local departure.
 const LEAST_BLOCKS: usize = 8;
-/// Times that the axis is laid anew through what was not refused.
+/// Number of times that the axis is fitted again to the columns not yet refused.
 const PASSES: usize = 3;
 /// Share of the columns that matter hides from which a field counts as dirty, and the spread about the axis, px, above which nothing vouches
 /// for what is left of a dirty field: among much matter a middle that wanders is matter too, sooner than form.
@@ -53,7 +57,7 @@ fn refuse_once(
         if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
             return 0.0;
         }
-        // Too little of a wide field is left to tell an axis from: nothing vouches for it.
+        // Too few columns of a wide field are left to fit an axis: none of them can be confirmed.
         return refuse_all(top);
     }
     let Some(plain) = scratch.plain() else { return 0.0 };

@@ -1,11 +1,13 @@
-//! Whether noise explains the residual of a fitted edge; what it leaves unexplained, neighbours share.
+//! Whether noise explains the residual of a fitted edge; a residual beyond noise that neighbours
+//! share adds to their uncertainty.
 
 use crate::gauge::edges::{Edge, EdgeState, RESIDUAL_BLOCK};
 use crate::numerics::distributions::chi2_ratio_limit;
 use crate::profile::Reason;
 
-/// Share of the columns that a frame's own misfit is read from: the best fitting ones. What is wrong with more than half of a frame's
-/// columns may still be dirt; what is wrong with four in five is the model.
+/// Fraction of the columns, the best fitting ones, from which the reduced χ² of a frame is taken. A
+/// deviation in more than half of the columns may still be contamination; one in four of five
+/// columns is the model.
 const BEST: f64 = 0.2;
 /// Normal quantile of [`BEST`].
 const BEST_QUANTILE: f64 = -0.8416;

@@ -1,4 +1,5 @@
-//! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], judged as other edges are.
+//! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], with the tests of other
+//! edges.
 
 use super::joint_fit::Wire;
 use crate::gauge::edge::estimation::survey::GreyScaleLimits;
@@ -98,7 +99,8 @@ fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
     }
 }
 
-/// Refuses edges by residual, uncertainty and neighbours, and widens u by what the model leaves; gives the larger misfit.
+/// Refuses edges by residual, uncertainty and neighbours, and adds the model uncertainty to u;
+/// returns the larger reduced χ².
 fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
     let z = upper_normal_quantile(settings.residual_false_alarm);
     let mut most = 1.0_f64;

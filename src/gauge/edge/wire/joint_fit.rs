@@ -1,7 +1,7 @@
 //! Wires: both edges of a thin shadow fitted together.
 //!
-//! Where a shadow is narrower than an edge's window, each window sees the other edge, and the shadow between them hardly
-//! reaches its level. Pixel k of column c then reads
+//! Where a shadow is narrower than an edge's window, each window contains the other edge, and the
+//! shadow between them hardly reaches its level. Pixel k of column c then reads
 //!
 //! ```text
 //! m = B + (A_t(c) − B)·[1 − S(k − t_c; σ)] + (A_b(c) − B)·S(k − b_c; σ)
@@ -10,8 +10,8 @@
 //! with S the pixel-integrated edge of the settings, B the shadow's level, A_t and A_b the light above and below (parabolas
 //! along the wire), σ the blur: eight parameters pooled over the frame and two edges a column. Weighted Gauss-Newton on all
 //! at once, the edges eliminated column by column (Schur complement), residuals beyond three standard deviations counting
-//! by their size only (Huber). What B and σ leave open moves both edges apart, so that their errors add up in a width:
-//! each edge states 1/√2 of the width's.
+//! by their size only (Huber). The errors of B and σ move both edges apart and add up in a width:
+//! the uncertainty of each edge is 1/√2 of the width's.
 //!
 //! Valid from 6 px and three times the blur across, up to the width from which every edge has a window of its own.
 
@@ -159,7 +159,7 @@ impl Wire {
                 *value = (dark + (f64::from(*value) - dark) / light) as f32;
             }
         }
-        // Light of one level all along is left.
+        // The light that remains has one level all along.
         let light = |from: usize| {
             median_of(
                 self.columns
@@ -178,8 +178,9 @@ impl Wire {
         true
     }
 
-    /// Light beside the wire over the field, column by column of the frame, pooled along it: along a wire light falls as it likes, linearly,
-    /// too, of which the logarithm is no quadratic. Empty where it does not show.
+    /// Light beside the wire over the field, column by column of the frame, pooled along it: along
+    /// a wire light may fall in any way, also linearly, of which the logarithm is no quadratic.
+    /// Empty where it cannot be estimated.
     fn light_along<T: Sample>(&self, plane: &Plane<'_, T>, field: &LightField, clear: f64) -> Vec<f32> {
         let dark = self.pooled[0];
         let mut means = vec![f32::NAN; plane.columns];
@@ -256,7 +257,7 @@ impl Wire {
         self.columns.iter().step_by(step).filter(|column| column.good).map(of).collect()
     }
 
-    /// What rounding in steps, counts, does to the grey values.
+    /// Effect of rounding in steps, counts, on the grey values.
     pub(crate) fn rounding(&self, step: f64) -> WireRounding {
         let mut zones = [Vec::new(), Vec::new()];
         let thinned = (self.columns.len() / FIELD_COLUMNS).max(1);
@@ -385,7 +386,8 @@ impl Wire {
             normal += s.normal - s.cross * own * s.cross.transpose();
             right += s.right - s.cross * own * s.own_right;
         }
-        // A parabola that few columns leave open leans on zero with a billionth of the constants' weight.
+        // A parabola that few columns do not determine is tied to zero with a billionth of the
+        // constants' weight.
         for k in [2, 3, 5, 6] {
             normal[(k, k)] += 1e-9 * normal[(1, 1)];
         }
@@ -431,7 +433,7 @@ impl Wire {
         self.variance = [if counts[0] >= LEAST_PIXELS { dark } else { light }, light];
     }
 
-    /// Leaves out of the pooled parameters the columns whose residual is far from the usual.
+    /// Excludes from the pooled parameters the columns with outlying residuals.
     fn judge(&mut self) {
         let chi2: Vec<f64> =
             self.columns.iter().map(|c| self.sums(c).chi2 / (c.pixels.len() as f64 - 2.0)).collect();

@@ -1,4 +1,4 @@
-//! What rounding to whole counts repeats in the edges of a wire.
+//! Rounding to whole counts that repeats in the edges of a wire.
 //!
 //! As at other edges ([`crate::gauge::edge::estimation::rounding`]), but both edges, the levels and the blur are one fit: the error b_k of pixel k moves the width by
 //! Σ g_k b_k, g = w_k·(H⁻¹ J_k) of one column's six equations (a level wire repeats the same pixels in every column). Pixels of one flat level share
@@ -41,8 +41,9 @@ pub(crate) struct WireRounding {
 }
 
 impl WireRounding {
-    /// Moves what repeats from what the edges have for themselves to what they share; gives the standard uncertainty of either edge
-    /// that repeats, px. `equations` gives those of so many columns.
+    /// Moves the repeating variance from the edges' own to their shared uncertainty; returns the
+    /// standard uncertainty of either edge that repeats, px. `equations` gives those of so many
+    /// columns.
     pub(crate) fn state(
         &self,
         equations: impl FnOnce(usize) -> Vec<Vec<WirePixel>>,

@@ -13,7 +13,8 @@ const BLOCK: usize = 5;
 const LEAST_CHANGES: usize = 4;
 /// Departure of a block's middle, in its standard uncertainties, that counts for a sign.
 const SIGNIFICANT: f64 = 4.0;
-/// Least amplitude of the middle, px: what vibration and texture do is left to the columns.
+/// Least amplitude of the middle, px: vibration and texture are below it and remain with the
+/// columns.
 const LEAST_PX: f64 = 0.1;
 /// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it begins.
 const PITCHES: f64 = 2.5;
@@ -33,7 +34,8 @@ pub(crate) struct Crests {
     columns: usize,
 }
 
-/// Pitch of crests that face roots, px, where the frame shows such at even distances: dirt on both sides alternates, but not evenly.
+/// Pitch of crests that face roots, px, where the frame shows such at even distances: contamination
+/// on both sides alternates, but not evenly.
 pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
     Crests::find(edges).filter(|crests| crests.unevenness <= MOST_UNEVEN).map(|crests| crests.pitch_px)
 }
@@ -83,7 +85,8 @@ fn straight(line: &[Edge]) -> Option<(f64, f64)> {
 }
 
 impl Crests {
-    /// Finds them; `None` where the middle of the shadow keeps to its axis or wanders slowly.
+    /// Finds them; `None` where the middle of the shadow keeps to its axis or departs from it
+    /// slowly.
     pub(crate) fn find(edges: &FrameEdges) -> Option<Self> {
         let (a, b) = (straight(&edges.top)?, straight(&edges.bottom)?);
         let axis = |x: f64| 0.5 * (a.0 + b.0 + (a.1 + b.1) * x);

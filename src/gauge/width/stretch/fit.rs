@@ -1,4 +1,4 @@
-//! Polynomials through the values of a stretch of columns, with what the next orders would change.
+//! Polynomials through the values of a stretch of columns, with the change by the next orders.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,7 +13,7 @@ pub(crate) struct Points<'a> {
     pub(crate) sd: &'a [f64],
 }
 
-/// What stands for a stretch.
+/// What represents a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
     /// Its mean: never above the largest value in it.
@@ -46,7 +46,7 @@ pub(crate) struct Fit {
     n: f64,
     middle: f64,
     half: f64,
-    /// A value near all others: sums keep their digits about it.
+    /// A value near all others, subtracted so that sums keep their digits.
     origin: f64,
     sums: [f64; 5],
     products: [f64; 3],
@@ -152,7 +152,7 @@ impl Fit {
         value - lambda * variance.sqrt()
     }
 
-    /// The estimate at a column, with what the residuals say of it.
+    /// The estimate at a column, with its uncertainty from the residuals.
     pub(crate) fn estimate(
         &self,
         order: Order,
@@ -186,7 +186,7 @@ impl Fit {
             && residuals.lag <= self.variance * LAG_LIMIT * self.n.sqrt()
     }
 
-    /// What the next two orders take off the value at a column, beyond what noise makes of them.
+    /// Change of the value at a column by the next two orders, beyond noise.
     fn excess(&self, order: Order, x: f64, residuals: &Residuals) -> f64 {
         let t = (x - self.middle) / self.half;
         let from = if order == Order::Line { 0 } else { 1 };

@@ -1,9 +1,11 @@
 //! The largest value over every stretch of a line of columns, down to a least width, without the upward bias of a maximum of noise.
 //!
-//! A stretch is stood for by its mean (a collar, a cylinder), by the end of a line through it where the part or the field ends (a taper),
+//! A stretch is represented by its mean (a collar, a cylinder), by the end of a line through it
+//! where the part or the field ends (a taper),
 //! or by the vertex of a parabola (a bump, a wave, a barrel). Of all stretches of all widths the one with the largest value less λ
 //! standard uncertainties is chosen: a narrow one only where noise does not explain that it is larger than a wide one. Every other
-//! column chooses and the columns between measure, then the other way round, and the mean of both is the value: it owes nothing to the
+//! column chooses and the columns between measure, then the other way round, and the mean of both
+//! is the value: it is independent of the
 //! choice. Where both choose different places, what they differ by beyond noise is stated.
 
 use super::fit::{Estimate, Fit, Order, Points};
@@ -109,7 +111,7 @@ impl Line {
         self.measured([a, b])
     }
 
-    /// What the halves that did not choose say of two choices.
+    /// Estimates of two choices by the halves that did not make them.
     pub(super) fn measured(&self, choices: [Choice; 2]) -> Option<Largest> {
         let [Some(a), Some(b)] = [0, 1].map(|parity| self.measure(&choices[parity], parity)) else {
             return None;
@@ -153,7 +155,8 @@ impl Line {
                 let Some(fit) = Fit::new(&points, indices.clone()) else { continue };
                 for (order, at) in self.candidates(&fit, (from, to), least).into_iter().flatten() {
                     let beats = |score: f64| best.is_none_or(|b| score > b.score);
-                    // Residuals owe nothing to the value: all points may say whether the fit describes them.
+                    // Residuals are independent of the value: all points may test whether the fit
+                    // describes them.
                     let describes = || {
                         order == Order::Mean
                             || Fit::new(&points, from..to)
@@ -183,7 +186,7 @@ impl Line {
         })
     }
 
-    /// What may stand for a stretch.
+    /// Candidates that represent a stretch.
     fn candidates(&self, fit: &Fit, (from, to): (usize, usize), least: usize) -> [Option<(Order, f64)>; 4] {
         let width = to - from;
         let (first, last) = (self.x[from], self.x[to - 1]);
@@ -201,7 +204,7 @@ impl Line {
     fn ends_at(&self, index: usize, step: isize) -> bool {
         let inside = |i: isize| (0..self.len() as isize).contains(&i);
         let index = index as isize;
-        // Blur rounds the corner itself off: the second to fifth point beyond it tell.
+        // Blur rounds the corner itself off: the second to fifth point beyond it are compared.
         let beyond = index + 2 * step;
         if !inside(beyond) || (self.x[beyond as usize] - self.x[index as usize]).abs() > BRIDGE_PX {
             return true;
@@ -214,7 +217,7 @@ impl Line {
         mean(index, -step) - mean(beyond, step) > (SHOULDER * self.sd[index as usize]).max(SHOULDER_PX)
     }
 
-    /// What the points between those that chose say of a stretch.
+    /// Estimate of a stretch by the points that did not choose it.
     fn measure(&self, choice: &Choice, parity: usize) -> Option<Estimate> {
         let points = Points { x: &self.x, y: &self.shown, sd: &self.sd };
         let (mut from, mut to) = (choice.from, choice.to);
@@ -269,7 +272,7 @@ fn scatter(values: &[f64], noise: &[f64]) -> f64 {
     scatter.max(LEAST_SCATTER)
 }
 
-/// Whether one value alone leaves its neighbours.
+/// Whether one value alone is an outlier of its neighbours.
 fn is_speck(values: &[f64], index: usize, limit: f64) -> bool {
     if index < 2 || index + 2 >= values.len() {
         return false;

@@ -124,7 +124,7 @@ impl PartiallyCoherentEdge {
     }
 }
 
-/// Tables computed last: half a second each, and asked for again by every bench of one lens.
+/// Tables computed last: half a second each, and asked for again by every optical setup of one lens.
 static TABLES: Mutex<VecDeque<(PartiallyCoherentEdge, EdgeSpread)>> = Mutex::new(VecDeque::new());
 const MOST_KEPT: usize = 32;
 

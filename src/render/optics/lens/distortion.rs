@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::render::error::{RenderError, within};
 
-/// Largest coefficient: a metrology lens has 1e-4 to 1e-2, a cheap wide-angle one .3.
+/// Largest coefficient: a metrology lens has 1e-4 to 1e-2, a plain wide-angle one .3.
 const LARGEST: f64 = 0.5;
 
 /// Newton steps of the inverse; three reach 1e-12 for 10 % of distortion.

@@ -1,4 +1,5 @@
-//! Levels, blur and shape of a side's edges from many columns at once, their places eliminated column by column.
+//! Levels, blur and shape of a side's edges from many columns at once, the position of each column
+//! eliminated.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,26 +9,31 @@ use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edge::model::shape_terms::{AMPLITUDE, TERMS};
 
-/// Light above dark is looked for up to this multiple of what is seen of it.
+/// Upper bound of the light above dark in the fit, as a multiple of the part of it that is seen.
 pub(crate) const BRIGHTEST: f64 = 4.0;
-/// Excess of χ² over its expectation that the noise, known to a few per cent, may explain.
+/// Reduced χ² that is still explained by noise, whose variance is known to a few per cent.
 const EXPLAINED: f64 = 1.1;
 
-/// Squares expected of the shadow's pixels between the ends from which on they state its noise: to a tenth; and a pixel's, which is .41 of
-/// a shadow at one step below the end's border and .28 at one and a half: what shows its tail alone states level and noise only together.
+/// Least expected sum of squares over the shadow's pixels between the ends from which their noise
+/// is estimated (standard uncertainty of a tenth); and that of one pixel, which is .41 for a shadow
+/// one step below the end's border and .28 at one and a half: where only the tail is seen, level
+/// and noise cannot be separated.
 const OWN_NOISE: f64 = 50.0;
 const OWN_SHARE: f64 = 0.35;
-/// Excess of their squares from which on they do so all the same: the line has missed the noise by a quarter.
+/// Excess of their squares above which the noise is estimated from them nevertheless: the noise
+/// line is wrong by a quarter.
 const CONTRADICTS: f64 = 1.5;
-/// One column of so many, free of stray pixels, states the noise of all; one stray pixel of so many, hot in the flat shadow, makes them hot
-/// pixels: a third of a window is flat shadow.
+/// The noise is estimated from columns free of stray pixels where at least one of so many columns
+/// is free; stray pixels are hot pixels where one of so many is hot in the flat shadow, which fills
+/// a third of a window.
 const FREE: usize = 4;
 /// Fewest columns that levels with nine knots are estimated from.
 const LEAST_FREE: usize = 36;
-/// What a straight line through light and flank leaves open of the dark's noise: a sensor's non-uniformity of 1 % grows with the square of
-/// the level, and takes a quarter of an 8-bit camera's dark noise off the line's end.
+/// Relative uncertainty of the noise in the dark from a straight line through light and flank: a
+/// sensor's non-uniformity of 1 % grows with the square of the level, and lowers the dark end of
+/// the line by a quarter of an 8-bit camera's dark noise.
 const OF_LINE: f64 = 0.25;
-/// Largest relative standard uncertainty of a noise: nothing is known of it.
+/// Largest relative standard uncertainty of a noise: it is unknown.
 const MOST_UNKNOWN: f64 = 1.0;
 
 /// The joint fit.
@@ -73,14 +79,14 @@ impl Sums {
     }
 }
 
-/// What a settled fit states.
+/// Result of a converged fit.
 #[derive(Clone, Debug)]
 pub(super) struct Settled {
     /// Covariance of dark, light, blur and shape terms.
     covariance: DMatrix<f64>,
-    /// The same were the shape terms known.
+    /// The same with the shape terms fixed.
     known_shape: DMatrix<f64>,
-    /// What they move by with the noise in the light, as far as that is known.
+    /// Their sensitivity to the noise in the light times its uncertainty.
     by_noise: DVector<f64>,
     /// Relative standard uncertainty of that noise.
     noise_known_to: f64,
@@ -88,7 +94,7 @@ pub(super) struct Settled {
     pub(crate) reduced_chi2: f64,
     /// Logarithm of the likelihood.
     pub(crate) log_likelihood: f64,
-    /// Columns that it rests on.
+    /// Number of columns fitted.
     pub(crate) columns: usize,
     /// Mean number of pixels of a column that state a grey value.
     pub(super) informative: f64,
@@ -162,7 +168,8 @@ impl Joint<'_> {
                 }
             }
         }
-        // A hot pixel moves its column's place and so its other residuals, which state no noise. Where strays are no hot pixels but a misfit,
+        // A hot pixel moves its column's place and so its other residuals, which show no noise.
+        // Where strays are no hot pixels but a systematic residual,
         // or few columns are free of them, all count.
         let total = |of: fn(&Score) -> usize| scores.iter().map(of).sum::<usize>();
         let hot = FREE * total(|score| score.hot) > total(|score| score.stray);
@@ -204,7 +211,7 @@ impl Joint<'_> {
         for (k, amplitude) in self.likelihood.terms.iter().enumerate() {
             add(sigma + 1 + k, *amplitude, AMPLITUDE);
         }
-        // Knots without data lean on their neighbours.
+        // Knots without data are tied to their neighbours.
         for (first, level) in [(0, &self.dark), (self.dark.knots.len(), &self.light)] {
             for k in first..first + level.knots.len() - 1 {
                 let lean = 1e-6 * (sums.normal[(k, k)] + sums.normal[(k + 1, k + 1)]) + 1e-12;
@@ -272,7 +279,8 @@ impl Joint<'_> {
         }
     }
 
-    /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts. `None` where the columns do not tell.
+    /// Fits until nothing changes; `seen` is the contrast between the ends of what is seen, counts.
+    /// `None` where the columns do not determine it.
     pub(crate) fn settle(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<Settled> {
         for round in 0..3 {
             let middle = self.middle();
@@ -305,7 +313,7 @@ impl Joint<'_> {
     }
 
     /// Leaves the columns out that show a stray pixel, a hot one of the sensor as a rule, where as many as state the noise are free of them:
-    /// what is left of a stray pixel's pull moves the levels, and those move all edges alike.
+    /// the remaining influence of a stray pixel moves the levels, and those move all edges alike.
     pub(super) fn leave_out_strays(&mut self, windows: &Windows, slope: &[f32]) {
         let (_, scores) = self.sums(windows, slope);
         let free = scores.iter().filter(|score| score.stray == 0).count();
@@ -316,7 +324,8 @@ impl Joint<'_> {
         self.columns.retain(|_| is_free.next().unwrap_or(true));
     }
 
-    /// The gain from the scatter on the flank, the misfit from what the noise leaves of χ².
+    /// The gain from the scatter on the flank, the unexplained variance from what the noise leaves
+    /// of χ².
     fn learn_noise(&mut self, windows: &Windows, slope: &[f32]) {
         let (sums, _) = self.sums(windows, slope);
         let [square, level] = sums.flank;
@@ -335,7 +344,8 @@ impl Joint<'_> {
         self.likelihood.noise.reduced_chi2 = (reduced_chi2 - EXPLAINED).max(0.0) * mid;
     }
 
-    /// By how much the flat shadow's own pixels, where it is clipped in part, scatter more than the noise taken; `None` of too few.
+    /// Excess scatter of the flat shadow's own pixels, where it is clipped in part, over the noise
+    /// assumed; `None` of too few.
     fn own_noise(&self, sums: &Sums) -> Option<f64> {
         let [chi2, expected, pixels] = sums.in_dark;
         let contradicts = chi2 > CONTRADICTS * expected;
@@ -343,8 +353,9 @@ impl Joint<'_> {
         (self.likelihood.ends.low.is_finite() && enough).then(|| chi2 / expected)
     }
 
-    /// Relative standard uncertainty of the noise of what is clipped: √(2/n) is known of the variance on the flank, about twice of whose
-    /// departure from the known level's stands in it; half of that of its root.
+    /// Relative standard uncertainty of the noise of a clipped level. The variance on the flank is
+    /// known to √(2/n); its departure from that of the known level is extrapolated about twice as
+    /// far; the root has half of it.
     fn noise_known_to(&self, sums: &Sums) -> f64 {
         let middle = self.middle();
         let (dark, light) = (self.dark.at(middle), self.light.at(middle));
@@ -359,13 +370,15 @@ impl Joint<'_> {
         known_to.hypot(of_line).min(MOST_UNKNOWN)
     }
 
-    /// How many times what was presumed of them the shape terms are, at least 1: a lens that departs from its edge model in what is
-    /// seen does so in what is not.
+    /// The amplitudes of the shape terms over their assumed standard uncertainty, at least 1: a
+    /// lens that departs from its edge model in the visible part departs as much in the clipped
+    /// one.
     pub(super) fn beyond_presumed(&self) -> f64 {
         self.likelihood.terms.iter().fold(1.0, |most: f64, a| most.max(a.abs() / AMPLITUDE))
     }
 
-    /// Variance of a column's place by what all share: in all, and were the shape known; px².
+    /// Variance of a column's position by the common parameters: in all, and with the shape fixed;
+    /// px².
     pub(crate) fn shared(&self, settled: &Settled, column: usize, score: &Score) -> (f64, f64) {
         let own = score.information[(0, 0)];
         let mut lever = DVector::zeros(self.count());

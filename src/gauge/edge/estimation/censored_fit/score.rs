@@ -11,14 +11,17 @@ use crate::numerics::normal_table::NormalTable;
 
 /// Most pixels of a window.
 const MOST: usize = 80;
-/// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead pixels, dirt. Noise reaches it once in
+/// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead
+/// pixels, contamination. Noise reaches it once in
 /// 5·10⁸ pixels.
 const STRAY: f64 = 6.0;
-/// Growth of the edge per px below which a pixel does not move its place: its information is 10⁻⁸ of a steep one's.
+/// Slope of the edge per px below which a pixel does not move its position: its information is 10⁻⁸
+/// of that of a steep one.
 const FLAT: f64 = 1e-4;
 /// Share of the light up to which a pixel lies in the flat shadow.
 const FLAT_SHARE: f64 = 0.01;
-/// Step of the place from which on the flank no longer looks stray, px, and that at which it has settled: a hundredth of a single edge's noise.
+/// Step of the position below which the flank no longer counts as stray, px, and below which it has
+/// converged: a hundredth of the noise of a single edge.
 const NEAR_PX: f64 = 0.05;
 const SETTLED_PX: f64 = 1e-4;
 /// x, dark, light, σ, and the amplitudes of the shape terms.
@@ -26,7 +29,8 @@ pub(crate) type Gradient = Vector6<f64>;
 /// Information of [`Gradient`].
 pub(super) type Information = Matrix6<f64>;
 
-/// Noise variance over the grey level: a straight line, and what a misfit of the model adds everywhere.
+/// Noise variance over the grey level: a straight line, plus the unexplained variance of the model
+/// everywhere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Noise {
     /// Level at which `variance` holds, counts.
@@ -73,7 +77,8 @@ pub(super) struct Likelihood<'a> {
 pub(super) struct Score {
     pub(crate) gradient: Gradient,
     pub(crate) information: Information,
-    /// Σ of squared residuals over the noise variance (no misfit) of the pixels between the ends.
+    /// Σ of squared residuals over the noise variance (without the unexplained one) of the pixels
+    /// between the ends.
     pub(crate) chi2: f64,
     /// What that sum is expected to be.
     pub(super) informative: f64,
@@ -116,7 +121,7 @@ impl<'a> Likelihood<'a> {
         }
     }
 
-    /// Makes the shape terms such that an edge seen whole, with place and blur free, does not feel them.
+    /// Makes the shape terms orthogonal to position and blur of an edge seen whole.
     pub(crate) fn separate(&mut self, width: usize, column: Column) {
         const PHASES: u32 = 8;
         self.separated = ShapeTerms::default();
@@ -244,10 +249,11 @@ impl<'a> Likelihood<'a> {
         gradient / information
     }
 
-    /// Place of a column, px from its central pixel, by Fisher scoring from `start`; `None` where it does not settle.
+    /// Position of a column, px from its central pixel, by Fisher scoring from `start`; `None`
+    /// where it does not converge.
     pub(crate) fn place(&self, window: &[f32], start: f64, column: Column) -> Option<f64> {
         let mut x = start;
-        // From afar the flank itself looks stray.
+        // Far from the position the flank itself would count as stray.
         let mut strict = false;
         for _ in 0..40 {
             let step = self.step(window, x, column, strict);
@@ -291,7 +297,7 @@ struct Taken {
     flank: bool,
 }
 
-/// What a pixel states beside its model.
+/// Contribution of a pixel beside its model.
 struct Pixel {
     m: f64,
     edge: EdgeSample,

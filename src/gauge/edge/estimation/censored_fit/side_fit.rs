@@ -1,10 +1,12 @@
 //! Edges beside light or shadow that is clipped at an end of the grey scale: censored maximum likelihood.
 //!
-//! Levels along the shaft, blur and two shape terms of the edge-spread function are estimated once a side from many columns, the place of
-//! each column with them (`score`, `joint`). A level may lie on either side of the end: where noise reaches the end it is
-//! found from the pixels that do not, where all of it is clipped from the flank. What the flank leaves open of it enters the shared
-//! uncertainty with the joint covariance; the part by the shape of the edge, which is the same lens at both edges, adds up in a width:
-//! each side states √2 of its own.
+//! Levels along the shaft, blur and two shape terms of the edge-spread function are estimated once
+//! a side from many columns, together with the position of each column (`score`, `joint`). A level
+//! may lie on either side of the end: where noise reaches the end it is estimated from the pixels
+//! between the ends, where all of it is clipped from the flank. The uncertainty left by the flank
+//! enters the shared uncertainty with the joint covariance. The part by the shape of the edge has
+//! one cause at both edges, the lens, and adds up linearly in a width: each side states √2 of its
+//! own.
 
 use super::joint::{BRIGHTEST, FittedColumn, Joint, Settled};
 use super::level::Level;
@@ -27,23 +29,25 @@ const KNOTS: [usize; 4] = [2, 3, 5, 9];
 const KNOT_PENALTY: f64 = 4.0;
 /// Steepest edges that take part in learning, rows per column.
 const MOST_SLOPE: f32 = 0.2;
-/// Share of the largest contrast looked for from which on the flank does not state it.
+/// Fraction of the upper bound of the contrast above which the flank does not determine it.
 const AT_THE_BOUND: f64 = 0.98;
-/// Excess of χ² over its expectation from which on a misfit has moved the levels.
+/// Reduced χ² above which a systematic residual has moved the levels.
 const EXPLAINED: f64 = 1.2;
-/// Most that a misfit states of an edge by levels beyond the ends, px: what light of 1.5 times the end would move edges of 2 px blur by.
+/// Largest uncertainty of an edge by levels beyond the ends, px: what light of 1.5 times the end
+/// would move edges of 2 px blur by.
 const MOST_SHOWN_PX: f64 = 1.0;
 /// χ² over its expectation beyond which no edge-spread function of the family fits.
 const EXCESS_CHI2: f64 = 2.0;
 /// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
 const HELD: (f64, f64) = (0.05, 0.5);
-/// Times what is presumed of the shape terms from which on the whole flank is not taken: Gaussian edges under clipped light stay below 1,
-/// knees of video cameras reach 2 to 4.
+/// Amplitude of the shape terms over their assumed standard uncertainty above which the whole flank
+/// is not used: Gaussian edges under clipped light stay below 1, knees of video cameras reach 2 to
+/// 4.
 const BENT: f64 = 1.5;
 /// Relative standard uncertainty of a blur that is given.
 const GIVEN_TO: f64 = 1e-3;
 
-/// What a side's frame states before the fit.
+/// One side of a frame before the fit.
 #[derive(Clone, Debug)]
 pub(crate) struct ClippedStart<'a> {
     /// The edge-spread function.
@@ -53,14 +57,15 @@ pub(crate) struct ClippedStart<'a> {
     /// Blur, px, and whether it is given.
     pub(crate) sigma: f64,
     pub(crate) sigma_is_given: bool,
-    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and the least that is taken seriously.
+    /// Noise variance in the dark and in the light, counts², that of what is clipped unknown; and
+    /// the least variance used.
     pub(crate) variance: [f64; 2],
     pub(crate) floor: f64,
     /// Ends of the grey scale.
     pub(crate) ends: Ends,
 }
 
-/// What the fit of a side gives beside its edges.
+/// Result of the fit of a side beside its edges.
 #[derive(Clone, Debug)]
 pub(crate) struct ClippedSide {
     /// Degrees of freedom to test the columns' residuals with.
@@ -73,7 +78,8 @@ pub(crate) struct ClippedSide {
     pub(crate) u_px: f64,
 }
 
-/// Fits all columns of a side; `None`, all of them gaps, where the flank does not state the levels beyond the ends.
+/// Fits all columns of a side; `None`, all of them gaps, where the flank does not determine the
+/// levels beyond the ends.
 pub(crate) fn fit_side(
     windows: &Windows,
     slope: &[f32],
@@ -113,8 +119,9 @@ pub(crate) fn fit_side(
     })
 }
 
-/// Lower ends where the whole flank asks for an edge-spread function beyond what was presumed of any: the response bends before it ends, or
-/// the edge-spread function departs. The lower part of the flank, which is free of the bend, is then taken alone.
+/// Lower ends where the whole flank would need an edge-spread function beyond the assumed family:
+/// the response bends before it ends, or the edge-spread function departs. The lower part of the
+/// flank, which is free of the bend, is then used alone.
 fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, f64)) -> Option<Ends> {
     let ends = start.ends;
     if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
@@ -149,7 +156,7 @@ fn with_best_knots<'a>(
         }
         false => Level::known(&curve.level, f64::from(mean(&curve.uncertainty))),
     };
-    // The noise's line hangs on the level that is not clipped, and the flank gives its slope.
+    // The noise line passes through the level that is not clipped, with the slope from the flank.
     let (level, variance) = match ends.low.is_finite() && ends.high.is_infinite() {
         true => (light.mean, start.variance[1]),
         false => (dark.mean.max(low), start.variance[0]),
@@ -221,8 +228,10 @@ fn fit_joint<'a>(
     (!beyond).then_some((best, settled, 0.0))
 }
 
-/// Where no edge-spread function of the family fits, the flank does not state the light: it is held a little beyond the end, and what the
-/// edges move by farther beyond is their common uncertainty, px (the value taken stands at one end of a rectangle; √2 for both edges).
+/// Where no edge-spread function of the family fits, the flank does not determine the light: it is
+/// held a little beyond the end, and the shift of the edges by a light farther beyond is their
+/// common uncertainty, px (the value held stands at one end of a rectangular distribution; √2 for
+/// both edges).
 fn hold<'a>(
     joint: &Joint<'a>,
     windows: &Windows,
@@ -272,7 +281,8 @@ fn fit_column(
     (hidden, held): (f64, f64),
 ) -> (Edge, f64) {
     let at = joint.column(column, slope);
-    // The edge of the column before is nearer than the windows' own first estimate, which noise and clipped light have moved.
+    // The edge of the column before is a better start than the windows' own first estimate, which
+    // noise and clipped light have moved.
     let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < NEIGHBOUR_PX);
     let start = start.unwrap_or_else(|| windows.first_place(column));
     let Some(x) = joint.likelihood.place(windows.of(column), start, at) else {

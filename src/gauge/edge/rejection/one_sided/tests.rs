@@ -23,7 +23,7 @@ fn form_is_kept_and_matter_on_one_side_is_refused() {
     let middle = |c: usize| 500.0 + 0.003 * c as f64 + 4e-6 * (c as f64 - 250.0).powi(2);
     let (mut top, mut bottom) = lines(middle, half);
     assert!(refuse_one_sided(&mut top, &mut bottom, &mut AxisScratch::default()) < 1e-9);
-    // Matter 0.6 px high above, from column 300 to 420.
+    // Contamination 0.6 px high above, from column 300 to 420.
     for edge in &mut top[300..420] {
         edge.row_px -= 0.6;
     }
@@ -35,7 +35,8 @@ fn form_is_kept_and_matter_on_one_side_is_refused() {
     assert!((0..280).chain(440..512).all(|c| top[c].is_usable()));
 }
 
-/// Twenty blocks know their own scatter to a quarter: a frame that looks quiet by chance must not lose its columns for it.
+/// The scatter of twenty blocks has a relative standard uncertainty of a quarter: a frame that is
+/// quiet by chance must not lose columns for it.
 #[test]
 fn a_narrow_frame_of_noise_keeps_its_columns() {
     const FRAMES: usize = 4000;
@@ -61,7 +62,8 @@ fn a_narrow_frame_of_noise_keeps_its_columns() {
 mod bumps {
     use super::*;
 
-    /// Edges of a piece 512 columns long whose middle wanders by `wander`, with films on the upper edge: (first column, length, height / px).
+    /// Edges of a piece 512 columns long with a centreline deviation of `wander` px and films on
+    /// the upper edge: (first column, length, height / px).
     fn lines(wander: impl Fn(f64) -> f64, films: &[(usize, usize, f64)]) -> (Vec<Edge>, Vec<Edge>) {
         let edge =
             |row_px| Edge { row_px, u_own_px: 0.01, u_shared_px: 0.0, chi2: 1.0, state: EdgeState::Good };

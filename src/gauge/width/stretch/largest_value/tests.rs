@@ -29,7 +29,7 @@ fn over_u(columns: usize, trials: u64, form: impl Fn(f64) -> f64) -> (f64, f64, 
     (mean / n, (square / n).sqrt(), covered / n, u / n)
 }
 
-/// The largest of many is the luckiest one: what is read must owe nothing to the choice.
+/// The largest of many readings is biased: the value must be independent of the choice.
 #[test]
 fn noise_does_not_raise_the_largest_diameter_of_a_cylinder() {
     let (mean, rms, covered, u_px) = over_u(400, 200, |_| 0.0);
