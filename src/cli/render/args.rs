@@ -49,7 +49,7 @@ pub struct RenderArgs {
 
 /// The scene of a config: its shaft at the last pass's nominal diameter with the form of `[shaft]`.
 pub(crate) fn scene(job: &Job) -> Result<Scene, Failure> {
-    let bench = OpticalSetup::resolve(&job.setup_settings(), job.seed).map_err(Failure::refuse)?;
+    let setup = OpticalSetup::resolve(&job.setup_settings(), job.seed).map_err(Failure::refuse)?;
     let diameter = job.part.nominal_diameter_mm.last().copied().unwrap_or(job.part.stock_diameter_mm);
     let profile = vec![ProfileKnot { z_mm: 0.0, radius_mm: diameter / 2.0 }];
     let shaft = form_shaft(profile, &job.shaft, job.part.length_mm, job.seed).map_err(Failure::refuse)?;

@@ -126,9 +126,9 @@ impl Series<'_> {
     }
 }
 
-/// The true bench: what only truth may know.
+/// The true optical setup: what only truth may know.
 fn true_setup(scene: &Scene) -> String {
-    let bench = scene.bench();
+    let setup = scene.setup();
     let json = serde_json::json!({
         "um_per_px": setup.pixel_mm * 1e3,
         "esf": setup.esf,

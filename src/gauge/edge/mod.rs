@@ -25,7 +25,6 @@ mod refusals;
 pub(crate) mod rejection;
 pub(crate) mod rings;
 pub(crate) mod rounded_frame;
-pub(crate) mod scene;
 pub(crate) mod settled;
 pub(crate) mod side;
 mod side_parts;

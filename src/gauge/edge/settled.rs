@@ -95,7 +95,7 @@ impl<T> SettledStream<T> {
     }
 
     /// As [`EdgeStream::teach`], for the frame measured last; of a line camera once for every picture of readings, so that no reading counts twice.
-    pub fn teach(&mut self, lesson: &mut ResidualAccumulator, measured: &FrameEdges) {
-        self.stream.teach(lesson, measured);
+    pub fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
+        self.stream.accumulate(residuals, measured);
     }
 }

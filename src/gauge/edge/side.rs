@@ -1,7 +1,7 @@
 //! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
 
 use super::estimation::censored_fit::side_fit::{self, ClippedStart};
-use super::estimation::survey::{GreyScaleLimits, SideSurvey};
+use super::estimation::side_survey::{GreyScaleLimits, SideSurvey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::SystematicResidual;
 use super::rejection::neighbour_test;
@@ -192,7 +192,7 @@ impl SideState {
         if self.shape.is_ringed() {
             self.gradient.clear();
         } else {
-            self.gradient.read_windows(plane, &self.windows);
+            self.gradient.read(plane, &self.windows);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a side of the silhouette carries beside its windows, levels and edge-spread function: figures of the frame, the kind of its columns,
 //! and memory.
 
-use super::estimation::survey::Survey;
+use super::estimation::side_survey::SideSurvey;
 use super::rejection::neighbour_test::OutlierScratch;
 use crate::gauge::edge::estimation::blur::BlurScratch;
 use crate::gauge::edge::estimation::levels::LevelPool;
@@ -15,13 +15,13 @@ pub(super) const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 #[derive(Clone, Debug)]
 pub(crate) struct SideFigures {
     pub(crate) reduced_chi2: f64,
-    pub(crate) survey: Survey,
+    pub(crate) survey: SideSurvey,
     /// Largest step between neighbouring edges, px; infinite with gaps.
     pub(crate) jump: f64,
     /// Rows of the edges, where there are no gaps.
     pub(crate) rows: Vec<CoarseEdge>,
-    /// What a misfit of the edge model states, px, one for every block of columns.
-    pub(crate) stated: Vec<f32>,
+    /// Standard uncertainty by a misfit of the edge model, px, one for every block of columns.
+    pub(crate) model_uncertainty_px: Vec<f32>,
     /// Standard uncertainty of an edge by what is clipped of its shape, px.
     pub(crate) clipped_px: f64,
 }
@@ -30,10 +30,10 @@ impl Default for SideFigures {
     fn default() -> Self {
         Self {
             reduced_chi2: 1.0,
-            survey: Survey::default(),
+            survey: SideSurvey::default(),
             jump: f64::INFINITY,
             rows: Vec::new(),
-            stated: Vec::new(),
+            model_uncertainty_px: Vec::new(),
             clipped_px: 0.0,
         }
     }

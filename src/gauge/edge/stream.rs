@@ -7,12 +7,12 @@
 
 use super::acceptance;
 use super::both_sides::both;
-use super::estimation::survey::GreyScaleLimits;
+use super::estimation::side_survey::GreyScaleLimits;
 use super::model::systematic_residual::SystematicResidual;
 use super::refusals::explain::{self, no_levels, refused};
 use super::rings;
 use super::rounded_frame::Rounding;
-use super::survey::{Last, FrameSurvey};
+use super::frame_survey::{FrameSurvey, Last};
 use super::side::SideState;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
@@ -535,7 +535,7 @@ impl AreaStream {
             *length = side.dark.length.min(side.light.length);
         }
         for (stated, side) in out.model_uncertainty_px.iter_mut().zip(&self.sides) {
-            stated.clone_from(&side.figures.stated);
+            stated.clone_from(&side.figures.model_uncertainty_px);
         }
         out.clipped_px = [self.sides[0].figures.clipped_px, self.sides[1].figures.clipped_px];
         if self.settings.rejection == Rejection::Full {

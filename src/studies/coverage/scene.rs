@@ -398,7 +398,7 @@ fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) 
     if usable < 0.97 || impaired > edges.columns() / 2 {
         return format!("columns refused or impaired: {}", most_common(edges));
     }
-    if edges.figures.systematic_residual > 1.5 {
+    if edges.figures.reduced_chi2 > 1.5 {
         return "residual".to_owned();
     }
     match calibration.setup.as_ref().map(|b| b.check_focus(edges.figures.sigma_px, conditions)) {

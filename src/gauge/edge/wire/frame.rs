@@ -2,7 +2,7 @@
 //! edges.
 
 use super::joint_fit::Wire;
-use crate::gauge::edge::estimation::survey::GreyScaleLimits;
+use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;

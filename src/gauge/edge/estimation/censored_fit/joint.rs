@@ -341,7 +341,7 @@ impl Joint<'_> {
         let (sums, _) = self.sums(windows, slope);
         let reduced_chi2 = sums.chi2 / sums.informative.max(1.0);
         let mid = self.likelihood.noise.at(0.5 * (dark + light));
-        self.likelihood.noise.reduced_chi2 = (reduced_chi2 - EXPLAINED).max(0.0) * mid;
+        self.likelihood.noise.unexplained = (reduced_chi2 - EXPLAINED).max(0.0) * mid;
     }
 
     /// Excess scatter of the flat shadow's own pixels, where it is clipped in part, over the noise

@@ -161,7 +161,7 @@ fn with_best_knots<'a>(
         true => (light.mean, start.variance[1]),
         false => (dark.mean.max(low), start.variance[0]),
     };
-    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, reduced_chi2: 0.0 };
+    let noise = Noise { level, variance, gain: 0.0, floor: start.floor, unexplained: 0.0 };
     let mut best = Joint {
         likelihood: Likelihood::new(start.shape, ends, noise),
         dark: known(dark, ends.low.is_finite(), KNOTS[0], -0.02 * seen),
