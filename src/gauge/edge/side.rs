@@ -521,8 +521,9 @@ impl SideState {
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
-        // After the test: of a frame without noise the residuals are the model's, and differ by more than noise would.
-        if self.shape.is_ringed() && self.figures.misfit < residual_test::MOST_NOISE {
+        // Readings one after the other: neighbours of an area camera differ by noise and form alone.
+        if self.kind.level_lines && self.shape.is_ringed() && self.figures.misfit < residual_test::MOST_NOISE
+        {
             residual_test::take_noise_back(line, self.figures.misfit);
             self.figures.misfit = 1.0;
         }
