@@ -10,7 +10,7 @@ use shadowgauge::render::contamination::{
     AirDroplets, Chips, Contamination, Dirt, Films, Mist, WindowDroplets,
 };
 use shadowgauge::render::lens::FieldLight;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 

@@ -1,4 +1,5 @@
-//! The closed loop: one pass after another is cut, scanned, measured and corrected; each yields a [`PassResult`].
+//! The closed loop: one pass after another is cut, scanned, measured and corrected; each yields a
+//! [`PassResult`].
 //!
 //! The controller's only inputs are measured from frames. The truth of a pass is taken beside it,
 //! for comparison only.
@@ -120,7 +121,8 @@ pub fn part_verdict(job: &Job, measured: &DiameterProfile) -> Option<part_verdic
 }
 
 impl<'a> ClosedLoop<'a> {
-    /// Checks the job and calibrates the gauge on the masters, unless a calibration is given (a resumed run).
+    /// Checks the job and calibrates the gauge on the masters, unless a calibration is given (a
+    /// resumed run).
     ///
     /// # Errors
     /// Where the job does not fit together or the masters cannot be measured.
@@ -151,8 +153,8 @@ impl<'a> ClosedLoop<'a> {
         })
     }
 
-    /// Clamps the next blank of a batch: edge, machine, calibration and what the controller has learnt stay. `part` counts
-    /// from 0, the part the cell began with.
+    /// Clamps the next blank of a batch: edge, machine, calibration and what the controller has
+    /// learnt stay. `part` counts from 0, the part the cell began with.
     ///
     /// # Errors
     /// Where the cell has no other blank.
@@ -249,7 +251,8 @@ impl<'a> ClosedLoop<'a> {
     /// where the job requires it.
     ///
     /// # Errors
-    /// Where the cut or the source fails; a frame that cannot be measured is no error but leaves gaps.
+    /// Where the cut or the source fails; a frame that cannot be measured is no error but leaves
+    /// gaps.
     pub fn run_pass(&mut self, progress: Progress<'_>) -> Result<PassResult, LoopError> {
         self.begin()?;
         let plan = self.plan();
@@ -317,8 +320,8 @@ impl<'a> ClosedLoop<'a> {
         Ok(measured.finish(pass))
     }
 
-    /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where the job takes no such
-    /// frame.
+    /// Reads the first master pin again: its mean diameter less the certified one, mm; `None` where
+    /// the job takes no such frame.
     fn check_master(&mut self) -> Result<Option<f64>, LoopError> {
         let (Some(pin), frames) = (self.job.masters.pins.first(), self.job.masters.check_frames) else {
             return Ok(None);
@@ -391,17 +394,17 @@ impl<'a> ClosedLoop<'a> {
         Some(decision)
     }
 
-    /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie within the tolerance
-    /// (ISO 14253-1).
+    /// Alarm of the re-measurement after the finishing pass: a station that is not proven to lie
+    /// within the tolerance (ISO 14253-1).
     fn remeasured(&self, plan: &PassPlan, measured: &DiameterProfile) -> Option<String> {
         let finished = plan.pass as usize == self.job.part.passes();
         let verdict = finished.then(|| part_verdict(self.job, measured)).flatten()?;
         verdict.alarm.map(|a| format!("finished part: {a}"))
     }
 
-    /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the control's increments. The
-    /// controller gets these in the next plan. Offsets that no program can carry are not put in
-    /// force.
+    /// Puts offsets in force as the machine's program makes them: knots along z, rounded to the
+    /// control's increments. The controller gets these in the next plan. Offsets that no program
+    /// can carry are not put in force.
     fn put_in_force(&mut self, asked: DiameterOffset) -> Result<(), HeldReason> {
         let Some(machine) = &self.job.nc else {
             self.offset = asked.clone();
@@ -421,7 +424,8 @@ impl<'a> ClosedLoop<'a> {
         Ok(())
     }
 
-    /// Offsets of the next pass as the controller asked for them, before the machine's program rounded them.
+    /// Offsets of the next pass as the controller asked for them, before the machine's program
+    /// rounded them.
     pub fn asked(&self) -> &DiameterOffset {
         &self.asked
     }

@@ -1,4 +1,5 @@
-//! Reads the TOML a user writes, points at the key that is wrong, hashes it, publishes the JSON Schema.
+//! Reads the TOML a user writes, points at the key that is wrong, hashes it, publishes the JSON
+//! Schema.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +13,8 @@ use crate::render::form::read_contour;
 use crate::render::settings::Esf;
 use crate::setting::SettingError;
 
-/// The preset of the main job, carried in the binary; the same file as `configs/slender_shaft.toml`.
+/// The preset of the main job, carried in the binary; the same file as
+/// `configs/slender_shaft.toml`.
 pub const SLENDER_SHAFT: &str = include_str!("../configs/slender_shaft.toml");
 
 /// Why a config is refused.
@@ -99,7 +101,8 @@ fn read_named_files(job: &mut Job, folder: &Path) -> Result<(), SettingError> {
     Ok(())
 }
 
-/// Reads the file of a measured edge, beside the config that names it; its samples take the name's place.
+/// Reads the file of a measured edge, beside the config that names it; its samples take the name's
+/// place.
 ///
 /// # Errors
 /// A file that cannot be read or holds no edge.
@@ -123,7 +126,8 @@ pub fn parse(text: &str, file: &str) -> Result<Job, ConfigError> {
     Ok(job)
 }
 
-/// Reads the text of another kind of config (a study's) without checking its values; `file` names it in errors.
+/// Reads the text of another kind of config (a study's) without checking its values; `file` names
+/// it in errors.
 ///
 /// # Errors
 /// Text that is no TOML, an unknown key, a wrong type.
@@ -131,7 +135,8 @@ pub fn parse_as<T: serde::de::DeserializeOwned>(text: &str, file: &str) -> Resul
     toml::from_str(text).map_err(|e| parse_error(text, file, &e))
 }
 
-/// Turns a check that failed later (an override on the command line, the coverage of a scan) into a config error.
+/// Turns a check that failed later (an override on the command line, the coverage of a scan) into a
+/// config error.
 pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     ConfigError::Value {
         file: file.to_owned(),
@@ -142,7 +147,8 @@ pub fn value_error(text: &str, file: &str, error: SettingError) -> ConfigError {
     }
 }
 
-/// SHA-256 of the resolved config: two runs with the same hash (and binary) give the same bytes on the CPU path.
+/// SHA-256 of the resolved config: two runs with the same hash (and binary) give the same bytes on
+/// the CPU path.
 ///
 /// # Errors
 /// Never for a job that was parsed; a job with values TOML cannot carry.
@@ -182,7 +188,8 @@ fn line_of(text: &str, offset: usize) -> usize {
     text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
 }
 
-/// For "unknown field `length_cm`, expected one of `length_mm`, …": the key whose words are the same but for the unit.
+/// For "unknown field `length_cm`, expected one of `length_mm`, …": the key whose words are the
+/// same but for the unit.
 fn unit_help(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = quoted.next().filter(|_| message.starts_with("unknown field"))?;
@@ -212,7 +219,8 @@ fn edit_distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// Where the file sets a dotted key (`a.b[2].c`); the nearest parent that it does set, else nothing.
+/// Where the file sets a dotted key (`a.b[2].c`); the nearest parent that it does set, else
+/// nothing.
 fn key_span(text: &str, dotted: &str) -> Option<SourceSpan> {
     use toml::de::{DeTable, DeValue};
     let root = DeTable::parse(text).ok()?;

@@ -1,8 +1,9 @@
 //! Frames: what a camera delivers and a gauge reads.
 //!
-//! Images have `row` (down) and `column` (right), pixel centres at integers. With p mm per pixel and the
-//! machine's axes (z along the spindle, x up in the image, y towards the camera): row = r0 - x/p,
-//! column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central column c0 = (columns - 1)/2.
+//! Images have `row` (down) and `column` (right), pixel centres at integers. With p mm per pixel
+//! and the machine's axes (z along the spindle, x up in the image, y towards the camera): row = r0
+//! - x/p, column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central column c0
+//! = (columns - 1)/2.
 
 mod encoding;
 
@@ -147,8 +148,8 @@ impl<'a> FrameView<'a> {
     /// A view of a row-major buffer; `stride` is in pixels from one row to the next.
     ///
     /// # Errors
-    /// Refuses empty frames, buffers that are too short, strides below the row length, and containers that
-    /// do not carry the format.
+    /// Refuses empty frames, buffers that are too short, strides below the row length, and
+    /// containers that do not carry the format.
     pub fn new(
         pixels: Pixels<'a>,
         format: PixelFormat,
@@ -178,7 +179,8 @@ impl<'a> FrameView<'a> {
         })
     }
 
-    /// The same pixels with rows and columns exchanged, without a copy: a vertical shaft seen as a horizontal one.
+    /// The same pixels with rows and columns exchanged, without a copy: a vertical shaft seen as a
+    /// horizontal one.
     #[must_use]
     pub fn transposed(self) -> Self {
         Self {
@@ -200,8 +202,8 @@ impl<'a> FrameView<'a> {
         self.format
     }
 
-    /// Largest count that the frame can carry: what its file states (a PGM's `maxval`, `sBIT`), else its
-    /// format's; `None` where neither is known.
+    /// Largest count that the frame can carry: what its file states (a PGM's `maxval`, `sBIT`),
+    /// else its format's; `None` where neither is known.
     pub fn full_scale(&self) -> Option<f32> {
         self.stated_full_scale.or_else(|| self.format.full_scale().map(f32::from))
     }
@@ -339,7 +341,8 @@ impl Frame {
         Ok(Self { buffer, format, rows, columns, stated_full_scale: None, meta })
     }
 
-    /// A frame of light in floating point, row-major; pixels that are missing are 0, those beyond the frame left out.
+    /// A frame of light in floating point, row-major; pixels that are missing are 0, those beyond
+    /// the frame left out.
     pub fn linear(
         mut light: Vec<f32>,
         rows: usize,
@@ -353,8 +356,8 @@ impl Frame {
         Self { buffer, format: PixelFormat::F32, rows, columns, stated_full_scale: full_scale, meta }
     }
 
-    /// States the largest count that the frame can carry, where it is not its format's own (10-bit values
-    /// up to 1000, floats with a known full scale). What is not above 0 states nothing.
+    /// States the largest count that the frame can carry, where it is not its format's own (10-bit
+    /// values up to 1000, floats with a known full scale). What is not above 0 states nothing.
     #[must_use]
     pub fn with_full_scale(self, counts: f32) -> Self {
         Self { stated_full_scale: (counts > 0.0).then_some(counts), ..self }
@@ -410,7 +413,8 @@ pub struct SourceError {
     pub cause: Option<Box<dyn std::error::Error + Send + Sync>>,
 }
 
-/// Where frames come from: a simulator, a recording or a camera. Everything after it is the same for all three.
+/// Where frames come from: a simulator, a recording or a camera. Everything after it is the same
+/// for all three.
 pub trait FrameSource {
     /// The next frame, or `None` at the end of the stream.
     ///

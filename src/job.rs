@@ -1,7 +1,8 @@
 //! A job: the part, the scan, the masters and the settings of every stage, checked as a whole.
 //!
-//! Each stage owns its settings; the job composes them and checks what only shows when they meet (a shaft larger than
-//! the field, masters outside it, passes that do not remove material). Errors name the key and what would be right.
+//! Each stage owns its settings; the job composes them and checks what only shows when they meet (a
+//! shaft larger than the field, masters outside it, passes that do not remove material). Errors
+//! name the key and what would be right.
 //!
 //! `part`, `scan`, `probe` and `follow` are tables of the job itself; `stations` and `workpiece`
 //! are functions of their values; `edge` and `gauge_settings` give the gauge the edge of the job's
@@ -30,7 +31,7 @@ use crate::probe::ProbeSettings;
 use crate::process::ProcessSettings;
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
-use crate::render::settings::{SetupSettings, Camera, SetupDeviations, Light, Optics, Sensor};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
 use crate::setting::{SettingError, positive};
 use crate::shaft::ShaftForm;
 pub use edge::{NominalEdge, sampled_edge};
@@ -155,7 +156,8 @@ impl Job {
         }
     }
 
-    /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over half a revolution.
+    /// Field centres spread evenly so that the outer fields end at the part's ends, and angles over
+    /// half a revolution.
     pub fn scan_plan(&self) -> ScanPlan {
         let half = self.field_length_mm() / 2.0;
         let (first, last) = (
@@ -182,8 +184,9 @@ impl Job {
         }
     }
 
-    /// The controller's settings as a run uses them: the workpiece of the model-based controller from the job, where
-    /// `[control.model]` does not give it, and the lower limit of size from the part's tolerance.
+    /// The controller's settings as a run uses them: the workpiece of the model-based controller
+    /// from the job, where `[control.model]` does not give it, and the lower limit of size from the
+    /// part's tolerance.
     pub fn run_control(&self) -> ControlSettings {
         let mut control = self.control.clone();
         control.model =
@@ -193,8 +196,9 @@ impl Job {
         control
     }
 
-    /// Length along z that one frame shows, mm, by the nominal magnification; a little less than the whole field, so that
-    /// fields overlap whatever the true magnification. A line camera shows one z a reading: it is to read every station.
+    /// Length along z that one frame shows, mm, by the nominal magnification; a little less than
+    /// the whole field, so that fields overlap whatever the true magnification. A line camera shows
+    /// one z a reading: it is to read every station.
     pub fn field_length_mm(&self) -> f64 {
         if self.camera.line.is_some() {
             return self.part.station_mm;
@@ -219,7 +223,8 @@ impl Job {
         self.control.validate()
     }
 
-    /// A path of the first pass must be possible: its lead-out clear of the chuck, its settings in range.
+    /// A path of the first pass must be possible: its lead-out clear of the chuck, its settings in
+    /// range.
     fn check_nc(&self) -> Result<(), SettingError> {
         let Some(nc) = &self.nc else { return Ok(()) };
         let stations = self.part.station_z_mm().len();
@@ -227,8 +232,8 @@ impl Job {
         crate::nc::Path::new(&plan, &nc.machine, nc.dialect).map(drop).map_err(from_nc)
     }
 
-    /// Checks that the controller can be built for the job's stations: an unstable loop is refused here, so that a study
-    /// of stability can still read the config.
+    /// Checks that the controller can be built for the job's stations: an unstable loop is refused
+    /// here, so that a study of stability can still read the config.
     ///
     /// # Errors
     /// The controller's reason.
@@ -236,7 +241,8 @@ impl Job {
         crate::control::build(&self.run_control(), &self.part.station_z_mm()).map(drop).map_err(from_control)
     }
 
-    /// What a run should be warned of: a force that does not follow the material, an aim on a limit of size.
+    /// What a run should be warned of: a force that does not follow the material, an aim on a limit
+    /// of size.
     pub fn cautions(&self) -> Vec<String> {
         let model =
             self.control.controller == ControllerName::Model && self.control.model.coefficient_n.is_none();

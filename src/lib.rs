@@ -6,10 +6,10 @@
 //! PassPlan -> process -> Shaft -> render -> frames -> gauge -> DiameterProfile -> control -> DiameterOffset -> next PassPlan
 //! ```
 //!
-//! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the same for all
-//! three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) has no access to the truth:
-//! it imports only the vocabulary.
-//! `tests/architecture.rs` holds the direction of imports.
+//! Frames come from a simulator, a recording or a camera; everything after [`frame::Frame`] is the
+//! same for all three. The instrument (`gauge`, `probe`, `control`, `nc`, `source`) has no access
+//! to the truth: it imports only the vocabulary. `tests/architecture.rs` holds the direction of
+//! imports.
 
 // -- 0 vocabulary: types, the rule of conformity, mathematics without state
 pub mod conformity;

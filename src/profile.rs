@@ -120,7 +120,8 @@ pub struct Station {
     pub z_mm: f64,
     /// Mean caliper diameter of the station over its columns and the angles scanned.
     pub reading: Reading,
-    /// Effective degrees of freedom of the reading's u; none where it does not rest on scatter, or on that of very many values.
+    /// Effective degrees of freedom of the reading's u; none where it does not rest on scatter, or
+    /// on that of very many values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub freedom: Option<f64>,
 }

@@ -1,4 +1,5 @@
-//! The truth: exact edges and diameters of a scene, from the same geometry that was drawn and from nothing measured.
+//! The truth: exact edges and diameters of a scene, from the same geometry that was drawn and from
+//! nothing measured.
 
 use rayon::prelude::*;
 
@@ -21,7 +22,8 @@ pub struct TrueEdges {
     pub bottom_px: f64,
 }
 
-/// True edges of every column of the frame asked for, in rows of that frame (a window's rows start at its own 0).
+/// True edges of every column of the frame asked for, in rows of that frame (a window's rows start
+/// at its own 0).
 ///
 /// # Errors
 /// As the renderer's: a window outside the sensor, a shaft outside the field.
@@ -33,7 +35,8 @@ pub fn true_edges(scene: &Scene, request: &FrameRequest) -> Result<Vec<TrueEdges
         .collect())
 }
 
-/// Mean caliper diameter of a shaft between `z0_mm` and `z1_mm`, over z and densely over the angle, mm.
+/// Mean caliper diameter of a shaft between `z0_mm` and `z1_mm`, over z and densely over the angle,
+/// mm.
 ///
 /// # Errors
 /// Refuses a shaft that cannot be drawn.

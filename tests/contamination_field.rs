@@ -9,7 +9,7 @@ use shadowgauge::render::contamination::{
     AdheringFilms, AirDroplets, Chips, Contamination, ContaminationField, Dirt, FieldGeometry, Film, Films,
     Mist, Scratches, SizeDistribution, TransmissionMap, WindowDroplets, mask,
 };
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ProfileKnot, Shaft};
 

@@ -6,7 +6,7 @@ mod linuxcnc;
 mod qualification;
 
 use linuxcnc::interpret;
-use shadowgauge::nc::replay::{self, Deed, Event, Point, WorkingSpace, Surface};
+use shadowgauge::nc::replay::{self, Deed, Event, Point, Surface, WorkingSpace};
 use shadowgauge::nc::{
     Chuck, Dialect, GeometryOffset, MacroProgram, NcError, NcProbe, NcSettings, ProbingProgram, Spindle,
     Tailstock, TurningProgram, WearX, Workpiece, fit_line,
@@ -133,7 +133,8 @@ fn the_papers_table_gives_the_papers_line() {
 fn alarms_stop_what_must_not_go_on() {
     let settings = settings();
     let program = program(&settings);
-    let last = |text: &str, working_space: &WorkingSpace<'_>| run(text, working_space).pop().expect("events").deed;
+    let last =
+        |text: &str, working_space: &WorkingSpace<'_>| run(text, working_space).pop().expect("events").deed;
     for dialect in Dialect::ALL {
         let text = program.write(dialect).expect("a program").text;
         let mut working_space = program.working_space(dialect, before()).expect("a scene");
@@ -180,7 +181,8 @@ fn a_probe_that_may_hit_something_is_refused() {
         let text = program.write(dialect).expect("a program").text;
         let working_space = program.working_space(dialect, before()).expect("a scene");
         let refused = |change: &dyn Fn(&str) -> String, word: &str| {
-            let said = replay::check(&changed(&text, change), &working_space).expect_err("refused").to_string();
+            let said =
+                replay::check(&changed(&text, change), &working_space).expect_err("refused").to_string();
             assert!(said.contains(word), "{dialect:?}, {word}: {said}");
         };
         let code = if dialect == Dialect::Linuxcnc { "G38.2" } else { "G31" };

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use shadowgauge::frame::{PixelFormat, Roi};
 use shadowgauge::render::form::form_shaft;
 use shadowgauge::render::reference::GaussianReference;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::silhouette::Outline;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::{

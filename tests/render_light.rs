@@ -12,7 +12,7 @@ use shadowgauge::render::contamination::{
 };
 use shadowgauge::render::lens::FieldLight;
 use shadowgauge::render::reference::GaussianReference;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::Shaft;
 use shadowgauge::truth::true_edges;
@@ -41,7 +41,8 @@ fn dirty() -> Contamination {
 }
 
 fn setup(light: FieldLight, contamination: Contamination) -> OpticalSetup {
-    let mut settings = SetupSettings { departures: SetupDeviations::none(), contamination, ..Default::default() };
+    let mut settings =
+        SetupSettings { departures: SetupDeviations::none(), contamination, ..Default::default() };
     settings.light.field = light;
     settings.camera.rows = 320;
     settings.camera.columns = 401;

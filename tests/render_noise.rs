@@ -6,7 +6,7 @@
 mod support;
 
 use shadowgauge::frame::PixelFormat;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations};
+use shadowgauge::render::settings::{SetupDeviations, SetupSettings};
 use shadowgauge::render::shadowgraph::standard_normal;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::Shaft;

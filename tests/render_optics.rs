@@ -12,7 +12,7 @@ use shadowgauge::render::esf_families::{
     EdgeSpread, GaussianBlur, GrazingReflection, LaserShadow, MeasuredEsf, PartiallyCoherentEdge, Shifts,
 };
 use shadowgauge::render::reference::StraightReference;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations, Esf};
+use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use shadowgauge::shaft::{AxisKnot, ProfileKnot, Shaft};
 use support::*;

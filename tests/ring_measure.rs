@@ -12,7 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use shadowgauge::frame::{Buffer, Frame, FrameMeta, PixelFormat};
 use shadowgauge::gauge::calibration::{
-    Adjusted, SetupCalibration, Conditions, CovariancePart, LensModel, Validity,
+    Adjusted, Conditions, CovariancePart, LensModel, SetupCalibration, Validity,
 };
 use shadowgauge::gauge::ring::{RingError, RingMeasurement, RingScale, RingSettings, measure_ring};
 use shadowgauge::gauge::{Calibration, MasterCertificate, MasterFigure};

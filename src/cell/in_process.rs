@@ -1,4 +1,5 @@
-//! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at that instant.
+//! The simulated pass with the gauge behind the tool: every frame sees the shaft as it is bent at
+//! that instant.
 
 use super::seen_burst::SeenBurst;
 use super::simulated::SimulatedCell;

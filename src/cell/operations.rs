@@ -2,7 +2,7 @@
 
 use super::in_process::SimulatedCut;
 use super::seen_burst::axis_seen;
-use super::simulated::{Batch, Acquisition, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
+use super::simulated::{Acquisition, Batch, MASTER_STREAM, PROCESS_STREAM, SimulatedCell, hand_poses};
 use super::true_probe::Target;
 use super::turning_cell::{CellError, FollowedCut, TrueAxis, TurningCell};
 use crate::control::{PartAndTool, PartEvent};
@@ -36,7 +36,8 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let diameter_mm = self.masters.diameter_mm[index];
-        // the calibration's pins lie as the seed says; a pin looked at again after a pass lies elsewhere
+        // the calibration's pins lie as the seed says; a pin looked at again after a pass lies
+        // elsewhere
         let again = u64::from(self.pass) << 40;
         let poses =
             hand_poses(frames, self.batch.seed() ^ MASTER_STREAM ^ ((index as u64 + 1) << 48) ^ again);

@@ -1,4 +1,5 @@
-//! The axis as a pass that was followed showed it: each burst of frames saw the shaft bent by the force of its instants.
+//! The axis as a pass that was followed showed it: each burst of frames saw the shaft bent by the
+//! force of its instants.
 
 use crate::process::bending::axis_at;
 use crate::shaft::AxisKnot;
@@ -39,7 +40,8 @@ impl SeenBurst {
     }
 }
 
-/// The axis that stands still as fields saw it, each where it was the nearest; `clear` where the tool was, or where nothing was followed.
+/// The axis that stands still as fields saw it, each where it was the nearest; `clear` where the
+/// tool was, or where nothing was followed.
 pub(super) fn axis_seen(followed: &[SeenBurst], clear: &[AxisKnot], length_mm: f64) -> Vec<AxisKnot> {
     if followed.is_empty() {
         return clear.to_vec();

@@ -75,10 +75,11 @@ pub(super) const MASTER_STREAM: u64 = 0x6d61_7374_6572;
 pub(super) const PROCESS_STREAM: u64 = 0x0070_726f_6365_7373;
 /// Passes that a part may have: ids and clock of the next part start beyond them.
 const PASSES_OF_A_PART: u64 = 1024;
-/// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass took.
+/// Frame ids of pass k start at k·2³²: noise does not depend on how many frames an earlier pass
+/// took.
 const FRAMES_OF_A_PASS: u64 = 1 << 32;
-/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a pass takes, and
-/// independent of whether an earlier pass was scanned by this process.
+/// The scan of pass k starts k times this after the clock's zero: about what cutting and scanning a
+/// pass takes, and independent of whether an earlier pass was scanned by this process.
 const PASS_PERIOD_NS: u64 = 600_000_000_000;
 
 /// The stock with the form that `[shaft]` gives it.

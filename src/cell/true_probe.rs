@@ -1,4 +1,5 @@
-//! The simulated probe: where a ball meets the part's surface, how far the machine goes on, and what the control keeps.
+//! The simulated probe: where a ball meets the part's surface, how far the machine goes on, and
+//! what the control keeps.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -12,11 +13,11 @@ use crate::render::silhouette::{Outline, Turned};
 /// Streams of the job's seed.
 const PROBE_STREAM: u64 = 0x0070_726f_6265;
 const DRIFT_STREAM: u64 = 0x6472_6966_7421;
-/// Standard deviation of the ball's true diameter beside the nominal one, mm: tolerance of stylus balls of grade 5 to 10
-/// (ISO 3290-1: mean diameters of a lot within ±1 µm and better).
+/// Standard deviation of the ball's true diameter beside the nominal one, mm: tolerance of stylus
+/// balls of grade 5 to 10 (ISO 3290-1: mean diameters of a lot within ±1 µm and better).
 const U_BALL_MM: f64 = 0.0003;
-/// The ball meets the surface at most this far from where a cylinder would be met, mm: there its own curve lies 20 µm below,
-/// more than roughness and form of a turned part.
+/// The ball meets the surface at most this far from where a cylinder would be met, mm: there its
+/// own curve lies 20 µm below, more than roughness and form of a turned part.
 const NEAR_MM: f64 = 0.4;
 /// Halves of the coarse and of the fine grid of places where the ball may meet the surface.
 const GRID: (i32, i32) = (8, 8);
@@ -88,8 +89,9 @@ impl TrueProbe {
         1e-3 * away_um
     }
 
-    /// Yielding of the part to 1 N at z, mm/N: the shape of a beam clamped at 0 and supported at its end under a load that
-    /// travels, u ∝ s³(1 − s)²(4 − s), largest at s = 2 − √2 (Euler-Bernoulli).
+    /// Yielding of the part to 1 N at z, mm/N: the shape of a beam clamped at 0 and supported at
+    /// its end under a load that travels, u ∝ s³(1 − s)²(4 − s), largest at s = 2 − √2
+    /// (Euler-Bernoulli).
     fn yield_mm_per_n(&self, z: f64) -> f64 {
         let shape = |s: f64| s.powi(3) * (1.0 - s).powi(2) * (4.0 - s);
         let s = (z / self.length_mm).clamp(0.0, 1.0);
@@ -116,7 +118,8 @@ impl TrueProbe {
         within.then(|| if step > 0.0 { step * (x / step).round() } else { x })
     }
 
-    /// X of the ball's centre where it meets the surface, and the direction in which the surface pushes.
+    /// X of the ball's centre where it meets the surface, and the direction in which the surface
+    /// pushes.
     fn contact(&self, turned: &Turned<'_>, order: &TouchOrder, growth: f64) -> (f64, [f64; 3]) {
         let (z, sign, ball) = (order.z_mm, order.side.sign(), 0.5 * self.ball_mm);
         let radius = 0.5 * order.expected_mm;

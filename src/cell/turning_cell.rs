@@ -1,4 +1,5 @@
-//! What a turning cell is to the closed loop: it cuts a pass, shows the part to the camera, touches it with a probe.
+//! What a turning cell is to the closed loop: it cuts a pass, shows the part to the camera, touches
+//! it with a probe.
 
 use thiserror::Error;
 
@@ -31,7 +32,8 @@ pub enum CellError {
     NotFollowed,
 }
 
-/// A pass under way, seen by the gauge behind the tool: frames, and the command of what is still to be cut.
+/// A pass under way, seen by the gauge behind the tool: frames, and the command of what is still to
+/// be cut.
 pub trait FollowedCut: FrameSource {
     /// Machine z of the tool when the last frame was taken, mm.
     fn tool_z_mm(&self) -> f64;
@@ -54,8 +56,8 @@ pub trait FollowedCut: FrameSource {
     fn finish(self: Box<Self>) -> Result<(), CellError>;
 }
 
-/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by the force while it was cut): what
-/// stands still and what turns with it, mm.
+/// The axis of a part for comparison only, as it was when it was looked at (tool clear, or bent by
+/// the force while it was cut): what stands still and what turns with it, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueAxis {
     /// In the machine's frame.
@@ -84,7 +86,8 @@ pub trait TurningCell {
     /// Where no frame can be taken at all.
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError>;
 
-    /// Touches of the part as it now is, or of master pin `master` of the job, in the order asked for, spindle still.
+    /// Touches of the part as it now is, or of master pin `master` of the job, in the order asked
+    /// for, spindle still.
     ///
     /// # Errors
     /// Where the cell has no probe.
@@ -109,7 +112,8 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis as the last pass was looked at; `None` where nobody knows. For comparison only.
+    /// The part's axis as the last pass was looked at; `None` where nobody knows. For comparison
+    /// only.
     fn true_axis(&self) -> Option<TrueAxis> {
         None
     }

@@ -1,4 +1,5 @@
-//! `shadowgauge calibrate`: an optical setup from dark and flat fields, master pins and a check pin.
+//! `shadowgauge calibrate`: an optical setup from dark and flat fields, master pins and a check
+//! pin.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use crate::cli::measure::esf_argument::{esf_model, needs_scale};
 use crate::files::OutputFile;
 use crate::frame::Frame;
 use crate::gauge::Calibration;
-use crate::gauge::calibration::{SetupCalibration, Date};
+use crate::gauge::calibration::{Date, SetupCalibration};
 use crate::gauge::stated::stated;
 use crate::render::{BackendChoice, Renderer};
 use crate::report;
@@ -46,10 +47,12 @@ pub struct CalibrateArgs {
     json: bool,
 }
 
-/// Makes the calibration. Where the check pin refuses it, the report is written but no calibration, and the exit code is 1.
+/// Makes the calibration. Where the check pin refuses it, the report is written but no calibration,
+/// and the exit code is 1.
 ///
 /// # Errors
-/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk that fails.
+/// Exit 2 for a config that is refused; 3 for frames that cannot be read or measured and for a disk
+/// that fails.
 pub fn run(args: &CalibrateArgs) -> CommandResult {
     if args.out.extension().is_none_or(|e| e != "json") {
         let name = args.out.display();
@@ -78,8 +81,8 @@ pub fn run(args: &CalibrateArgs) -> CommandResult {
     Ok(if accepted { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread function that the command line names
-/// in place of the plan's.
+/// Makes a plan's calibration from its folders or from rendered frames, with the edge-spread
+/// function that the command line names in place of the plan's.
 ///
 /// # Errors
 /// As [`run`].
@@ -107,7 +110,8 @@ pub fn make(
     calibrate(plan, &mut rendered(plan)?).map_err(failed)
 }
 
-/// Puts the edge-spread function of the command line into a plan; a table in µm is read by the masters' own rough scale.
+/// Puts the edge-spread function of the command line into a plan; a table in µm is read by the
+/// masters' own rough scale.
 fn choose_edge(
     plan: &mut CalibrationPlan,
     esf: Option<&str>,

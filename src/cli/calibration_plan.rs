@@ -1,4 +1,5 @@
-//! The plan of a calibration: from a file of its own, or from a job's config, whose optical setup and master pins it then is.
+//! The plan of a calibration: from a file of its own, or from a job's config, whose optical setup
+//! and master pins it then is.
 
 use std::path::{Path, PathBuf};
 

@@ -54,7 +54,8 @@ impl StudyFolder {
     /// Takes a folder that is absent or empty, where one is asked for.
     ///
     /// # Errors
-    /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be written.
+    /// Exit 2 for one that holds anything or that another process fills, 3 for one that cannot be
+    /// written.
     pub fn claim(path: Option<&Path>) -> Result<Option<Self>, Failure> {
         Ok(path.map(OutputFolder::claim).transpose()?.map(Self))
     }

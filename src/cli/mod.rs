@@ -1,13 +1,14 @@
 //! The command line: a file or folder a subcommand. `main.rs` parses, calls, prints the error.
 //!
-//! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the command line or the
-//! config is refused; 3 a file, an image, an output or a device fails. Data on stdout, logs on stderr.
+//! Exit codes: 0 done, in tolerance where one is given; 1 a given tolerance is exceeded; 2 the
+//! command line or the config is refused; 3 a file, an image, an output or a device fails. Data on
+//! stdout, logs on stderr.
 //!
-//! In: arguments and files. Out: what the library computed, as text, JSON and files; a command computes
-//! nothing that the library could. Beside the commands stand `failure` (how a command ends), `output`
-//! (stdout), `input_output` (configs in, folders out), `calibration_plan` (read by several commands)
-//! and `process`. A new command is a file with its arguments and a function `run`, and a line of
-//! `commands!`; none imports this file.
+//! In: arguments and files. Out: what the library computed, as text, JSON and files; a command
+//! computes nothing that the library could. Beside the commands stand `failure` (how a command
+//! ends), `output` (stdout), `input_output` (configs in, folders out), `calibration_plan` (read by
+//! several commands) and `process`. A new command is a file with its arguments and a function
+//! `run`, and a line of `commands!`; none imports this file.
 
 #[macro_use]
 mod output;
@@ -92,7 +93,8 @@ commands! {
     Study(study::Study) => study::run,
 }
 
-/// Parses the process's arguments, runs the command, prints the error; gives the exit code of the contract.
+/// Parses the process's arguments, runs the command, prints the error; gives the exit code of the
+/// contract.
 pub fn main() -> ExitCode {
     process::provide_runtime_folder();
     let arguments = Arguments::parse();

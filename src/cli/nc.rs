@@ -69,7 +69,8 @@ fn dialect(word: &str) -> Result<Dialect, String> {
 /// Writes the program or lists the dry run.
 ///
 /// # Errors
-/// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be read.
+/// Exit 2 for a pass, a machine file or offsets that are refused, 3 for a run folder that cannot be
+/// read.
 pub fn run(args: &NcArgs) -> CommandResult {
     let folder = RunFolder::open(&args.run).map_err(Failure::fail)?;
     let text = folder.config_text().map_err(Failure::fail)?;
@@ -131,7 +132,8 @@ struct Pass {
     limits_mm: Option<(f64, f64)>,
 }
 
-/// Stations and diameters of a table are the plan's within this, mm: a table holds the digits of its numbers, no fewer.
+/// Stations and diameters of a table are the plan's within this, mm: a table holds the digits of
+/// its numbers, no fewer.
 const SAME_MM: f64 = 1e-6;
 
 impl Pass {
@@ -146,7 +148,8 @@ impl Pass {
         };
         covers(job, number, &of(number).collect::<Vec<_>>()).map_err(Failure::refuse)?;
         let offsets = |pass: u32| DiameterOffset { o_mm: of(pass).map(|r| r.offset_mm).collect() };
-        // what was asked for: rounding what is rounded already would give another program than the one that was cut with
+        // what was asked for: rounding what is rounded already would give another program than the
+        // one that was cut with
         let asked = DiameterOffset { o_mm: of(number).map(|r| r.asked_mm.unwrap_or(r.offset_mm)).collect() };
         let plan = job.pass_plan(number, asked);
         let finishing = number as usize == job.passes();
@@ -177,7 +180,8 @@ fn workpiece(job: &Job, pass: u32) -> Workpiece {
     }
 }
 
-/// Whether the rows of a pass are the plan's stations, all of them and once, with diameters that belong to them.
+/// Whether the rows of a pass are the plan's stations, all of them and once, with diameters that
+/// belong to them.
 fn covers(job: &Job, pass: u32, rows: &[&OffsetRow]) -> Result<(), String> {
     if pass == 0 || pass as usize > job.part.passes() {
         return Err(format!("offsets.csv: pass {pass} is none of the part's {} passes", job.part.passes()));

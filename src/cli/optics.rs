@@ -12,7 +12,7 @@ use crate::cli::input_output::ConfigText;
 use crate::config;
 use crate::gauge::calibration::Date;
 use crate::job::NominalEdge;
-use crate::render::settings::{SetupSettings, Esf, Optics};
+use crate::render::settings::{Esf, Optics, SetupSettings};
 
 /// What `optics` shows.
 #[derive(Debug, clap::Subcommand)]
@@ -62,7 +62,8 @@ impl NominalOptics {
     /// Of a job's config or of a calibration's with `[simulate]`.
     ///
     /// # Errors
-    /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no optics.
+    /// Exit 2 for a config that is refused, or a calibration of recorded frames, which has no
+    /// optics.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let of = |setup: SetupSettings, radius_mm| Self {
             pixel_mm: setup.nominal_pixel_mm(),
@@ -88,7 +89,8 @@ impl NominalOptics {
         Ok(of(simulate.setup(), sum / plan.masters.len().max(1) as f64))
     }
 
-    /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` before the plane of focus.
+    /// The edge-spread function of a cylinder whose axis lies `axis_y_mm` before the plane of
+    /// focus.
     ///
     /// # Errors
     /// Exit 2 for optics whose table cannot be had.

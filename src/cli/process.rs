@@ -1,4 +1,5 @@
-//! What graphics drivers do to the process that opens them: words of their own on stderr, crashes at its end.
+//! What graphics drivers do to the process that opens them: words of their own on stderr, crashes
+//! at its end.
 #![expect(unsafe_code, reason = "two calls of the C library that the standard library has no safe form of")]
 
 use std::io::Write as _;
@@ -7,9 +8,9 @@ use std::process::ExitCode;
 
 use crate::render::gpu;
 
-/// Gives `XDG_RUNTIME_DIR` a folder where the environment has none (containers, cron, ssh without a login session):
-/// Mesa's drivers look for a Wayland display, and its client library then prints an error of its own on stderr. No
-/// display is wanted here; any folder without one keeps it silent.
+/// Gives `XDG_RUNTIME_DIR` a folder where the environment has none (containers, cron, ssh without a
+/// login session): Mesa's drivers look for a Wayland display, and its client library then prints an
+/// error of its own on stderr. No display is wanted here; any folder without one keeps it silent.
 ///
 /// To be called at the start of the process, before any thread is.
 pub(super) fn provide_runtime_folder() {
@@ -25,13 +26,15 @@ fn set(name: &str, value: &Path) {
 }
 
 unsafe extern "C" {
-    /// POSIX `_exit`: ends the process at once, without `atexit` handlers and destructors of libraries.
+    /// POSIX `_exit`: ends the process at once, without `atexit` handlers and destructors of
+    /// libraries.
     safe fn _exit(status: std::ffi::c_int) -> !;
 }
 
-/// Ends the process with `status` once everything is written. Where a driver was opened, its libraries' destructors are not
-/// run: while they are, threads that have used the driver end, too, and one run in 50 to 200 (Mesa 22.3, OpenGL; Vulkan
-/// and OpenGL together) ended in a double free or a segmentation fault after its work was done.
+/// Ends the process with `status` once everything is written. Where a driver was opened, its
+/// libraries' destructors are not run: while they are, threads that have used the driver end, too,
+/// and one run in 50 to 200 (Mesa 22.3, OpenGL; Vulkan and OpenGL together) ended in a double free
+/// or a segmentation fault after its work was done.
 pub(super) fn leave(status: u8) -> ExitCode {
     let _ = (std::io::stdout().flush(), std::io::stderr().flush());
     if cfg!(unix) && gpu::was_opened() {

@@ -1,4 +1,5 @@
-//! What a pass is judged by besides its profile: where the scan comes from, a second scan, what is in the machine.
+//! What a pass is judged by besides its profile: where the scan comes from, a second scan, what is
+//! in the machine.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,8 @@ use crate::control::{Origin, PartAndTool};
 use crate::frame::FrameMeta;
 use crate::profile::DiameterProfile;
 
-/// What is known of a scan besides its diameters. A run keeps it, so that a resumed run decides alike.
+/// What is known of a scan besides its diameters. A run keeps it, so that a resumed run decides
+/// alike.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Where the scan comes from; `None` where the cell has no such record.

@@ -1,4 +1,5 @@
-//! A pass that is measured while it is cut, and what is still to be cut corrected by what lies behind the tool.
+//! A pass that is measured while it is cut, and what is still to be cut corrected by what lies
+//! behind the tool.
 
 use super::ClosedLoop;
 use super::error::LoopError;
@@ -12,8 +13,9 @@ use crate::plan::{DiameterOffset, PassPlan};
 use crate::process::FeedDirection;
 
 impl ClosedLoop<'_> {
-    /// Cuts a pass with the gauge behind the tool. Gives the pass as it was commanded in the end, what was measured, and the machine's
-    /// state when the cut began. Fields that the gauge does not reach meanwhile are scanned after it, the tool clear.
+    /// Cuts a pass with the gauge behind the tool. Gives the pass as it was commanded in the end,
+    /// what was measured, and the machine's state when the cut began. Fields that the gauge does
+    /// not reach meanwhile are scanned after it, the tool clear.
     pub(super) fn cut_and_follow(
         &mut self,
         plan: &PassPlan,
@@ -52,7 +54,8 @@ impl ClosedLoop<'_> {
     }
 }
 
-/// Takes what was newly read off the stations that the tool has not come near; a refusal of the machine leaves the pass as it was.
+/// Takes what was newly read off the stations that the tool has not come near; a refusal of the
+/// machine leaves the pass as it was.
 fn correct_ahead(
     job: &crate::job::Job,
     within: &mut WithinPass,
@@ -61,7 +64,8 @@ fn correct_ahead(
     cut: &mut dyn FollowedCut,
 ) -> Result<Option<String>, LoopError> {
     let tool_z_mm = cut.tool_z_mm();
-    // The command is linear between stations' middles: a changed one moves the path up to its neighbour.
+    // The command is linear between stations' middles: a changed one moves the path up to its
+    // neighbour.
     let room = job.part.station_mm;
     let ahead = |z_mm: f64| match job.process.pass.feed_direction {
         FeedDirection::TowardsChuck => z_mm + room < tool_z_mm,
@@ -84,7 +88,8 @@ fn correct_ahead(
     }))
 }
 
-/// The offsets of a plan as the machine's program makes them, knots and increments as between passes; as they are without a machine.
+/// The offsets of a plan as the machine's program makes them, knots and increments as between
+/// passes; as they are without a machine.
 fn rounded(job: &crate::job::Job, plan: &PassPlan) -> Result<DiameterOffset, nc::NcError> {
     let Some(machine) = &job.nc else { return Ok(plan.offset.clone()) };
     Ok(nc::Path::new(plan, &machine.machine, machine.dialect)?.in_force)

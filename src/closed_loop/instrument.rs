@@ -46,7 +46,8 @@ impl Calibrated {
     }
 }
 
-/// The instrument that a job measures with, calibrated on its masters unless a calibration is given.
+/// The instrument that a job measures with, calibrated on its masters unless a calibration is
+/// given.
 pub(super) fn instrument(
     job: &Job,
     cell: &mut dyn TurningCell,
@@ -59,7 +60,9 @@ pub(super) fn instrument(
         (None, None) => masters::calibrate(job, cell, &gauge)?.into(),
     };
     match (&calibration, &job.probe) {
-        (Calibrated::Camera(camera), None) => Ok((gauge.with_systematic_residual(camera.systematic_residual()), calibration)),
+        (Calibrated::Camera(camera), None) => {
+            Ok((gauge.with_systematic_residual(camera.systematic_residual()), calibration))
+        }
         (Calibrated::Probe(_), Some(_)) => Ok((gauge, calibration)),
         (_, None) => Err(LoopError::OtherInstrument("the camera")),
         (_, Some(_)) => Err(LoopError::OtherInstrument("the probe")),

@@ -8,7 +8,8 @@ use crate::gauge::{
 };
 use crate::job::Job;
 
-/// Calibrates on the masters; where their edges leave more of the edge model than noise does, they are scanned again, expecting it.
+/// Calibrates on the masters; where their edges leave more of the edge model than noise does, they
+/// are scanned again, expecting it.
 pub(super) fn calibrate(
     job: &Job,
     cell: &mut dyn TurningCell,
@@ -21,8 +22,11 @@ pub(super) fn calibrate(
         let gauge = gauge.clone().with_systematic_residual(systematic_residual.as_ref());
         measurements = masters(job, cell, &gauge, &mut ResidualAccumulator::default())?;
     }
-    let calibration = Calibration::fit(&measurements)?.with_optics_id(&job.name).with_systematic_residual(systematic_residual);
-    // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the process' own.
+    let calibration = Calibration::fit(&measurements)?
+        .with_optics_id(&job.name)
+        .with_systematic_residual(systematic_residual);
+    // The cell draws part and masters at 20 °C with one finish; wear, drift and heat are the
+    // process' own.
     Ok(calibration.with_edge_model(&gauge.settings().esf).with_conditions(Conditions::default()))
 }
 
@@ -49,8 +53,9 @@ fn masters(
     Ok(measurements)
 }
 
-/// Edges of all frames of a pin that can be measured, and why the last one cannot. A line camera's readings are one stream; an area camera's
-/// frames are measured each by itself, so that their errors are their own.
+/// Edges of all frames of a pin that can be measured, and why the last one cannot. A line camera's
+/// readings are one stream; an area camera's frames are measured each by itself, so that their
+/// errors are their own.
 pub(super) fn pin_frames(
     job: &Job,
     cell: &mut dyn TurningCell,

@@ -80,8 +80,8 @@ impl<'a> ClosedLoop<'a> {
         })
     }
 
-    /// Touches the first master pin again: its diameter less the certified one, mm; `None` where the job does not look at
-    /// masters again.
+    /// Touches the first master pin again: its diameter less the certified one, mm; `None` where
+    /// the job does not look at masters again.
     pub(super) fn touch_master(
         &mut self,
         settings: &ProbeSettings,

@@ -1,8 +1,10 @@
-//! What size a tolerance means: the modifiers of ISO 14405-1:2016, as far as silhouettes can judge them.
+//! What size a tolerance means: the modifiers of ISO 14405-1:2016, as far as silhouettes can judge
+//! them.
 //!
-//! A silhouette shows the convex hull of every section. What the hull alone decides is judged: two-point (caliper) sizes, the least
-//! circumscribed circle and cylinder, and with them the envelope requirement. What hollows decide, too, or a size that has no limits of
-//! its own here, is refused with that reason.
+//! A silhouette shows the convex hull of every section. What the hull alone decides is judged:
+//! two-point (caliper) sizes, the least circumscribed circle and cylinder, and with them the
+//! envelope requirement. What hollows decide, too, or a size that has no limits of its own here, is
+//! refused with that reason.
 
 /// Which size must lie within the limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,8 +12,9 @@ pub enum SizeCriterion {
     /// Every two-point size (LP), which is meant where nothing is stated.
     #[default]
     TwoPoint,
-    /// Envelope requirement Ⓔ: every two-point size at least the lower limit, the least circumscribed cylinder over the length at most the
-    /// upper one (the maximum-material limit of a shaft).
+    /// Envelope requirement Ⓔ: every two-point size at least the lower limit, the least
+    /// circumscribed cylinder over the length at most the upper one (the maximum-material limit of
+    /// a shaft).
     Envelope,
     /// (GN): diameter of the least circumscribed cylinder over the length.
     CircumscribedCylinder,
@@ -64,7 +67,8 @@ impl SizeCriterion {
     }
 }
 
-/// Whether a word is a modifier of ISO 14405-1 (or of ISO 2692, ISO 1101 and ISO 10579, which drawings mix with them).
+/// Whether a word is a modifier of ISO 14405-1 (or of ISO 2692, ISO 1101 and ISO 10579, which
+/// drawings mix with them).
 pub(super) fn is_modifier(word: &str) -> bool {
     ["E", "LP", "GN", "ACS"].contains(&word) || refusal(word).is_some()
 }

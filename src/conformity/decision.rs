@@ -1,21 +1,25 @@
-//! The decision rule: conformity is proven where its probability, given the reading, is at least the one stated.
+//! The decision rule: conformity is proven where its probability, given the reading, is at least
+//! the one stated.
 //!
-//! A reading d with standard uncertainty u of ν effective degrees of freedom leaves the true value distributed as d + u·t_ν (GUM G.3; JCGM
-//! 106:2012, 6 and 7, without knowledge of the process). So the probability of conformity to both limits at once is
-//! p_c = F_ν((upper − d)/u) − F_ν((lower − d)/u). ISO 14253-1:2017 asks for 95 %. Where the zone is wide against u, the guard band
-//! that this leaves is t_ν(p)·u, 1.645 u for many degrees of freedom; in a narrow zone both limits count and the band is wider; below
-//! 2·t_ν((1 + p)/2)·u, about U on either side, nothing can be proven to conform. A guard band of one limit held against both would
-//! still accept there with less than the stated probability: 90 % at its narrowest zone where 95 % are stated.
+//! A reading d with standard uncertainty u of ν effective degrees of freedom leaves the true value
+//! distributed as d + u·t_ν (GUM G.3; JCGM 106:2012, 6 and 7, without knowledge of the process). So
+//! the probability of conformity to both limits at once is p_c = F_ν((upper − d)/u) − F_ν((lower −
+//! d)/u). ISO 14253-1:2017 asks for 95 %. Where the zone is wide against u, the guard band that
+//! this leaves is t_ν(p)·u, 1.645 u for many degrees of freedom; in a narrow zone both limits count
+//! and the band is wider; below 2·t_ν((1 + p)/2)·u, about U on either side, nothing can be proven
+//! to conform. A guard band of one limit held against both would still accept there with less than
+//! the stated probability: 90 % at its narrowest zone where 95 % are stated.
 //!
-//! Non-conformity is proven beyond one limit, with its probability F_ν((lower − d)/u) or 1 − F_ν((upper − d)/u): which one is to be
-//! mended must be known, too.
+//! Non-conformity is proven beyond one limit, with its probability F_ν((lower − d)/u) or 1 −
+//! F_ν((upper − d)/u): which one is to be mended must be known, too.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::conformity::error::JudgementError;
 use crate::profile::Diameter;
 
-/// Degrees of freedom of an uncertainty that is not estimated from scatter (type B), or from that of very many values.
+/// Degrees of freedom of an uncertainty that is not estimated from scatter (type B), or from that
+/// of very many values.
 pub const MANY: f64 = f64::INFINITY;
 /// Probability of conformity where none is stated (ISO 14253-1:2017).
 pub const PROBABILITY: f64 = 0.95;
@@ -52,7 +56,8 @@ impl Estimate {
         cumulative(away / self.u_mm, self.freedom)
     }
 
-    /// Probability that the true value lies between two limits, one of which may be infinite; 0 for what is no number.
+    /// Probability that the true value lies between two limits, one of which may be infinite; 0 for
+    /// what is no number.
     pub fn within(&self, lower_mm: f64, upper_mm: f64) -> f64 {
         if !self.is_known() {
             return 0.0;
@@ -140,7 +145,8 @@ impl DecisionRule {
         }
     }
 
-    /// Guard band on either side of a zone of this width, mm: readings farther inside are accepted. `None` where the zone accepts none.
+    /// Guard band on either side of a zone of this width, mm: readings farther inside are accepted.
+    /// `None` where the zone accepts none.
     pub fn guard_mm(self, u_mm: f64, freedom: f64, width_mm: f64) -> Option<f64> {
         let accepted = |guard_mm: f64| {
             // Far from the other limit the quantile's own rounding decides.
@@ -185,7 +191,8 @@ mod tests {
         Estimate { value_mm, u_mm, freedom }
     }
 
-    /// JCGM 106:2012, 7.4 and table 1 for one limit: p_c = 0.95 at 1.64 u inside; two limits: Φ(2) − Φ(−2) in the middle of 4 u.
+    /// JCGM 106:2012, 7.4 and table 1 for one limit: p_c = 0.95 at 1.64 u inside; two limits: Φ(2)
+    /// − Φ(−2) in the middle of 4 u.
     #[test]
     fn probabilities_are_those_of_the_distributions() {
         let one = estimate(-1.644_853_6, 1.0, MANY).within(f64::NEG_INFINITY, 0.0);
@@ -227,9 +234,10 @@ mod tests {
         assert!(DecisionRule::new(0.49).is_err() && DecisionRule::new(1.0).is_err());
     }
 
-    /// Parts at either limit are accepted no more often than stated, and of what is accepted at the edge of the acceptance zone at least
-    /// the stated share conforms, for zones from 2 U up and few degrees of freedom; with the guard band of one limit at its narrowest zone
-    /// it would be 90 %.
+    /// Parts at either limit are accepted no more often than stated, and of what is accepted at the
+    /// edge of the acceptance zone at least the stated share conforms, for zones from 2 U up and
+    /// few degrees of freedom; with the guard band of one limit at its narrowest zone it would be
+    /// 90 %.
     #[test]
     fn the_stated_probability_holds_for_zones_from_two_expanded_uncertainties_up() {
         use rand::{RngExt, SeedableRng};

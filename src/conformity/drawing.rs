@@ -1,6 +1,8 @@
-//! Tolerances as drawings write them: "25h6", "Ø25 ±0,01", "25 +0.0/−0.013", "25 (+0.1/-0.2)", "24.987..25", "25 h6 Ⓔ".
+//! Tolerances as drawings write them: "25h6", "Ø25 ±0,01", "25 +0.0/−0.013", "25 (+0.1/-0.2)",
+//! "24.987..25", "25 h6 Ⓔ".
 //!
-//! Nothing that stands there is dropped: what is no part of a tolerance, or of one that silhouettes can judge, is refused with the reason.
+//! Nothing that stands there is dropped: what is no part of a tolerance, or of one that silhouettes
+//! can judge, is refused with the reason.
 
 use std::str::FromStr;
 
@@ -45,7 +47,8 @@ fn read(text: &str) -> Result<Tolerance, ToleranceError> {
     })
 }
 
-/// The text with one sign for each meaning: `-`, `±`, `Ø`, `.` in numbers, `(E)` for what stands in circles.
+/// The text with one sign for each meaning: `-`, `±`, `Ø`, `.` in numbers, `(E)` for what stands in
+/// circles.
 fn plain(text: &str) -> String {
     let text = text.replace("%%c", "Ø").replace("%%C", "Ø").replace("%%p", "±").replace("%%P", "±");
     let characters: Vec<char> = text.chars().collect();
@@ -106,7 +109,8 @@ fn read_plain(text: &str) -> Result<Tolerance, Refusal> {
             nominal_mm + upper
         ));
     }
-    // A picometre is below what a drawing states and above what a difference of two sizes rounds off.
+    // A picometre is below what a drawing states and above what a difference of two sizes rounds
+    // off.
     let rounded = |mm: f64| (mm * 1e9).round() / 1e9;
     Ok(Tolerance { nominal_mm, upper_mm: rounded(upper), lower_mm: rounded(lower), criterion })
 }
@@ -131,7 +135,8 @@ fn without_prefix(text: &str) -> Result<&str, Refusal> {
     }
 }
 
-/// What stands outside parentheses but for modifiers, the deviations or limits inside, the modifiers.
+/// What stands outside parentheses but for modifiers, the deviations or limits inside, the
+/// modifiers.
 fn parts(text: &str) -> Result<(String, Vec<String>, Vec<String>), Refusal> {
     let (mut body, mut groups, mut modifiers) = (String::new(), Vec::new(), Vec::new());
     let mut rest = text;
@@ -170,7 +175,8 @@ fn known_modifier(word: &str) -> Result<String, Refusal> {
 /// Lower and upper deviation from the nominal size, mm.
 type Deviations = (f64, f64);
 
-/// The most by which a drawing's deviations differ from those of the class they stand beside, mm: half a micrometre of rounding.
+/// The most by which a drawing's deviations differ from those of the class they stand beside, mm:
+/// half a micrometre of rounding.
 const SAME_MM: f64 = 0.51e-3;
 
 fn differ(a: Deviations, b: Deviations) -> bool {

@@ -1,8 +1,10 @@
-//! Limit deviations of shafts after ISO 286-1:2010: standard tolerances IT01 to IT18 and the fundamental deviations a to zc, up to 500 mm.
+//! Limit deviations of shafts after ISO 286-1:2010: standard tolerances IT01 to IT18 and the
+//! fundamental deviations a to zc, up to 500 mm.
 //!
-//! Figures: ISO 286-1:2010, tables 1, 4 and 5, with Cor. 1:2013 (ef from 18 to 30 mm is −28 µm, printed as −25); IT01 and IT0 after its
-//! annex. Up to 10 mm cd, ef and fg are those of ISO 286-1:1988, up to 50 mm those of 2010. The other limit follows from the grade:
-//! ei = es − IT for a to h, es = ei + IT for j to zc; js lies at ± IT/2, which the standard of 2010 does not round.
+//! Figures: ISO 286-1:2010, tables 1, 4 and 5, with Cor. 1:2013 (ef from 18 to 30 mm is −28 µm,
+//! printed as −25); IT01 and IT0 after its annex. Up to 10 mm cd, ef and fg are those of ISO
+//! 286-1:1988, up to 50 mm those of 2010. The other limit follows from the grade: ei = es − IT for
+//! a to h, es = ei + IT for j to zc; js lies at ± IT/2, which the standard of 2010 does not round.
 
 /// Upper ends of the main steps of nominal size, mm; a step holds its upper end, not its lower one.
 const MAIN_STEPS_MM: [f64; 13] =
@@ -295,7 +297,8 @@ fn tabulated_um(letters: &str, main: usize, step: usize) -> Option<i16> {
 mod tests {
     use super::*;
 
-    /// Published limits (ISO 286-2:2010 as in Machinery's Handbook, Narayana's Machine Drawing and makers' tables), es and ei in µm.
+    /// Published limits (ISO 286-2:2010 as in Machinery's Handbook, Narayana's Machine Drawing and
+    /// makers' tables), es and ei in µm.
     #[test]
     fn limits_are_those_of_published_tables() {
         for (nominal, class, es, ei) in [
@@ -352,8 +355,9 @@ mod tests {
         if i == 0 { 3.0_f64.sqrt() } else { (ends[i - 1] * ends[i]).sqrt() }
     }
 
-    /// The standard's own derivation: IT6 to IT18 are 10, 16, 25, 40, 64, 100 … times i = 0.45·∛D + 0.001·D, fundamental deviations
-    /// geometric means and powers of D; its rounding moves them by a tenth at most (a twentieth above 50 µm).
+    /// The standard's own derivation: IT6 to IT18 are 10, 16, 25, 40, 64, 100 … times i = 0.45·∛D +
+    /// 0.001·D, fundamental deviations geometric means and powers of D; its rounding moves them by
+    /// a tenth at most (a twentieth above 50 µm).
     #[test]
     fn tolerance_grades_follow_the_formula_of_the_standard() {
         for (row, it) in IT_UM.iter().enumerate() {

@@ -87,7 +87,8 @@ impl Judge {
         }
     }
 
-    /// Guard band of a reading whose u has so many effective degrees of freedom, mm; `None` where it leaves no acceptance zone.
+    /// Guard band of a reading whose u has so many effective degrees of freedom, mm; `None` where
+    /// it leaves no acceptance zone.
     pub fn guard_mm(&self, diameter: &Diameter, freedom: f64) -> Option<f64> {
         let (lower, upper) = self.good_mm();
         self.rule.guard_mm(diameter.u_mm(), freedom, upper - lower)

@@ -1,7 +1,8 @@
-//! Re-measurement after the finishing pass and the alarm (paper 000): is the part within its limits?
+//! Re-measurement after the finishing pass and the alarm (paper 000): is the part within its
+//! limits?
 //!
-//! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a limit, with the stated probability; else it
-//! is undecided.
+//! Every station is judged by the rule of [`crate::conformity`]: it conforms, or lies beyond a
+//! limit, with the stated probability; else it is undecided.
 
 use super::decision::{Decision, DecisionRule, Estimate, MANY};
 use crate::profile::{DiameterProfile, Station};
@@ -50,7 +51,8 @@ pub struct Verdict {
 pub enum PartConformity {
     /// Proven within the limits at every station.
     Conforms,
-    /// Nowhere proven outside, but not proven inside everywhere: too close to a limit, or not measured.
+    /// Nowhere proven outside, but not proven inside everywhere: too close to a limit, or not
+    /// measured.
     NotProven,
     /// Proven outside at a station.
     Violates,

@@ -18,8 +18,8 @@ const REFERENCE_CUT: (f64, CuttingData) = (0.25, CuttingData { speed_m_per_min: 
 /// Builds the controller named in the settings for these stations (middles, mm, ascending).
 ///
 /// # Errors
-/// A setting out of range, stations that do not ascend or are too few for the shapes, and a loop that is unstable at
-/// `plant_gain` with error copying, unless `allow_unstable` is set.
+/// A setting out of range, stations that do not ascend or are too few for the shapes, and a loop
+/// that is unstable at `plant_gain` with error copying, unless `allow_unstable` is set.
 pub fn build(
     settings: &ControlSettings,
     station_z_mm: &[f64],
@@ -43,7 +43,8 @@ fn guarded<L: Law + Send + 'static>(settings: &ControlSettings, law: L) -> Box<d
     Box::new(Compensator::new(settings, law))
 }
 
-/// Judges the loop of the controller named, with `plant` at `plant_gain`; `None` for a controller without feedback.
+/// Judges the loop of the controller named, with `plant` at `plant_gain`; `None` for a controller
+/// without feedback.
 pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityReport> {
     let transfer = transfer(settings)?;
     Some(judge(&describe(settings), &transfer, plant, settings.plant_gain))
@@ -51,8 +52,8 @@ pub fn assess(settings: &ControlSettings, plant: Plant) -> Option<StabilityRepor
 
 /// The controller's transfer function per station or shape; `None` without feedback.
 ///
-/// Iterative learning is judged where its filter lets everything pass (Q = 1, the least stable case), the model-based
-/// controller where it follows every surprise at once (its filter gain 1).
+/// Iterative learning is judged where its filter lets everything pass (Q = 1, the least stable
+/// case), the model-based controller where it follows every surprise at once (its filter gain 1).
 pub fn transfer(settings: &ControlSettings) -> Option<Transfer> {
     let s = settings;
     match s.controller {

@@ -1,11 +1,12 @@
-//! A law between its guards: read the errors, guard them, let the law propose, guard the proposal, release or hold.
+//! A law between its guards: read the errors, guard them, let the law propose, guard the proposal,
+//! release or hold.
 //!
-//! What a law learns from a pass is kept only if its proposal is released: after a refusal it is as if the pass had
-//! not been measured.
+//! What a law learns from a pass is kept only if its proposal is released: after a refusal it is as
+//! if the pass had not been measured.
 
 use super::context::{PartStart, PassContext};
 use super::controller::Controller;
-use super::guards::{self, Guarded, GuardState, Refusal};
+use super::guards::{self, GuardState, Guarded, Refusal};
 use super::law::{Feedforward, Law, Observation};
 use super::parts::PartLoop;
 use super::readings::{self, Errors};
@@ -62,7 +63,8 @@ impl<L: Law> Compensator<L> {
         Ok(DiameterOffset { o_mm })
     }
 
-    /// Offsets and the law that has learnt, or the refusal; and why the offsets in force may not be cut with again.
+    /// Offsets and the law that has learnt, or the refusal; and why the offsets in force may not be
+    /// cut with again.
     fn consider(
         &mut self,
         plan: &PassPlan,
@@ -166,7 +168,8 @@ impl<L: Law> Controller for Compensator<L> {
         let Ok(errors) = readings::errors(plan, measured, &self.settings.gaps) else {
             return false;
         };
-        let proposed = self.law.clone().propose(&Observation { plan, errors: &errors, next: context.next }).o_mm;
+        let proposed =
+            self.law.clone().propose(&Observation { plan, errors: &errors, next: context.next }).o_mm;
         let steps = proposed.iter().zip(&plan.offset.o_mm).map(|(new, old)| (new - old).abs());
         steps.fold(0.0, f64::max) > self.settings.guards.confirm_above_mm
     }
@@ -180,7 +183,8 @@ impl<L: Law> Controller for Compensator<L> {
     }
 }
 
-/// Never measures, never corrects: the offsets of a controller that is switched off stay as they are.
+/// Never measures, never corrects: the offsets of a controller that is switched off stay as they
+/// are.
 pub(crate) struct NoCompensation;
 
 impl Controller for NoCompensation {

@@ -1,4 +1,5 @@
-//! What is known around a pass besides its diameters: where the measurement comes from and what is cut next.
+//! What is known around a pass besides its diameters: where the measurement comes from and what is
+//! cut next.
 //!
 //! Guards use what they are given; a guard whose information is missing does not run.
 
@@ -23,7 +24,8 @@ pub struct Origin {
     pub scan: u64,
     /// Time since the scan ended, s.
     pub age_s: f64,
-    /// From the end of the cut to the start of the scan, s: below zero for a scan taken before the pass was cut.
+    /// From the end of the cut to the start of the scan, s: below zero for a scan taken before the
+    /// pass was cut.
     pub since_cut_s: f64,
     /// Reading of a master of known diameter in the same scan, minus that diameter, mm.
     pub master_deviation_mm: Option<f64>,

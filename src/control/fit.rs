@@ -1,9 +1,10 @@
 //! Linear least squares, weighted and robust, with covariance.
 //!
-//! Minimises Σ w_i ((y_i − Σ_j X_ij c_j)/u_i)², w_i = 1 or Huber's weight, by a singular value decomposition of the
-//! weighted design. Covariance (Xᵀ W X)⁻¹ from the stated u (not rescaled by the residuals). Valid for columns of
-//! full rank and positive u. Huber: P. J. Huber, Robust Statistics, ch. 7, with the tuning constant 1.345 (95 %
-//! efficiency for normal errors) and the scale from the median absolute residual.
+//! Minimises Σ w_i ((y_i − Σ_j X_ij c_j)/u_i)², w_i = 1 or Huber's weight, by a singular value
+//! decomposition of the weighted design. Covariance (Xᵀ W X)⁻¹ from the stated u (not rescaled by
+//! the residuals). Valid for columns of full rank and positive u. Huber: P. J. Huber, Robust
+//! Statistics, ch. 7, with the tuning constant 1.345 (95 % efficiency for normal errors) and the
+//! scale from the median absolute residual.
 
 use crate::numerics::robust::{MAD_TO_SIGMA, central_median};
 use nalgebra::{DMatrix, DVector};
@@ -55,7 +56,8 @@ pub fn huber(design: &DMatrix<f64>, y: &DVector<f64>, u: &DVector<f64>) -> Optio
     Some(fit)
 }
 
-/// min(1, k·s/|t|) of the standardised residuals t, s their robust scale but at least 1 (the stated u).
+/// min(1, k·s/|t|) of the standardised residuals t, s their robust scale but at least 1 (the stated
+/// u).
 fn huber_weights(standardised: &DVector<f64>) -> DVector<f64> {
     let mut magnitude: Vec<f64> = standardised.iter().map(|t| t.abs()).collect();
     let scale = (MAD_TO_SIGMA * central_median(&mut magnitude).unwrap_or(0.0)).max(1.0);

@@ -1,4 +1,5 @@
-//! What an offset must pass before it is released. A refusal names the guard, its limit, the place and what was seen.
+//! What an offset must pass before it is released. A refusal names the guard, its limit, the place
+//! and what was seen.
 
 use super::context::{NextPass, PassContext};
 use super::readings::Errors;
@@ -10,7 +11,8 @@ use crate::profile::DiameterProfile;
 
 /// Variance of a second difference of independent readings: 1 + 4 + 1.
 const SECOND_DIFFERENCE: f64 = 6.0;
-/// An outlier lies this many scatters from its neighbours, besides the limit in mm: about one in 10⁶ by chance.
+/// An outlier lies this many scatters from its neighbours, besides the limit in mm: about one in
+/// 10⁶ by chance.
 const OUTLIER_SCATTERS: f64 = 5.0;
 
 /// What a pass left behind for the guards of the next.
@@ -25,7 +27,8 @@ pub(crate) struct GuardState {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub reason: HeldReason,
-    /// What was measured contradicts what was commanded: no further pass is safe until someone has looked.
+    /// What was measured contradicts what was commanded: no further pass is safe until someone has
+    /// looked.
     pub stop: bool,
 }
 
@@ -149,8 +152,8 @@ fn check_scatter(g: &Guarded<'_>) -> Result<(), Refusal> {
     }
 }
 
-/// Observed over commanded change, about g. Radius for diameter gives 2 or ½ of it, a wrong sign the negative, an offset
-/// that went elsewhere 0.
+/// Observed over commanded change, about g. Radius for diameter gives 2 or ½ of it, a wrong sign
+/// the negative, an offset that went elsewhere 0.
 fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     let alike = |m: &&GuardState| m.pass + 1 == g.plan.pass && m.e_mm.len() == g.errors.e_mm.len();
     let Some(last) = g.history.last().filter(alike) else {
@@ -172,9 +175,10 @@ fn check_response(g: &Guarded<'_>) -> Result<(), Refusal> {
     Err(Refusal { reason, stop: true })
 }
 
-/// Slopes of the observed over the commanded changes along the stations: through zero, and with the change common to all
-/// stations (wear, drift) taken out, where the command varies enough along z for that; `None` for commands too small to
-/// judge by. What comes besides the offset disturbs one of them, a wrong response both.
+/// Slopes of the observed over the commanded changes along the stations: through zero, and with the
+/// change common to all stations (wear, drift) taken out, where the command varies enough along z
+/// for that; `None` for commands too small to judge by. What comes besides the offset disturbs one
+/// of them, a wrong response both.
 fn response(commanded: &[f64], observed: &[f64], from_mm: f64) -> Option<(f64, f64)> {
     let n = commanded.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
@@ -241,7 +245,8 @@ fn check_repeat(g: &Guarded<'_>, step: f64) -> Result<(), Refusal> {
     Err(guard(text))
 }
 
-/// What was measured holds for the next pass only if it is cut alike (NIST, process-intermittent gauging).
+/// What was measured holds for the next pass only if it is cut alike (NIST, process-intermittent
+/// gauging).
 fn check_cutting(g: &Guarded<'_>, next: &NextPass) -> Result<(), Refusal> {
     let differs = |a: f64, b: f64| !within(a - b, g.limits.cutting_tolerance * a.abs());
     let (was, is) = (g.plan.cutting, next.cutting);
@@ -275,7 +280,8 @@ fn check_depth(g: &Guarded<'_>, next: &NextPass, proposed_mm: &[f64]) -> Result<
     Ok(())
 }
 
-/// Undersize is scrap: the predicted diameter stays above the lower limit by the coverage's uncertainties.
+/// Undersize is scrap: the predicted diameter stays above the lower limit by the coverage's
+/// uncertainties.
 fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Result<(), Refusal> {
     let Some(limit) = g.limits.lower_limit_mm else {
         return Ok(());
@@ -292,8 +298,10 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
     }
 }
 
-/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w, w(k) = e(k) − (1 − g) e(k−1)
-/// + g o(k) what came besides offset and copying, carried on by as much as it grew since the pass before.
+/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w, w(k) =
+/// e(k) − (1 − g) e(k−1)
+/// + g o(k) what came besides offset and copying, carried on by as much as it grew since the pass
+///   before.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
     let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
     let before = |passes: u32| {
@@ -321,8 +329,8 @@ pub(crate) fn held_undersize(g: &Guarded<'_>) -> Option<String> {
     check_undersize(g, &next, &g.plan.offset.o_mm).err().map(|refusal| refusal.reason.to_string())
 }
 
-/// How far each inner station lies off the line through its neighbours, scaled so that scatter of one reading weighs as in
-/// e₀ − 2e₁ + e₂ of even stations.
+/// How far each inner station lies off the line through its neighbours, scaled so that scatter of
+/// one reading weighs as in e₀ − 2e₁ + e₂ of even stations.
 fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
     let bend = |(z, e): (&[f64], &[f64])| {
         let share = (z[1] - z[0]) / (z[2] - z[0]);
@@ -334,7 +342,8 @@ fn second_differences(z: &[f64], e: &[f64]) -> Vec<f64> {
     z.windows(3).zip(e.windows(3)).map(bend).collect()
 }
 
-/// Standard deviation of one reading from the median magnitude of second differences: slopes drop out.
+/// Standard deviation of one reading from the median magnitude of second differences: slopes drop
+/// out.
 fn robust_scatter(second_differences: &[f64]) -> f64 {
     MAD_TO_SIGMA * median_of(second_differences.iter().map(|d| d.abs()).collect()) / SECOND_DIFFERENCE.sqrt()
 }

@@ -1,8 +1,10 @@
-//! The loop from part to part: what every pass should have been offset by, carried to the next part.
+//! The loop from part to part: what every pass should have been offset by, carried to the next
+//! part.
 //!
-//! Per station and pass, Holt's level and trend of the ideal offset i = o + e/g over the parts. A new insert or a cold
-//! start sets the level back to what the first part after the last such event needed; the trend (wear per part,
-//! warming per part) stays. The loop from pass to pass then corrects what is left.
+//! Per station and pass, Holt's level and trend of the ideal offset i = o + e/g over the parts. A
+//! new insert or a cold start sets the level back to what the first part after the last such event
+//! needed; the trend (wear per part, warming per part) stays. The loop from pass to pass then
+//! corrects what is left.
 
 use super::context::PartEvent;
 use super::settings::PartsSettings;

@@ -6,10 +6,11 @@
 //! difference   d(k)  = α d(k−1) + (1 − α) [e(k) − e(k−1)],  d(1) = 0
 //! ```
 //!
-//! e = D − r in mm of diameter: the derivative acts on the error because r jumps every pass. α = 0 gives the printed
-//! equations. Limits: u within ± the output limit, |u(k) − u(k−1)| within the rate limit; while a limit holds the
-//! output back, an error that would push it further is not summed (conditional integration). Without limits both
-//! algorithms give the same numbers up to rounding.
+//! e = D − r in mm of diameter: the derivative acts on the error because r jumps every pass. α = 0
+//! gives the printed equations. Limits: u within ± the output limit, |u(k) − u(k−1)| within the
+//! rate limit; while a limit holds the output back, an error that would push it further is not
+//! summed (conditional integration). Without limits both algorithms give the same numbers up to
+//! rounding.
 
 use super::settings::{FirstPass, PidAlgorithm, PidSettings};
 

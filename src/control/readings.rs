@@ -23,7 +23,8 @@ pub(crate) struct Errors {
 /// Reads the errors of a pass, filling gaps where the settings allow it.
 ///
 /// # Errors
-/// The reason to hold: stations that are not the plan's, numbers that are none, or gaps that may not be filled.
+/// The reason to hold: stations that are not the plan's, numbers that are none, or gaps that may
+/// not be filled.
 pub(crate) fn errors(
     plan: &PassPlan,
     measured: &DiameterProfile,
@@ -72,7 +73,8 @@ fn check_stations(plan: &PassPlan, measured: &DiameterProfile) -> Result<(), Hel
     }
 }
 
-/// Interpolates linearly in z inside runs of gaps that are short enough; returns the stations filled.
+/// Interpolates linearly in z inside runs of gaps that are short enough; returns the stations
+/// filled.
 fn fill(z: &[f64], values: &mut [Option<Diameter>], gaps: &GapSettings) -> Result<Vec<usize>, HeldReason> {
     let missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_none()).collect();
     let of = values.len();

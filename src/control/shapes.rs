@@ -1,7 +1,7 @@
 //! Shape functions along z that a fit or a modal controller uses.
 //!
-//! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the normal matrix
-//! well conditioned; the space they span is that of the plain powers.
+//! Polynomials are carried as Legendre polynomials of ξ = 2(z − z₁)/(z_n − z₁) − 1, which keeps the
+//! normal matrix well conditioned; the space they span is that of the plain powers.
 
 use super::error::ControlError;
 use crate::setting::{SettingError, require};
@@ -124,8 +124,9 @@ impl PhysicalShapes {
     }
 }
 
-/// Deflection under a load at a = sL, b = L − a, of a beam clamped at 0 and rigidly supported at L, over its maximum:
-/// u ∝ a³b²(4L − a), largest at a = (2 − √2)L (Euler-Bernoulli; the clamp is the chuck).
+/// Deflection under a load at a = sL, b = L − a, of a beam clamped at 0 and rigidly supported at L,
+/// over its maximum: u ∝ a³b²(4L − a), largest at a = (2 − √2)L (Euler-Bernoulli; the clamp is the
+/// chuck).
 fn propped(s: f64) -> f64 {
     let shape = |s: f64| s.powi(3) * (1.0 - s).powi(2) * (4.0 - s);
     shape(s.clamp(0.0, 1.0)) / shape(2.0 - std::f64::consts::SQRT_2)

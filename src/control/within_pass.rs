@@ -1,10 +1,12 @@
-//! Control within a pass: what the gauge behind the tool finds is taken off the stations ahead of it.
+//! Control within a pass: what the gauge behind the tool finds is taken off the stations ahead of
+//! it.
 //!
-//! A station k behind the tool was cut with offset o_k and reads e_k = D_k - r. With the plan's offset p_k it would have read
-//! δ_k = e_k + g·(o_k - p_k), g the plant gain: the deviation of this pass from its plan, free of what control has already done. The delay
-//! of the gauge's distance is thus no loop delay: the correction of the stations ahead, o = p + γ·δ/g, does not feed on itself and is
-//! stable for any 0 < γ ≤ 1. It assumes that δ goes on as it was over the newest field (drift, wear, force; not the sag's shape, which the
-//! plan already has from the pass before).
+//! A station k behind the tool was cut with offset o_k and reads e_k = D_k - r. With the plan's
+//! offset p_k it would have read δ_k = e_k + g·(o_k - p_k), g the plant gain: the deviation of this
+//! pass from its plan, free of what control has already done. The delay of the gauge's distance is
+//! thus no loop delay: the correction of the stations ahead, o = p + γ·δ/g, does not feed on itself
+//! and is stable for any 0 < γ ≤ 1. It assumes that δ goes on as it was over the newest field
+//! (drift, wear, force; not the sag's shape, which the plan already has from the pass before).
 
 use super::settings::WithinPassSettings;
 use crate::numerics::robust::central_median;
@@ -39,7 +41,8 @@ impl WithinPass {
         &self.applied_mm
     }
 
-    /// What the machine makes of the offsets decided: stations that may still be changed are cut with these.
+    /// What the machine makes of the offsets decided: stations that may still be changed are cut
+    /// with these.
     pub fn put_in_force(&mut self, in_force_mm: &[f64], stations_z_mm: &[f64], ahead: impl Fn(f64) -> bool) {
         for (k, (in_force, z_mm)) in in_force_mm.iter().zip(stations_z_mm).enumerate() {
             if !self.read[k] && ahead(*z_mm) {
@@ -48,7 +51,8 @@ impl WithinPass {
         }
     }
 
-    /// Takes the stations read so far; `ahead` states which may still be changed. New offsets, where stations were newly read.
+    /// Takes the stations read so far; `ahead` states which may still be changed. New offsets,
+    /// where stations were newly read.
     pub fn decide(
         &mut self,
         nominal_mm: f64,
@@ -79,8 +83,9 @@ mod tests {
     use super::*;
     use crate::profile::{Diameter, Reading, Reason, Station};
 
-    /// Ten stations cut from the far end, each of which comes out `bias(k)` too large, read two stations late: the correction meets a
-    /// constant deviation at once and does not overshoot while its own effect is on the way.
+    /// Ten stations cut from the far end, each of which comes out `bias(k)` too large, read two
+    /// stations late: the correction meets a constant deviation at once and does not overshoot
+    /// while its own effect is on the way.
     fn cut(gain: f64, bias: impl Fn(usize) -> f64) -> Vec<f64> {
         let planned = vec![0.003; 10];
         let mut within = WithinPass::begin(WithinPassSettings { gain, limit_mm: 0.1 }, 1.0, &planned);
@@ -119,7 +124,8 @@ mod tests {
     #[test]
     fn a_drift_is_followed_by_the_delay() {
         let errors = cut(1.0, |k| 0.001 * (9 - k) as f64);
-        // Three stations late (two of distance, and the one being cut): three steps of the drift are left.
+        // Three stations late (two of distance, and the one being cut): three steps of the drift
+        // are left.
         assert!(errors[..7].iter().all(|e| (e - 0.003).abs() < 1e-12), "{errors:?}");
     }
 }

@@ -13,8 +13,8 @@ use super::place::{self, Place, is_same_file};
 /// Whether an output has taken stdout.
 static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// An output file that this process has claimed: what may not be written is refused before any work is done. Dropped unwritten, it leaves
-/// what was there.
+/// An output file that this process has claimed: what may not be written is refused before any work
+/// is done. Dropped unwritten, it leaves what was there.
 #[derive(Debug)]
 pub struct OutputFile {
     named: PathBuf,
@@ -32,8 +32,8 @@ impl OutputFile {
     /// Claims `path`, which must be none of the command's `inputs`; makes the folder above it.
     ///
     /// # Errors
-    /// An input, a folder, a block device, the file that stdout goes to, stdout twice, an output that another process writes; a disk or
-    /// permissions that refuse.
+    /// An input, a folder, a block device, the file that stdout goes to, stdout twice, an output
+    /// that another process writes; a disk or permissions that refuse.
     pub fn claim(path: &Path, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Self, OutputError> {
         let named = path.to_owned();
         if let Some(input) = inputs.into_iter().find(|input| is_same_file(path, input)) {

@@ -9,8 +9,9 @@ use super::lock::Lock;
 use super::names::{LOCK_NAME, TEMPORARY};
 use super::place::{behind_links, folder_of, temporary};
 
-/// A folder, absent or empty before, that is filled under a temporary name: beside its place where it is absent, inside it where it
-/// stands (it may be a mount point, or have a mode of its own). Dropped before [`OutputFolder::finish`], it leaves nothing.
+/// A folder, absent or empty before, that is filled under a temporary name: beside its place where
+/// it is absent, inside it where it stands (it may be a mount point, or have a mode of its own).
+/// Dropped before [`OutputFolder::finish`], it leaves nothing.
 #[derive(Debug)]
 pub struct OutputFolder {
     named: PathBuf,
@@ -50,7 +51,8 @@ impl OutputFolder {
     /// Claims `path` and clears what a killed command left of it.
     ///
     /// # Errors
-    /// Anything but an absent or empty folder; one that another process fills; a disk or permissions that refuse.
+    /// Anything but an absent or empty folder; one that another process fills; a disk or
+    /// permissions that refuse.
     pub fn claim(path: &Path) -> Result<Self, OutputError> {
         let target = behind_links(path).map_err(OutputError::failed(path))?;
         if target.file_name().is_none() && !target.is_dir() {
@@ -150,7 +152,8 @@ pub fn clear(folder: &Path) -> Result<(), OutputError> {
     each_entry(folder, &|entry| remove(entry)).map_err(OutputError::failed(folder))
 }
 
-/// Removes what lies under temporary names in a folder and those in it, but for its lock: whatever a killed command left.
+/// Removes what lies under temporary names in a folder and those in it, but for its lock: whatever
+/// a killed command left.
 ///
 /// # Errors
 /// Where the disk or the permissions refuse.

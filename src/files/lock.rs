@@ -24,7 +24,8 @@ impl Lock {
     /// Takes the lock at `path`, making the file, for the output `of`.
     ///
     /// # Errors
-    /// [`OutputError::Held`] where another process has it; [`OutputError::Failed`] where the file cannot be made.
+    /// [`OutputError::Held`] where another process has it; [`OutputError::Failed`] where the file
+    /// cannot be made.
     pub fn take(path: &Path, of: &Path) -> Result<Self, OutputError> {
         for _ in 0..ATTEMPTS {
             let mut file = OpenOptions::new()

@@ -125,7 +125,8 @@ fn is_block_device(_: &Metadata) -> bool {
     false
 }
 
-/// Replaces a file in a folder that this process has locked: under a temporary name, then renamed; makes the folder above it.
+/// Replaces a file in a folder that this process has locked: under a temporary name, then renamed;
+/// makes the folder above it.
 ///
 /// # Errors
 /// Where the disk or the permissions refuse; nothing half-written stays under `path`.

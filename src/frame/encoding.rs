@@ -5,8 +5,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Curves that differ by less at the quarters are the same: half a step of an 8-bit table is .002, and a
-/// power of .45455 differs from sRGB by .0036.
+/// Curves that differ by less at the quarters are the same: half a step of an 8-bit table is .002,
+/// and a power of .45455 differs from sRGB by .0036.
 const SAME: f64 = 2.5e-3;
 
 /// Light where the file's grey value stands at 1/4, 1/2 and 3/4 of full scale, as a share of that at full

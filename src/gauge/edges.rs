@@ -70,8 +70,9 @@ const QUARTER_TO_HALF: f64 = 0.674_489_75;
 pub struct FrameFigures {
     /// Blur at the upper and lower edge, px (standard deviation without the pixel's own area).
     pub sigma_px: [f64; 2],
-    /// How far into the shadow of the place stated the geometric edge may lie because its edge-spread function was learnt from the frame
-    /// itself, px; 0 with any other. Masters measured in the same way take it out.
+    /// How far into the shadow of the place stated the geometric edge may lie because its
+    /// edge-spread function was learnt from the frame itself, px; 0 with any other. Masters
+    /// measured in the same way take it out.
     pub position_ambiguity_px: [f64; 2],
     /// Mean dark level at the upper and lower edge, counts.
     pub dark: [f64; 2],
@@ -81,20 +82,22 @@ pub struct FrameFigures {
     pub noise: [f64; 2],
     /// Contrast over noise at mid-edge.
     pub snr: f64,
-    /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe the frame, or where the edges leave what the
-    /// calibration's masters left. Uncertainties are multiplied by its root where it exceeds 1.2.
+    /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe
+    /// the frame, or where the edges leave what the calibration's masters left. Uncertainties are
+    /// multiplied by its root where it exceeds 1.2.
     pub reduced_chi2: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,
-    /// Standard uncertainty of the upper and lower edge by rounding that repeats in neighbouring columns and in every frame, px: noise below
-    /// half a count leaves some.
+    /// Standard uncertainty of the upper and lower edge by rounding that repeats in neighbouring
+    /// columns and in every frame, px: noise below half a count leaves some.
     pub rounding_px: [f64; 2],
     /// Other shadows in the frame.
     pub shadows: ShadowsSeen,
 }
 
 impl FrameFigures {
-    /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie inwards by anything up to the limits.
+    /// Standard uncertainty of a width by the unknown place of learnt edges, px: both may lie
+    /// inwards by anything up to the limits.
     pub fn u_position_px(&self) -> f64 {
         (self.position_ambiguity_px[0] + self.position_ambiguity_px[1]) / 3.0_f64.sqrt()
     }
@@ -104,8 +107,9 @@ impl FrameFigures {
         self.rounding_px.iter().map(|u| u * u).sum()
     }
 
-    /// Limit of a width's error where edges that could not be learnt were fitted by the Gaussian and the masters' were learnt, px: the
-    /// distance from a quarter of the light to half of it, 0.6745 σ, at each such edge.
+    /// Limit of a width's error where edges that could not be learnt were fitted by the Gaussian
+    /// and the masters' were learnt, px: the distance from a quarter of the light to half of it,
+    /// 0.6745 σ, at each such edge.
     pub fn unlearnt_position_px(&self) -> f64 {
         let of = |side: usize| {
             if self.position_ambiguity_px[side] == 0.0 { QUARTER_TO_HALF * self.sigma_px[side] } else { 0.0 }
@@ -131,10 +135,11 @@ pub struct FrameEdges {
     pub bottom: Vec<Edge>,
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
-    /// The part of `u_shared_px` that a misfit of the edge model states, one for every [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
+    /// The part of `u_shared_px` that a misfit of the edge model states, one for every
+    /// [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
     pub model_uncertainty_px: [Vec<f32>; 2],
-    /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower edge states, px, √2 for their common lens
-    /// included; 0 where nothing is clipped.
+    /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower
+    /// edge states, px, √2 for their common lens included; 0 where nothing is clipped.
     pub clipped_px: [f64; 2],
     /// The frame's own figures.
     pub figures: FrameFigures,
@@ -185,9 +190,10 @@ impl FrameEdges {
         (top.is_usable() && bottom.is_usable()).then_some(bottom.row_px - top.row_px)
     }
 
-    /// Moves the edges to where their windows lie on the sensor, for a camera that reads two windows out as one frame, the one
-    /// around the upper edge above the one around the lower edge: `top_px` and `bottom_px` are what a row of the frame lacks of its
-    /// row on the sensor in either.
+    /// Moves the edges to where their windows lie on the sensor, for a camera that reads two
+    /// windows out as one frame, the one around the upper edge above the one around the lower edge:
+    /// `top_px` and `bottom_px` are what a row of the frame lacks of its row on the sensor in
+    /// either.
     pub fn place_windows(&mut self, top_px: f64, bottom_px: f64) {
         self.top.iter_mut().for_each(|edge| edge.row_px += top_px);
         self.bottom.iter_mut().for_each(|edge| edge.row_px += bottom_px);
@@ -210,7 +216,8 @@ impl FrameEdges {
     }
 }
 
-/// Variance of the shared part of a mean: errors of two columns correlate by a triangle of twice the knots' distance.
+/// Variance of the shared part of a mean: errors of two columns correlate by a triangle of twice
+/// the knots' distance.
 fn shared_variance(used: &[(usize, &Edge)], length: f32) -> f64 {
     let n = used.len() as f64;
     let reach = 1.5 * f64::from(length.max(1.0));
@@ -242,13 +249,15 @@ pub struct FrameRefused {
 pub struct ShadowsSeen {
     /// Shadows with both edges in the field that run along it; bright lines part what they part.
     pub seen: u16,
-    /// Which of them was measured, counted from the top from 1; the uppermost one where several were measured as one.
+    /// Which of them was measured, counted from the top from 1; the uppermost one where several
+    /// were measured as one.
     pub measured: u16,
     /// Shadows measured together as one part: 1, or the strips beside a bright line.
     pub joined: u16,
     /// Thickness of the light between strips measured as one part, px; 0 without any.
     pub light_inside_px: f64,
-    /// Thickness of the largest shadow left out that is at least half as thick as the one measured, px; 0 without any.
+    /// Thickness of the largest shadow left out that is at least half as thick as the one measured,
+    /// px; 0 without any.
     pub left_out_px: f64,
     /// Mean row of that shadow, px.
     pub left_out_row_px: f64,

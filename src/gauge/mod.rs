@@ -1,14 +1,18 @@
 //! The instrument: frames -> edges -> calibrated diameters with uncertainty. It has no access to
 //! the scene.
 //!
-//! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`]. Out: [`FrameEdges`] in px,
-//! [`ColumnDiameters`] and a [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its reason.
+//! In: [`FrameView`](crate::frame::FrameView)s of a camera, [`GaugeSettings`], a [`Calibration`].
+//! Out: [`FrameEdges`] in px, [`ColumnDiameters`] and a
+//! [`DiameterProfile`](crate::profile::DiameterProfile) in mm, each value with u or a gap with its
+//! reason.
 //!
-//! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` → `edge` (one frame to
-//! edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) → `uncertainty` (budgets) → `ring` (parts seen end-on);
-//! `instrument` is the gauge that all begin with. A file imports others by their own path, not through the `mod.rs` above it.
+//! From below, and imports point down only: `settings`, `edges` (results) → `form`, `sensor` →
+//! `edge` (one frame to edges) → `width` (px) → `calibration` (px to mm) → `diameter` (mm) →
+//! `uncertainty` (budgets) → `ring` (parts seen end-on); `instrument` is the gauge that all begin
+//! with. A file imports others by their own path, not through the `mod.rs` above it.
 //!
-//! One more room is one more folder with a `mod.rs` like these, one line here and one in the order that `tests/architecture.rs` holds.
+//! One more room is one more folder with a `mod.rs` like these, one line here and one in the order
+//! that `tests/architecture.rs` holds.
 
 pub mod calibration;
 pub mod diameter;

@@ -1,4 +1,5 @@
-//! The `[gauge]` table: what a user may choose about the instrument. Nothing here describes the scene.
+//! The `[gauge]` table: what a user may choose about the instrument. Nothing here describes the
+//! scene.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -242,8 +243,8 @@ impl Default for StationSettings {
 }
 
 impl GaugeSettings {
-    /// These settings for a part whose outline goes up and down by itself (threads, knurls): flanks to 71° are measured, and nothing is
-    /// refused for leaving its neighbours or the axis.
+    /// These settings for a part whose outline goes up and down by itself (threads, knurls): flanks
+    /// to 71° are measured, and nothing is refused for leaving its neighbours or the axis.
     #[must_use]
     pub fn for_crests(self) -> Self {
         Self { rejection: Rejection::Off, max_slope: 3.0, outlier_px: 1e3, ..self }

@@ -1,4 +1,5 @@
-//! The edge-spread function of a job's own optics, for the gauge that looks through them: `[gauge.esf.optics]`.
+//! The edge-spread function of a job's own optics, for the gauge that looks through them:
+//! `[gauge.esf.optics]`.
 
 use crate::gauge::{EsfModel, EsfSamples};
 use crate::render::RenderError;
@@ -6,14 +7,16 @@ use crate::render::optics::edge_spread::EdgeSpread;
 use crate::render::optics::esf_table::{EsfTable, Extent, TablePlace};
 use crate::render::settings::Optics;
 
-/// Samples in the standard deviation of the sharpest detail: a cubic between them errs by (1/16)⁴/384·max|F⁗| = 2e-8.
+/// Samples in the standard deviation of the sharpest detail: a cubic between them errs by
+/// (1/16)⁴/384·max|F⁗| = 2e-8.
 const STEPS_PER_SHARP: f64 = 16.0;
 /// Most steps of a table; a laser's rings reach far.
 const MOST_STEPS: f64 = 20_000.0;
 /// Light beyond which a table has the rings of coherent light without a lens, as the gauge has it.
 const RINGED: f64 = 1.25;
 
-/// How a table is handed to the gauge: steps, distance from which ripples fade out, farthest distance, px.
+/// How a table is handed to the gauge: steps, distance from which ripples fade out, farthest
+/// distance, px.
 #[derive(Clone, Copy, Debug)]
 struct Sampling {
     step_px: f64,
@@ -23,10 +26,12 @@ struct Sampling {
 
 /// Windows are 72 px long.
 const PLAIN: Sampling = Sampling { step_px: 0.05, fade_px: 44.0, reach_px: 60.0 };
-/// Windows over rings are 256 px long, and a pattern may be an eighth narrower than its nominal one; the finest ring in them is 4 px wide.
+/// Windows over rings are 256 px long, and a pattern may be an eighth narrower than its nominal
+/// one; the finest ring in them is 4 px wide.
 const RINGS: Sampling = Sampling { step_px: 0.1, fade_px: 152.0, reach_px: 192.0 };
 
-/// An edge-spread function, light over distance, of optics as they are meant: nothing that a seed draws.
+/// An edge-spread function, light over distance, of optics as they are meant: nothing that a seed
+/// draws.
 pub struct NominalEdge {
     table: EsfTable,
     place: TablePlace,
@@ -34,7 +39,8 @@ pub struct NominalEdge {
 }
 
 impl NominalEdge {
-    /// Of a cylinder of `radius_mm` whose axis lies `axis_y_mm` before the plane of focus, at a nominal `pixel_mm` on the object.
+    /// Of a cylinder of `radius_mm` whose axis lies `axis_y_mm` before the plane of focus, at a
+    /// nominal `pixel_mm` on the object.
     ///
     /// # Errors
     /// Optics whose table cannot be had.
@@ -83,8 +89,8 @@ impl NominalEdge {
     }
 }
 
-/// Samples over a range of an edge in px, widened by a pixel so that the ends are flat. Ripples that reach farther than a table may (a
-/// laser's) fade out from where no window reads them.
+/// Samples over a range of an edge in px, widened by a pixel so that the ends are flat. Ripples
+/// that reach farther than a table may (a laser's) fade out from where no window reads them.
 pub fn sampled_edge(from_px: f64, to_px: f64, light: impl Fn(f64) -> f64) -> EsfModel {
     let sample = |sampling: Sampling| {
         let Sampling { step_px, fade_px, reach_px } = sampling;

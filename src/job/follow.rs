@@ -20,8 +20,8 @@ const LIMIT_EXPANSION_UM_PER_M_K: f64 = 1.0;
 /// Angles of a burst that are put in another order at most: the search takes the third power of it.
 const MOST_ORDERED: usize = 64;
 
-/// The angles of a burst over half a turn in the order they are taken, each with the turns since the burst's integer turn; at least
-/// `period` turns lie between two.
+/// The angles of a burst over half a turn in the order they are taken, each with the turns since
+/// the burst's integer turn; at least `period` turns lie between two.
 fn burst_turns(angles: usize, period: f64) -> Vec<(usize, f64)> {
     let part = 1.0 / (2.0 * angles.max(1) as f64);
     let mut turned = 0.0;
@@ -39,9 +39,10 @@ fn burst_turns(angles: usize, period: f64) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// An order in which the shaft's bending, which drifts as the tool goes on, looks like nothing that turns: the place of an angle in the order
-/// has next to no first harmonic over the angles. In the order of the angles half a turn would take a drift for cos φ. Swaps that lessen the
-/// harmonic are taken until none does.
+/// An order in which the shaft's bending, which drifts as the tool goes on, looks like nothing that
+/// turns: the place of an angle in the order has next to no first harmonic over the angles. In the
+/// order of the angles half a turn would take a drift for cos φ. Swaps that lessen the harmonic are
+/// taken until none does.
 fn order_of_angles(angles: usize) -> Vec<usize> {
     // place[i]: when angle i is taken
     let mut place: Vec<f64> = (0..angles).map(|i| i as f64).collect();
@@ -73,13 +74,15 @@ fn order_of_angles(angles: usize) -> Vec<usize> {
 }
 
 impl Job {
-    /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's nominal diameter.
+    /// Speed of the spindle in pass `pass` (from 1), rev/min: the cutting speed at the pass's
+    /// nominal diameter.
     pub fn spindle_rpm(&self, pass: u32) -> f64 {
         1e3 * self.cutting.speed_m_per_min / (PI * self.part.target_mm(pass))
     }
 
-    /// Frames of pass `pass` while it is cut: at every field of the scan a burst over the angles of half a turn, over as many
-    /// whole turns as the camera needs; fields that the tool's end keeps from the gauge are scanned after it.
+    /// Frames of pass `pass` while it is cut: at every field of the scan a burst over the angles of
+    /// half a turn, over as many whole turns as the camera needs; fields that the tool's end keeps
+    /// from the gauge are scanned after it.
     pub fn follow_plan(&self, pass: u32) -> FollowPlan {
         let towards_chuck = self.process.pass.feed_direction == FeedDirection::TowardsChuck;
         let (length, behind) = (self.part.length_mm, self.scan.behind_tool_mm);
@@ -123,12 +126,14 @@ impl Job {
         }
     }
 
-    /// What moves while a pass is cut: spindle and carriage by the cutting data, the rest as `[motion]` has it.
+    /// What moves while a pass is cut: spindle and carriage by the cutting data, the rest as
+    /// `[motion]` has it.
     pub fn cutting_motion(&self, follow: &FollowPlan) -> Motion {
         Motion { spindle_rpm: follow.spindle_rpm, carriage_mm_s: follow.carriage_mm_s, ..self.motion.clone() }
     }
 
-    /// What is known of the part while it is scanned: its temperature, and its material's expansion where that counts.
+    /// What is known of the part while it is scanned: its temperature, and its material's expansion
+    /// where that counts.
     pub fn part_conditions(&self) -> Conditions {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
         let exact = Conditions::default();

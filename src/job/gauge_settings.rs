@@ -7,8 +7,8 @@ use crate::gauge::{EsfModel, GaugeSettings};
 use crate::setting::SettingError;
 
 impl Job {
-    /// The gauge's settings with the edge-spread function of the job's own optics in place of `[gauge.esf.optics]`: in focus, on
-    /// the finished part.
+    /// The gauge's settings with the edge-spread function of the job's own optics in place of
+    /// `[gauge.esf.optics]`: in focus, on the finished part.
     ///
     /// # Errors
     /// Optics whose table cannot be had.

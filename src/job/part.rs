@@ -60,8 +60,8 @@ impl Part {
         self.nominal_diameter_mm.get(index).copied().unwrap_or(self.stock_diameter_mm) + aim
     }
 
-    /// Middles of the stations, mm from the chuck face: those listed, else side by side from the chuck face on, where a rest
-    /// shorter than a station at the end is left out.
+    /// Middles of the stations, mm from the chuck face: those listed, else side by side from the
+    /// chuck face on, where a rest shorter than a station at the end is left out.
     pub fn station_z_mm(&self) -> Vec<f64> {
         if let Some(listed) = &self.station_z_mm {
             return listed.clone();
@@ -91,7 +91,8 @@ impl Part {
         ))
     }
 
-    /// A word where the last pass aims at a limit of its tolerance: half of all parts would lie outside.
+    /// A word where the last pass aims at a limit of its tolerance: half of all parts would lie
+    /// outside.
     pub(super) fn aims_at_a_limit(&self) -> Option<String> {
         let (lower, upper) = self.tolerance?.limits_mm();
         let aim = self.target_mm(self.passes() as u32);

@@ -1,4 +1,5 @@
-//! How the part is scanned, and the master pins that the gauge is calibrated on at the start of a run.
+//! How the part is scanned, and the master pins that the gauge is calibrated on at the start of a
+//! run.
 
 use crate::gauge::MasterCertificate;
 use schemars::JsonSchema;

@@ -49,8 +49,8 @@ pub(super) fn check(listed: &[f64], length: f64, station_mm: f64) -> Result<(), 
     Ok(())
 }
 
-/// Of field centres, those whose field shows something of a listed station, its middle at most `reach` (mm) away; all of them
-/// where no station is listed.
+/// Of field centres, those whose field shows something of a listed station, its middle at most
+/// `reach` (mm) away; all of them where no station is listed.
 pub(super) fn fields_that_show(listed: Option<&[f64]>, field_z_mm: Vec<f64>, reach: f64) -> Vec<f64> {
     let Some(listed) = listed else { return field_z_mm };
     field_z_mm.into_iter().filter(|field| listed.iter().any(|z| (z - field).abs() <= reach)).collect()

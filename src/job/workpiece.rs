@@ -1,10 +1,11 @@
-//! What the model-based controller takes from its own job: the part's length and diameter, its material and the force that
-//! this material should take.
+//! What the model-based controller takes from its own job: the part's length and diameter, its
+//! material and the force that this material should take.
 //!
-//! Only what stands on the drawing and in handbooks goes over: the nominal sizes, the material's table row and the specific
-//! cutting force k_c = kc1.1·h^(−mc) (see `process::material`). Where the process cuts by Kienzle's law, the controller's
-//! power law is its tangent, in logarithms, at the first pass' depth; else Table 1 of the slender-shaft paper (45 steel) is
-//! multiplied by the ratio of the two materials' k_c at the first pass' mean chip.
+//! Only what stands on the drawing and in handbooks goes over: the nominal sizes, the material's
+//! table row and the specific cutting force k_c = kc1.1·h^(−mc) (see `process::material`). Where
+//! the process cuts by Kienzle's law, the controller's power law is its tangent, in logarithms, at
+//! the first pass' depth; else Table 1 of the slender-shaft paper (45 steel) is multiplied by the
+//! ratio of the two materials' k_c at the first pass' mean chip.
 
 use super::part::Part;
 use crate::control::Workpiece;
@@ -14,15 +15,18 @@ use crate::process::material::{self, Material};
 use crate::process::tool_factors::ToolFactors;
 use crate::process::{FITTED_TO, ForceLaw, ProcessSettings, ToolSettings};
 
-/// Standard uncertainty of ln C where the material has no specific cutting force: handbooks' kc1.1 of metals run from about 500
-/// (aluminium) to 3500 N/mm² (nickel alloys), a factor of 4 below and 1.6 above the steel that is assumed; .7 is a factor of 2.
+/// Standard uncertainty of ln C where the material has no specific cutting force: handbooks' kc1.1
+/// of metals run from about 500 (aluminium) to 3500 N/mm² (nickel alloys), a factor of 4 below and
+/// 1.6 above the steel that is assumed; .7 is a factor of 2.
 const U_LN_UNKNOWN: f64 = 0.7;
 
-/// Least exponent of the depth: with a lead angle of 90° the radial force stops growing once the nose is engaged, and a law
-/// without any slope would make the controller see no error copying at all.
+/// Least exponent of the depth: with a lead angle of 90° the radial force stops growing once the
+/// nose is engaged, and a law without any slope would make the controller see no error copying at
+/// all.
 const LEAST_EXPONENT: f64 = 0.05;
 
-/// The part of a job as its controller assumes it, and a word where the force could not follow the material.
+/// The part of a job as its controller assumes it, and a word where the force could not follow the
+/// material.
 pub(super) fn workpiece(
     part: &Part,
     process: &ProcessSettings,
@@ -67,8 +71,8 @@ struct Cut<'a> {
     tool: &'a ToolSettings,
 }
 
-/// The paper's law with the ratio of the materials' specific cutting forces and the handbook's factors of another tool than the
-/// paper's.
+/// The paper's law with the ratio of the materials' specific cutting forces and the handbook's
+/// factors of another tool than the paper's.
 fn by_ratio(w: Workpiece, cut: &Cut<'_>, material: &Material) -> Option<Workpiece> {
     let chip_mm = KienzleLaw::mean_chip_mm(cut.feed_mm, cut.depth_mm, cut.tool);
     let specific = |m: &Material| m.kienzle.map(|k| k.kc11_n_per_mm2 * chip_mm.powf(-k.mc));
@@ -133,7 +137,8 @@ mod tests {
         small.part.nominal_diameter_mm = vec![12.0];
         let (w, word) = of(&small);
         assert_eq!((w.length_mm, w.stock_diameter_mm, w.youngs_modulus_n_per_mm2), (120.0, 12.5, 1.1e5));
-        // Grey iron: 1160 against 2220 N/mm² at 1 mm, .26 against .14 of slope, at a chip of f·a/(r·acos(1 − a/r)).
+        // Grey iron: 1160 against 2220 N/mm² at 1 mm, .26 against .14 of slope, at a chip of
+        // f·a/(r·acos(1 − a/r)).
         let chip = 0.1 * 0.25 / (0.4 * (1.0_f64 - 0.25 / 0.4).acos());
         let ratio = 1160.0 / 2220.0 * chip.powf(0.14 - 0.26);
         assert!((w.coefficient_n / 4764.2 / ratio - 1.0).abs() < 1e-12 && word.is_none(), "{w:?}");

@@ -19,7 +19,8 @@ pub enum Dialect {
 /// Longest alarm text that a Fanuc screen shows.
 const LONGEST_ALARM: usize = 26;
 
-/// LinuxCNC gives up an orientation after this, s: a spindle of a lathe turns to an angle in one or two.
+/// LinuxCNC gives up an orientation after this, s: a spindle of a lathe turns to an angle in one or
+/// two.
 const ORIENT_LIMIT_S: f64 = 10.0;
 
 impl Dialect {
@@ -70,7 +71,8 @@ impl Dialect {
                 vec!["%".into(), format!("O{program:04} {title}"), "G18 G21 G40 G99".into()]
             }
             Self::Linuxcnc => {
-                // no G49: the tool that is in use keeps its offset until the change position is reached
+                // no G49: the tool that is in use keeps its offset until the change position is
+                // reached
                 vec!["%".into(), title, "G7 G18 G21 G40 G80 G90 G95".into()]
             }
         }
@@ -122,7 +124,8 @@ impl Dialect {
         lines
     }
 
-    /// `wear_x`, and where the answer stands. Numbers of Fanuc's parameters as in its parameter manuals for lathes.
+    /// `wear_x`, and where the answer stands. Numbers of Fanuc's parameters as in its parameter
+    /// manuals for lathes.
     pub(super) fn look_up_wear_x(self) -> &'static str {
         match self {
             Self::Gsk => {
@@ -164,7 +167,8 @@ impl Dialect {
         }
     }
 
-    /// The spindle turns to an angle and is held there; LinuxCNC waits for it where Q gives a time limit.
+    /// The spindle turns to an angle and is held there; LinuxCNC waits for it where Q gives a time
+    /// limit.
     pub(super) fn orient(self, orientation: SpindleOrientation, opposite: bool) -> String {
         let angle = number(orientation.angle(opposite), 3);
         match self {

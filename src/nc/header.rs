@@ -90,7 +90,8 @@ impl Skeleton<'_> {
         }
     }
 
-    /// The probe, and what holds the spindle under it, at its angle and, where asked for, at the opposite one, too.
+    /// The probe, and what holds the spindle under it, at its angle and, where asked for, at the
+    /// opposite one, too.
     fn probed_with(&self, probe: &NcProbe, both: bool) -> [String; 2] {
         let correction = if probe.stored_correction {
             format!("{CORRECTION} of its qualification")

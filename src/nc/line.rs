@@ -13,7 +13,8 @@ pub struct LineFit {
     pub largest_residual: f64,
 }
 
-/// b = Σ(x − x̄)(ε − ε̄)/Σ(x − x̄)², a = ε̄ − b·x̄; `None` for fewer than two different x or lengths that differ.
+/// b = Σ(x − x̄)(ε − ε̄)/Σ(x − x̄)², a = ε̄ − b·x̄; `None` for fewer than two different x or
+/// lengths that differ.
 pub fn fit_line(x: &[f64], error: &[f64]) -> Option<LineFit> {
     if x.len() != error.len() || x.len() < 2 {
         return None;

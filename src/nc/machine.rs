@@ -1,7 +1,9 @@
-//! What stands around the part, and how the control reads offsets: the keys of `machine.toml` that have no default.
+//! What stands around the part, and how the control reads offsets: the keys of `machine.toml` that
+//! have no default.
 //!
-//! Lengths are mm, X is a diameter, Z runs from the face that clamps the part (0) towards the tailstock. What is not
-//! stated here is taken on the safe side where it can be bounded, and named in the program's header.
+//! Lengths are mm, X is a diameter, Z runs from the face that clamps the part (0) towards the
+//! tailstock. What is not stated here is taken on the safe side where it can be bounded, and named
+//! in the program's header.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

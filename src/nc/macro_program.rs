@@ -1,4 +1,5 @@
-//! The macro program of paper 000: the finishing pass cuts a cone that is the inverse of the fitted error.
+//! The macro program of paper 000: the finishing pass cuts a cone that is the inverse of the fitted
+//! error.
 //!
 //! ```text
 //! #804 = #802/6 + #803    (9)      #810 = #800 − #804    (7)
@@ -6,10 +7,11 @@
 //! ```
 //!
 //! #800, #801: diameters at the start (x = 1/6) and the end (x = 1) of what was probed, x from the free end as a share
-//! of the length; #802 = b, #803 = a. The paper prints 7 and 8 before 9 and 10, which they need, and writes the results
-//! back into #800 and #801, so that every run of the program would compensate again: here the order is 9, 10, 7, 8, the
-//! results go into #810 and #811, and #820 with the part's and pass's number lets the correction be used once. Before
-//! the cut the corrections are checked against a limit; after it the part is measured again.
+//! of the length; #802 = b, #803 = a. The paper prints 7 and 8 before 9 and 10, which they need,
+//! and writes the results back into #800 and #801, so that every run of the program would
+//! compensate again: here the order is 9, 10, 7, 8, the results go into #810 and #811, and #820
+//! with the part's and pass's number lets the correction be used once. Before the cut the
+//! corrections are checked against a limit; after it the part is measured again.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -85,7 +87,8 @@ impl MacroProgram<'_> {
     /// The program's text, replayed from every start position.
     ///
     /// # Errors
-    /// Settings out of range, a cone beyond the correction limit, what the control leaves open, a block that touches.
+    /// Settings out of range, a cone beyond the correction limit, what the control leaves open, a
+    /// block that touches.
     pub fn write(&self, dialect: Dialect) -> Result<Written<MacroValues>, NcError> {
         let (s, v) = (self.settings, self.values());
         s.validate()?;

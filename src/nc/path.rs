@@ -1,4 +1,5 @@
-//! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry run.
+//! The path of a turning pass: knots along z, what rounding makes of them, and the list of a dry
+//! run.
 
 use super::dialect::Dialect;
 use super::error::NcError;
@@ -101,7 +102,8 @@ fn round(value: f64, decimals: usize) -> f64 {
     (value * scale).round() / scale
 }
 
-/// Even knots from the last station to the first; with `at_stations` those of the stations among them.
+/// Even knots from the last station to the first; with `at_stations` those of the stations among
+/// them.
 fn sample(plan: &PassPlan, wear: f64, count: usize, decimals: usize, at_stations: bool) -> Vec<(f64, f64)> {
     let z = &plan.station_z_mm;
     let (first, last) = (z[0], z[z.len() - 1]);

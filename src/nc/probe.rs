@@ -1,9 +1,10 @@
 //! A touch probe in the tool carrier, and its cycle in a program.
 //!
-//! The programmed point of the probe is the lowest point of its ball in X and the middle of the ball in Z. A cycle comes down
-//! from the clear diameter in a move that ends at the touch (`G31`, `G38.2`), keeps the position of the touch in a macro
-//! variable, goes up radially and along the part at the clear diameter: what lies in the way stops it in its measuring feed.
-//! Spindle and coolant stand still, the feed is per minute.
+//! The programmed point of the probe is the lowest point of its ball in X and the middle of the
+//! ball in Z. A cycle comes down from the clear diameter in a move that ends at the touch (`G31`,
+//! `G38.2`), keeps the position of the touch in a macro variable, goes up radially and along the
+//! part at the clear diameter: what lies in the way stops it in its measuring feed. Spindle and
+//! coolant stand still, the feed is per minute.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -19,8 +20,8 @@ const MOST_PLACES: usize = 12;
 /// First variables of what is found before and after the cut.
 pub(super) const BEFORE: u32 = 841;
 pub(super) const AFTER: u32 = 861;
-/// What a qualification leaves: correction, effective diameter of the ball, standard deviation of a touch, run-out of the
-/// reference (mm), and the number of the probe's tool.
+/// What a qualification leaves: correction, effective diameter of the ball, standard deviation of a
+/// touch, run-out of the reference (mm), and the number of the probe's tool.
 pub(super) const CORRECTION: u32 = 880;
 pub(super) const BALL: u32 = 881;
 pub(super) const DEVIATION: u32 = 882;
@@ -86,8 +87,8 @@ impl Skeleton<'_> {
         self.measures_first || self.probes_after().is_some()
     }
 
-    /// Alarms where the correction is taken from a qualification of this probe and there is none, or another one than the
-    /// probe's data let expect.
+    /// Alarms where the correction is taken from a qualification of this probe and there is none,
+    /// or another one than the probe's data let expect.
     pub(super) fn qualified(&self) -> Vec<String> {
         let Some(probe) = self.settings.probe.filter(|p| p.stored_correction && self.probes()) else {
             return Vec::new();
@@ -101,7 +102,8 @@ impl Skeleton<'_> {
         lines
     }
 
-    /// The spindle turned to its angle, or to the opposite one, and held; nothing where the control has no such code.
+    /// The spindle turned to its angle, or to the opposite one, and held; nothing where the control
+    /// has no such code.
     pub(super) fn hold_spindle(&self, opposite: bool) -> Vec<String> {
         let orientation = self.settings.spindle_orientation;
         orientation.map(|o| self.dialect.orient(o, opposite)).into_iter().collect()
@@ -118,8 +120,9 @@ impl Skeleton<'_> {
         self.settings.probe.zip(self.limits_mm)
     }
 
-    /// Places that the probe touches, Z falling, mm: those of the part, else the paper's six, the one at the chuck moved
-    /// to where ball and body are clear of what is not cut and of the room behind Z 0.
+    /// Places that the probe touches, Z falling, mm: those of the part, else the paper's six, the
+    /// one at the chuck moved to where ball and body are clear of what is not cut and of the room
+    /// behind Z 0.
     ///
     /// # Errors
     /// Where a listed place cannot be touched, or too many or too few are listed.
@@ -199,7 +202,8 @@ impl Skeleton<'_> {
         format!("[{read}{}]", signed(-probe.correction_mm))
     }
 
-    /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U at both ends.
+    /// Limits that a probed diameter must keep so that conformity is proven: the tolerance less U
+    /// at both ends.
     ///
     /// # Errors
     /// Where U leaves nothing of the tolerance.
@@ -214,7 +218,8 @@ impl Skeleton<'_> {
         )))
     }
 
-    /// Probes the part after the cut; at the change position its alarms, where a tolerance is given.
+    /// Probes the part after the cut; at the change position its alarms, where a tolerance is
+    /// given.
     ///
     /// # Errors
     /// Places or limits that cannot be.
@@ -241,7 +246,8 @@ impl Skeleton<'_> {
     /// What a probe meets in a replay, where the part before and after the cut is as ordered.
     pub(super) fn surface(&self, nominal_mm: f64) -> Option<Surface> {
         self.settings.probe?;
-        // what the correction removes is gone: the part is as aimed at, or in the middle of its tolerance
+        // what the correction removes is gone: the part is as aimed at, or in the middle of its
+        // tolerance
         let after = self.limits_mm.map_or(nominal_mm, |(low, high)| 0.5 * (low + high));
         let [before, after] = [self.piece.before_mm, after].map(|d| vec![(0.0, d)]);
         Some(Surface { before, after, ..Surface::default() })

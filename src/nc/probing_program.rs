@@ -1,5 +1,5 @@
-//! The whole program of paper 000: it probes the semi-finished part, fits the line, cuts its inverse, probes again and
-//! raises an alarm.
+//! The whole program of paper 000: it probes the semi-finished part, fits the line, cuts its
+//! inverse, probes again and raises an alarm.
 //!
 //! ```text
 //! Σε, Σxε over the places     #830, #831       x from the free end, as a share of the length (the paper's positions)
@@ -7,10 +7,11 @@
 //! a = (Σε − bΣx)/n                  (6)  #803       then equations 9, 10, 7, 8 as in [`MacroProgram`]
 //! ```
 //!
-//! Nothing of it comes from a run: the offsets are made at the machine. Every result goes into a variable of its own (the
-//! paper's `#800 = #800 − #804` would compensate again at every run), `#820` lets the program cut a part's pass once. What
-//! is found before the cut stands in #841-#852, after it in #861-#872. The paper's precondition holds: the pass before must
-//! have had the speed, feed and depth of this one.
+//! Nothing of it comes from a run: the offsets are made at the machine. Every result goes into a
+//! variable of its own (the paper's `#800 = #800 − #804` would compensate again at every run),
+//! `#820` lets the program cut a part's pass once. What is found before the cut stands in
+//! #841-#852, after it in #861-#872. The paper's precondition holds: the pass before must have had
+//! the speed, feed and depth of this one.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -18,7 +19,7 @@ use super::line::{LineFit, fit_line};
 use super::macro_program::MacroProgram;
 use super::probe::{AFTER, BEFORE, Cycle};
 use super::probe_settings::NcProbe;
-use super::replay::{self, WorkingSpace, Surface};
+use super::replay::{self, Surface, WorkingSpace};
 use super::route::Workpiece;
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -45,17 +46,20 @@ pub struct ProbingProgram<'a> {
     pub settings: &'a NcSettings,
 }
 
-/// Errors of the part before the pass that a replay goes through, as shares of `nc.correction_limit_mm`: at the free end, in
-/// the middle, at the chuck. Constant, tapered both ways, bowed.
+/// Errors of the part before the pass that a replay goes through, as shares of
+/// `nc.correction_limit_mm`: at the free end, in the middle, at the chuck. Constant, tapered both
+/// ways, bowed.
 const ERRORS: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [0.5, 0.5, 0.5], [-0.5, -0.1, 0.3], [0.4, 0.0, -0.4], [0.0, 0.3, 0.1]];
 
 impl ProbingProgram<'_> {
-    /// The program's text and the places it probes (Z, mm), replayed from every start position and with every error of a
-    /// set; it must raise its alarms where a touch is missing or out of range and where the part is out of tolerance.
+    /// The program's text and the places it probes (Z, mm), replayed from every start position and
+    /// with every error of a set; it must raise its alarms where a touch is missing or out of range
+    /// and where the part is out of tolerance.
     ///
     /// # Errors
-    /// No probe in the settings, what the control leaves open, places that cannot be touched, a block that touches.
+    /// No probe in the settings, what the control leaves open, places that cannot be touched, a
+    /// block that touches.
     pub fn write(&self, dialect: Dialect) -> Result<Written<Vec<f64>>, NcError> {
         let (skeleton, probe) = self.prepare(dialect)?;
         let places = skeleton.places(&probe)?;
@@ -64,12 +68,16 @@ impl ProbingProgram<'_> {
         Ok(Written { text, cut: places, uncut: skeleton.uncut() })
     }
 
-    /// What a program of this pass is replayed among, where the part before it has diameters `before`, (Z, mm), Z ascending,
-    /// and the cut leaves it as aimed at.
+    /// What a program of this pass is replayed among, where the part before it has diameters
+    /// `before`, (Z, mm), Z ascending, and the cut leaves it as aimed at.
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
-    pub fn working_space(&self, dialect: Dialect, before: Vec<(f64, f64)>) -> Result<WorkingSpace<'_>, NcError> {
+    pub fn working_space(
+        &self,
+        dialect: Dialect,
+        before: Vec<(f64, f64)>,
+    ) -> Result<WorkingSpace<'_>, NcError> {
         let (skeleton, probe) = self.prepare(dialect)?;
         let places = skeleton.places(&probe)?;
         self.working_space_of(&skeleton, &places, before)
@@ -210,7 +218,11 @@ impl ProbingProgram<'_> {
         let (length, limit) = (self.piece.length_mm, self.settings.correction_limit_mm);
         let part = |[free, middle, chuck]: [f64; 3], scale: f64| {
             let at = |z: f64, share: f64| (z, self.piece.before_mm + scale * share);
-            self.working_space_of(skeleton, places, vec![at(0.0, chuck), at(0.5 * length, middle), at(length, free)])
+            self.working_space_of(
+                skeleton,
+                places,
+                vec![at(0.0, chuck), at(0.5 * length, middle), at(length, free)],
+            )
         };
         replay::check(text, &part(ERRORS[0], limit)?)?;
         for errors in &ERRORS[1..] {

@@ -1,8 +1,10 @@
-//! A program that qualifies the probe on a reference diameter, and leaves what it finds in macro variables.
+//! A program that qualifies the probe on a reference diameter, and leaves what it finds in macro
+//! variables.
 //!
-//! The reference (a ring, disc or cylinder whose outer diameter is certified) stands in the part's place. It is touched n
-//! times at one place, down from above as every part is touched; where the control can hold the spindle, n times more with
-//! the spindle turned by 180°, so that the run-out of the reference cancels in the mean.
+//! The reference (a ring, disc or cylinder whose outer diameter is certified) stands in the part's
+//! place. It is touched n times at one place, down from above as every part is touched; where the
+//! control can hold the spindle, n times more with the spindle turned by 180°, so that the run-out
+//! of the reference cancels in the mean.
 //!
 //! ```text
 //! mean of X of the touches, less the diameter          #880   setting, pre-travel and delay: what a probed X is corrected by
@@ -12,14 +14,15 @@
 //! number of the probe's tool                           #884   last of all: programs with `stored_correction` ask for it
 //! ```
 //!
-//! The touches stand in #885-#893 and #894-#902. #884 is cleared first, so that a program that stops with an alarm leaves no
-//! qualification: a touch farther than `correction_limit_mm` from what the probe's data let expect; 2 x #882 above the stated U.
+//! The touches stand in #885-#893 and #894-#902. #884 is cleared first, so that a program that
+//! stops with an alarm leaves no qualification: a touch farther than `correction_limit_mm` from
+//! what the probe's data let expect; 2 x #882 above the stated U.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
 use super::probe::{BALL, CORRECTION, DEVIATION, QUALIFIED, RUN_OUT, signed};
 use super::probe_settings::{NcProbe, ProbeReference};
-use super::replay::{self, CommandedCut, WorkingSpace, Surface};
+use super::replay::{self, CommandedCut, Surface, WorkingSpace};
 use super::route::Workpiece;
 use super::settings::NcSettings;
 use super::skeleton::{self, Skeleton};
@@ -69,8 +72,9 @@ impl<'a> Qualification<'a> {
         Ok(Self { settings, piece: Workpiece::new(reference.length_mm, d, d), probe, reference })
     }
 
-    /// The program's text, replayed from every start position with a probe as stated, once with run-out of the reference, and
-    /// with a touch missing or out of range, at which it must raise its alarm.
+    /// The program's text, replayed from every start position with a probe as stated, once with
+    /// run-out of the reference, and with a touch missing or out of range, at which it must raise
+    /// its alarm.
     ///
     /// # Errors
     /// What the control leaves open, a place that cannot be touched, a block that touches.
@@ -94,7 +98,8 @@ impl<'a> Qualification<'a> {
         Ok(Written { text, cut: Qualified { z_mm, touches }, uncut })
     }
 
-    /// What the program is replayed among. `surface` is what the probe meets, of which an empty `before` is the reference.
+    /// What the program is replayed among. `surface` is what the probe meets, of which an empty
+    /// `before` is the reference.
     ///
     /// # Errors
     /// As [`Self::write`], but for the replay.
@@ -123,7 +128,8 @@ impl<'a> Qualification<'a> {
         if self.settings.spindle_orientation.is_some() { 2 } else { 1 }
     }
 
-    /// Whether ball and body are clear of the ends of the reference, and of the room behind Z 0 where the chuck is not stated.
+    /// Whether ball and body are clear of the ends of the reference, and of the room behind Z 0
+    /// where the chuck is not stated.
     fn reaches(&self) -> Result<(), NcError> {
         let (z, ball) = (self.reference.z_mm(), 0.5 * self.probe.ball_mm);
         let body = if self.settings.chuck.is_none() { 0.5 * self.probe.body_mm } else { 0.0 };

@@ -9,21 +9,25 @@
 //!        0                                            L
 //! ```
 //!
-//! The programmed point is the side of the nose that leads: the one towards the chuck where the tool travels towards the
-//! chuck, and the other one where it travels to the tailstock. So no part of the nose passes `least_z_mm`, and its lowest
-//! point passes the end face, in both directions.
+//! The programmed point is the side of the nose that leads: the one towards the chuck where the
+//! tool travels towards the chuck, and the other one where it travels to the tailstock. So no part
+//! of the nose passes `least_z_mm`, and its lowest point passes the end face, in both directions.
 
 use super::error::NcError;
 use super::machine::{ChangePosition, Direction, Tailstock};
 use super::settings::NcSettings;
 
-/// Nose radius where none is stated, mm: the largest that is usual for finishing (ISO 1832 corner codes 04 and 08).
+/// Nose radius where none is stated, mm: the largest that is usual for finishing (ISO 1832 corner
+/// codes 04 and 08).
 pub(super) const NOSE_RADIUS_MM: f64 = 0.8;
-/// Path between end face and tool where a centre stands, mm: air for the nose, short enough to stay off the cone.
+/// Path between end face and tool where a centre stands, mm: air for the nose, short enough to stay
+/// off the cone.
 const GAP_AT_CENTRE_MM: f64 = 0.5;
-/// Quill that is assumed where none is stated, mm of diameter: above what lathes for parts of these sizes have.
+/// Quill that is assumed where none is stated, mm of diameter: above what lathes for parts of these
+/// sizes have.
 pub(super) const QUILL_MM: f64 = 80.0;
-/// Room between the change position and everything that stands around the part, mm of diameter or of Z.
+/// Room between the change position and everything that stands around the part, mm of diameter or
+/// of Z.
 const ROOM_AT_CHANGE_MM: f64 = 20.0;
 
 /// The part as it stands in the machine before the pass.
@@ -41,7 +45,8 @@ pub struct Workpiece {
     pub steady_z_mm: Vec<f64>,
     /// Places that a probe touches, Z ascending, mm; the six of paper 000 where none are listed.
     pub probe_z_mm: Vec<f64>,
-    /// Lower and upper limit of the finished part, mm, whichever pass is written; `None` where no tolerance is stated.
+    /// Lower and upper limit of the finished part, mm, whichever pass is written; `None` where no
+    /// tolerance is stated.
     pub tolerance_mm: Option<(f64, f64)>,
 }
 

@@ -1,4 +1,5 @@
-//! What every program has around its cut: head, guard, change position, tool, spindle, approach, retract, end.
+//! What every program has around its cut: head, guard, change position, tool, spindle, approach,
+//! retract, end.
 
 use super::dialect::{Dialect, number};
 use super::error::NcError;
@@ -33,7 +34,8 @@ impl Skeleton<'_> {
         number(f64::from(self.settings.part_number) * 100.0 + f64::from(self.pass % 100), 0)
     }
 
-    /// A program cuts a part's pass once, with a probe that was qualified where it takes its correction from there.
+    /// A program cuts a part's pass once, with a probe that was qualified where it takes its
+    /// correction from there.
     pub(super) fn once(&self, text: &str) -> Vec<String> {
         let mut lines = self.dialect.alarm_if(101, (&format!("#{RAN_LAST}"), "EQ", &self.identity()), text);
         lines.extend(self.qualified());
@@ -50,7 +52,8 @@ impl Skeleton<'_> {
         if self.register().is_some() { self.settings.wear_offset } else { self.settings.tool }
     }
 
-    /// To the change position, tool, spindle, and down to the clear diameter above the first point of the cut.
+    /// To the change position, tool, spindle, and down to the clear diameter above the first point
+    /// of the cut.
     pub(super) fn approach(&self) -> Vec<String> {
         let (d, s, route) = (self.dialect, self.settings, &self.route);
         let mut lines = d.to_change(route.change);
@@ -66,7 +69,8 @@ impl Skeleton<'_> {
         lines
     }
 
-    /// Blocks of a cut through `points` (X as it stands in the program, Z), entered and left radially in feed.
+    /// Blocks of a cut through `points` (X as it stands in the program, Z), entered and left
+    /// radially in feed.
     pub(super) fn cut(&self, points: &[(String, f64)]) -> Vec<String> {
         let feed = number(self.cutting.feed_mm_per_rev, 4);
         let mut lines = Vec::with_capacity(points.len() + 1);
@@ -93,7 +97,8 @@ impl Skeleton<'_> {
         Ok(lines)
     }
 
-    /// Back to the change position; there the offset is cancelled and, on request, the part measured.
+    /// Back to the change position; there the offset is cancelled and, on request, the part
+    /// measured.
     pub(super) fn after_cut(&self) -> Vec<String> {
         let (d, s) = (self.dialect, self.settings);
         let mut lines = d.to_change(self.route.change);

@@ -34,8 +34,8 @@ impl NcSettings {
         Err(NcError::Unstated { dialect: dialect.as_str(), missing: missing.join("; ") })
     }
 
-    /// Whether the mean of a correction goes into the wear register: where the register can be written and its number
-    /// does not choose the geometry, too.
+    /// Whether the mean of a correction goes into the wear register: where the register can be
+    /// written and its number does not choose the geometry, too.
     pub fn uses_wear_register(&self, dialect: Dialect) -> bool {
         dialect.has_wear_register() && self.geometry_offset != Some(GeometryOffset::ByOffset)
     }

@@ -1,21 +1,24 @@
 //! What stands around the part, as solids from the axis outwards; and the tool's outline.
 //!
-//! What is not stated is taken on the safe side: nothing may move behind Z = 0, a centre stands in the end face and grows
-//! at once to a large quill, a steady rest of the run takes up its place at every radius. A room under a solid counts as
-//! taken, so that from every clear place the way out in X is free.
+//! What is not stated is taken on the safe side: nothing may move behind Z = 0, a centre stands in
+//! the end face and grows at once to a large quill, a steady rest of the run takes up its place at
+//! every radius. A room under a solid counts as taken, so that from every clear place the way out
+//! in X is free.
 
 use super::machine::{Centre, Direction, Tailstock};
 use super::probe::{CORRECTION, QUALIFIED};
-use super::replay::{CommandedCut, Convex, WorkingSpace, Solid};
+use super::replay::{CommandedCut, Convex, Solid, WorkingSpace};
 use super::route::{QUILL_MM, Route, Workpiece};
 use super::skeleton::{RAN_LAST, Skeleton};
 
 /// Farther than anything in a lathe, mm.
 const FAR_MM: f64 = 1e4;
-/// Half width along Z of a steady rest whose place alone is known, mm: rollers and arms of common rests.
+/// Half width along Z of a steady rest whose place alone is known, mm: rollers and arms of common
+/// rests.
 const HALF_STEADY_MM: f64 = 15.0;
-/// Largest point of a centre that is assumed at the end face, as a share of the part's diameter: above the countersinks
-/// that ISO 866 and DIN 332-1 give for shafts (a 1.6 mm centre hole, 3.35 mm wide, for 6 mm; 6.7 mm wide for 25 mm).
+/// Largest point of a centre that is assumed at the end face, as a share of the part's diameter:
+/// above the countersinks that ISO 866 and DIN 332-1 give for shafts (a 1.6 mm centre hole, 3.35 mm
+/// wide, for 6 mm; 6.7 mm wide for 25 mm).
 const HOLE_SHARE: f64 = 0.6;
 /// Tangents that circumscribe the nose, over its lower half.
 const NOSE_TANGENTS: usize = 13;
@@ -40,7 +43,8 @@ pub(super) fn tool(
         Direction::TowardsTailstock => -r,
     };
     let mut outline = vec![(middle - r, FAR_MM), (middle + r, FAR_MM)];
-    // corners of the circumscribed polygon lie between neighbouring tangents, at r/cos(half the step)
+    // corners of the circumscribed polygon lie between neighbouring tangents, at r/cos(half the
+    // step)
     let step = std::f64::consts::PI / (NOSE_TANGENTS - 1) as f64;
     outline.extend((0..NOSE_TANGENTS - 1).map(|i| {
         let (sin, cos) = (std::f64::consts::PI + (i as f64 + 0.5) * step).sin_cos();
@@ -57,7 +61,8 @@ pub(super) fn tool(
 }
 
 impl<'a> Skeleton<'a> {
-    /// The solids, the stock and the tool for a replay of this program; `commanded` are (Z, X), Z ascending.
+    /// The solids, the stock and the tool for a replay of this program; `commanded` are (Z, X), Z
+    /// ascending.
     pub(super) fn working_space(&self, commanded: Vec<(f64, f64)>) -> WorkingSpace<'a> {
         let (s, piece, route) = (self.settings, self.piece, &self.route);
         let smallest = commanded.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);

@@ -44,7 +44,8 @@ impl<'a> TurningProgram<'a> {
     /// The program's text and the path it cuts, replayed from every start position.
     ///
     /// # Errors
-    /// As [`Path::new`]; a part that does not fit the plan; what the control leaves open; a block that touches.
+    /// As [`Path::new`]; a part that does not fit the plan; what the control leaves open; a block
+    /// that touches.
     pub fn write(&self, dialect: Dialect) -> Result<Written<Path>, NcError> {
         let (path, skeleton) = self.prepare(dialect)?;
         let mut lines = self.head(&skeleton, &path);

@@ -1,4 +1,5 @@
-//! The straight line through points by least squares, about their means: no digits are lost where the abscissae lie far from 0.
+//! The straight line through points by least squares, about their means: no digits are lost where
+//! the abscissae lie far from 0.
 
 /// y = mean_y + slope·(x − mean_x), with the sums that it comes from.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,14 @@
-//! Mathematics without state, for every room: distributions, lines, normal equations, a smoothing spline, robust statistics, a median network.
+//! Mathematics without state, for every room: distributions, lines, normal equations, a smoothing
+//! spline, robust statistics, a median network.
 //!
-//! In: numbers and slices of them. Out: numbers, or a fit that is asked for values. No type here has a unit, keeps anything between calls
-//! or refers to another room, and the same arguments give the same bits on every thread.
+//! In: numbers and slices of them. Out: numbers, or a fit that is asked for values. No type here
+//! has a unit, keeps anything between calls or refers to another room, and the same arguments give
+//! the same bits on every thread.
 //!
-//! One more method is one more file, with the source of its formula, its range and its error in its head, and a test against an exact
-//! value. What two rooms compute alike belongs here; what one room needs with its own units stays with it. The f64 reference of the
-//! renderer keeps functions of its own, so that a fault here cannot hide in both.
+//! One more method is one more file, with the source of its formula, its range and its error in its
+//! head, and a test against an exact value. What two rooms compute alike belongs here; what one
+//! room needs with its own units stays with it. The f64 reference of the renderer keeps functions
+//! of its own, so that a fault here cannot hide in both.
 
 pub(crate) mod distributions;
 pub(crate) mod line;

@@ -23,7 +23,8 @@ impl<const N: usize> NormalEquations<N> {
         self.right += terms * (weight * value);
     }
 
-    /// Coefficients by the inverse, where one is needed besides or the matrix is not known to be definite.
+    /// Coefficients by the inverse, where one is needed besides or the matrix is not known to be
+    /// definite.
     pub(crate) fn by_inverse(&self) -> Option<SVector<f64, N>> {
         Some(self.normal.try_inverse()? * self.right)
     }

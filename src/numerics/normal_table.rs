@@ -1,11 +1,12 @@
-//! Standard normal distribution function and density from a table, for loops over pixels: cubic Hermite interpolation with the exact slopes
-//! (Φ′ = φ, φ′ = −tφ), to 1e-9 everywhere.
+//! Standard normal distribution function and density from a table, for loops over pixels: cubic
+//! Hermite interpolation with the exact slopes (Φ′ = φ, φ′ = −tφ), to 1e-9 everywhere.
 
 use std::sync::LazyLock;
 
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
-/// Nodes a unit. The error of a cubic of step h is h⁴/384·max|f⁗| ≤ 6e-10, since |Φ⁗| ≤ 1.4 and |φ⁗| ≤ 1.2.
+/// Nodes a unit. The error of a cubic of step h is h⁴/384·max|f⁗| ≤ 6e-10, since |Φ⁗| ≤ 1.4 and
+/// |φ⁗| ≤ 1.2.
 const PER_UNIT: f64 = 48.0;
 /// Beyond this Φ is 0 or 1 and φ is 0, to 1e-16.
 const REACH: f64 = 8.25;

@@ -2,13 +2,15 @@
 
 use std::cmp::Ordering;
 
-/// Standard deviation of a normal distribution over the median of its absolute deviations, 1/Φ⁻¹(3/4).
+/// Standard deviation of a normal distribution over the median of its absolute deviations,
+/// 1/Φ⁻¹(3/4).
 pub(crate) const MEDIAN_TO_SD: f64 = 1.4826;
 
 /// The same to all digits, where readings of stations are weighed.
 pub(crate) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 
-/// Median, the upper one of the two middle values of an even number; leaves the values in another order.
+/// Median, the upper one of the two middle values of an even number; leaves the values in another
+/// order.
 pub(crate) fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, order).1)

@@ -33,12 +33,13 @@ pub struct MasterTouches {
     pub pairs: Vec<Pair>,
 }
 
-/// What a two-point diameter by touches is corrected by: ball, pre-travel, delay, setting of the probe along x.
+/// What a two-point diameter by touches is corrected by: ball, pre-travel, delay, setting of the
+/// probe along x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeCalibration {
-    /// Two-point diameter as read less the diameter, mm: `nc.probe.correction_mm` of a probe that is set to its ball's
-    /// lowest point, but for the ball's diameter.
+    /// Two-point diameter as read less the diameter, mm: `nc.probe.correction_mm` of a probe that
+    /// is set to its ball's lowest point, but for the ball's diameter.
     pub probe_correction_mm: f64,
     /// Standard uncertainty of it, mm.
     pub u_correction_mm: f64,
@@ -48,8 +49,8 @@ pub struct ProbeCalibration {
     pub largest_residual_mm: f64,
 }
 
-/// The mean over the masters. Their certificates count as one (a laboratory's own error is common to them); where masters
-/// disagree by more than their scatter, the disagreement counts.
+/// The mean over the masters. Their certificates count as one (a laboratory's own error is common
+/// to them); where masters disagree by more than their scatter, the disagreement counts.
 ///
 /// # Errors
 /// No master, or one that was not touched.

@@ -4,11 +4,13 @@
 //! TouchOrder -> the cell -> Touch (X that the control kept) -> two-point diameters -> DiameterProfile
 //! ```
 //!
-//! A touch reads the ball's centre where the control kept it, not where the ball met the part: between them lie the
-//! pre-travel ([`pretravel`]), the way of the machine until the signal is taken, and the ball's radius. What is common to
-//! part and master is taken out on masters ([`ProbeCalibration`]); what is not is in the uncertainty. Two touches make a
-//! two-point diameter: from one side with the spindle turned by 180° between them, or from both sides. Eccentricity and bow
-//! cancel in both; what stands still in the machine (sag, the straightness of the guideway) cancels from both sides alone.
+//! A touch reads the ball's centre where the control kept it, not where the ball met the part:
+//! between them lie the pre-travel ([`pretravel`]), the way of the machine until the signal is
+//! taken, and the ball's radius. What is common to part and master is taken out on masters
+//! ([`ProbeCalibration`]); what is not is in the uncertainty. Two touches make a two-point
+//! diameter: from one side with the spindle turned by 180° between them, or from both sides.
+//! Eccentricity and bow cancel in both; what stands still in the machine (sag, the straightness of
+//! the guideway) cancels from both sides alone.
 //!
 //! `settings` is the `[probe]` table, `touch` a touch, `pairs` two of them; `profile` gives the
 //! stations' diameters with u.

@@ -14,7 +14,8 @@ pub struct Pair {
     pub id: u64,
     /// Time of the first touch, ns.
     pub t_ns: u64,
-    /// Sum of both distances from the axis as read, ball included, mm; none where a touch is missing.
+    /// Sum of both distances from the axis as read, ball included, mm; none where a touch is
+    /// missing.
     pub read_mm: Option<f64>,
 }
 

@@ -1,16 +1,18 @@
 //! Force and pre-travel of a probe whose stylus stands on three seats.
 //!
-//! The stylus tilts about the line through two seats, which lies r/2 from its axis (seats 120° apart on a circle of radius
-//! r), when the moment of the touch about it exceeds that of the spring. A touch in direction n, n_a along the stylus and n_q
-//! across it, α' (|α'| ≤ 60°) from the normal of the nearest such line, L from the ball to the seats:
+//! The stylus tilts about the line through two seats, which lies r/2 from its axis (seats 120°
+//! apart on a circle of radius r), when the moment of the touch about it exceeds that of the
+//! spring. A touch in direction n, n_a along the stylus and n_q across it, α' (|α'| ≤ 60°) from the
+//! normal of the nearest such line, L from the ball to the seats:
 //!
 //! ```text
 //! F·(n_q·L·cos α' + n_a·r/2) = S·r/2     F = S / (n_a + (2L/r)·n_q·cos α')
 //! ```
 //!
-//! across the stylus F rises by 2 from the middle of a lobe to between two: three lobes a turn. Until it tilts the stem
-//! bends, and the touch is signalled late by F·(n_q²·L³/3EI + n_a²·L/EA). This is the model of Estler et al., Error
-//! compensation for CMM touch trigger probes, Precision Engineering 19 (1996) 85-97, without friction and gravity.
+//! across the stylus F rises by 2 from the middle of a lobe to between two: three lobes a turn.
+//! Until it tilts the stem bends, and the touch is signalled late by F·(n_q²·L³/3EI + n_a²·L/EA).
+//! This is the model of Estler et al., Error compensation for CMM touch trigger probes, Precision
+//! Engineering 19 (1996) 85-97, without friction and gravity.
 
 use super::settings::{ProbeSettings, Stylus};
 

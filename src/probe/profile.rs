@@ -6,18 +6,20 @@ use super::pretravel::Pretravel;
 use super::settings::{ProbeSettings, Sides};
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
 
-/// A station that scatters more than this many times the pooled variance counts by itself: one good station in 1900 does so
-/// with one degree of freedom, fewer with more.
+/// A station that scatters more than this many times the pooled variance counts by itself: one good
+/// station in 1900 does so with one degree of freedom, fewer with more.
 const FAR: f64 = 12.0;
 /// Median of χ² of one degree of freedom over its mean: the worst case, of fewest angles.
 const MEDIAN_OF_ONE: f64 = 0.455;
-/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95 %.
+/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95
+/// %.
 const MANY_FREEDOM: f64 = 1000.0;
 
 /// Diameters at 20 °C of the stations whose `count` pairs each follow one another, z ascending.
 ///
-/// The scatter of a station's angles (form, texture, the touches themselves) is pooled over the stations and gives the
-/// random part; what calibration, temperature, height, yielding and, from one side, axis, guideway and drift leave is common.
+/// The scatter of a station's angles (form, texture, the touches themselves) is pooled over the
+/// stations and gives the random part; what calibration, temperature, height, yielding and, from
+/// one side, axis, guideway and drift leave is common.
 pub fn profile(
     settings: &ProbeSettings,
     calibration: &ProbeCalibration,
@@ -55,7 +57,8 @@ pub fn profile(
     DiameterProfile { pass, stations: stations.collect() }
 }
 
-/// Variance of one two-point diameter over the stations without those that scatter far more, and its degrees of freedom.
+/// Variance of one two-point diameter over the stations without those that scatter far more, and
+/// its degrees of freedom.
 fn pooled(found: &[Option<(f64, f64, usize)>]) -> (f64, f64) {
     let mut all: Vec<(f64, f64)> = found.iter().flatten().map(|f| (f.1, f.2 as f64 - 1.0)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -91,7 +94,8 @@ fn u_common(settings: &ProbeSettings, calibration: &ProbeCalibration, d_mm: f64)
     common_parts(settings, calibration, d_mm).iter().fold(0.0, |u: f64, part| u.hypot(part.1))
 }
 
-/// Sources of the common uncertainty of a diameter near `d_mm`, each with its standard uncertainty, mm.
+/// Sources of the common uncertainty of a diameter near `d_mm`, each with its standard uncertainty,
+/// mm.
 pub fn common_parts(
     settings: &ProbeSettings,
     calibration: &ProbeCalibration,
@@ -99,8 +103,8 @@ pub fn common_parts(
 ) -> [(&'static str, f64); 7] {
     let s = settings;
     let warm = d_mm * 1e-6 * s.temperature.expansion_um_per_m_k * s.temperature.u_k;
-    // a ball y beside the axis reads √((R + ρ)² − y²): y²/2·(1/(R + ρ) − 1/(R' + ρ)) less than on a master, twice; the mean of
-    // y⁴ is 3u⁴
+    // a ball y beside the axis reads √((R + ρ)² − y²): y²/2·(1/(R + ρ) − 1/(R' + ρ)) less than on a
+    // master, twice; the mean of y⁴ is 3u⁴
     let reach = |d: f64| 1.0 / (0.5 * (d + s.ball_mm));
     let height =
         3.0_f64.sqrt() * (1e-3 * s.u_height_um).powi(2) * (reach(d_mm) - reach(calibration.master_mm));

@@ -31,7 +31,8 @@ pub struct TouchOrder {
     pub angle_deg: f64,
     /// The side.
     pub side: Side,
-    /// Diameter at which the surface is expected, mm: the probing move ends `probe.reach_mm` beyond it.
+    /// Diameter at which the surface is expected, mm: the probing move ends `probe.reach_mm` beyond
+    /// it.
     pub expected_mm: f64,
 }
 
@@ -44,7 +45,7 @@ pub struct Touch {
     pub id: u64,
     /// Time of the signal, ns.
     pub t_ns: u64,
-    /// X of the ball's centre as the control kept it, from the axis of the spindle as it is set, mm (radius); none where
-    /// nothing was touched within reach.
+    /// X of the ball's centre as the control kept it, from the axis of the spindle as it is set, mm
+    /// (radius); none where nothing was touched within reach.
     pub x_mm: Option<f64>,
 }

@@ -1,30 +1,32 @@
 //! Timoshenko beam under a load that travels with the tool, condensed from both ends.
 //!
-//! At the tool the shaft is cut into a left part (chuck to tool) and a right part (tool to tailstock). Each is
-//! known by what its cut face does under a load there: with q = (u, θ) the radial deflection and the rotation of
-//! the face, p = (F, M) the load, q = C·p. Lengthening a part by an element of length h, bending stiffness EI
-//! and shear stiffness κGA keeps that form,
+//! At the tool the shaft is cut into a left part (chuck to tool) and a right part (tool to
+//! tailstock). Each is known by what its cut face does under a load there: with q = (u, θ) the
+//! radial deflection and the rotation of the face, p = (F, M) the load, q = C·p. Lengthening a part
+//! by an element of length h, bending stiffness EI and shear stiffness κGA keeps that form,
 //!
 //! ```text
 //! C' = T·C·Tᵀ + [ h³/3EI + h/κGA   h²/2EI ]      T = [1 h]
 //!                [ h²/2EI           h/EI   ]          [0 1]
 //! ```
 //!
-//! which is the elimination of a Timoshenko finite element's inner node, exact for piecewise constant sections.
-//! It is written in compliances because every sum is then one of positive terms: assembled stiffness matrices
-//! lose about (L/h)³ of the accuracy of a double, these lose none. A load at the tool meets both parts in
-//! parallel: u/F = [(C_left⁻¹ + C_right⁻¹)⁻¹]₁₁, so that all N positions of the load cost O(N).
+//! which is the elimination of a Timoshenko finite element's inner node, exact for piecewise
+//! constant sections. It is written in compliances because every sum is then one of positive terms:
+//! assembled stiffness matrices lose about (L/h)³ of the accuracy of a double, these lose none. A
+//! load at the tool meets both parts in parallel: u/F = [(C_left⁻¹ + C_right⁻¹)⁻¹]₁₁, so that all N
+//! positions of the load cost O(N).
 
 use nalgebra::{Matrix2, Vector2};
 
 use super::section::Section;
 
-/// One part of the shaft, from its support to the face at the tool. Rotations and moments are counted positive
-/// away from the support, so that left and right parts follow the same equations.
+/// One part of the shaft, from its support to the face at the tool. Rotations and moments are
+/// counted positive away from the support, so that left and right parts follow the same equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
-    /// Only a force at the tip carries it (centre in the tailstock): the face can move freely along the
-    /// mechanism, and yields `compliance_mm_per_n` against a force whose moment about the tip vanishes.
+    /// Only a force at the tip carries it (centre in the tailstock): the face can move freely along
+    /// the mechanism, and yields `compliance_mm_per_n` against a force whose moment about the tip
+    /// vanishes.
     Hinged {
         /// Deflection over force in that direction, mm/N; infinite for a free end.
         compliance_mm_per_n: f64,
@@ -36,12 +38,14 @@ pub enum Part {
 }
 
 impl Part {
-    /// A clamped end that yields by `compliance_mm_per_n` and tilts by `tilt_per_n_mm`; zero for rigid.
+    /// A clamped end that yields by `compliance_mm_per_n` and tilts by `tilt_per_n_mm`; zero for
+    /// rigid.
     pub fn clamped(compliance_mm_per_n: f64, tilt_per_n_mm: f64) -> Self {
         Self::Held(Matrix2::from_diagonal(&Vector2::new(compliance_mm_per_n, tilt_per_n_mm)))
     }
 
-    /// An end on a centre that yields by `compliance_mm_per_n`; zero for rigid, infinite for a free end.
+    /// An end on a centre that yields by `compliance_mm_per_n`; zero for rigid, infinite for a free
+    /// end.
     pub fn hinged(compliance_mm_per_n: f64) -> Self {
         Self::Hinged { compliance_mm_per_n, lever_mm: 0.0 }
     }
@@ -63,7 +67,8 @@ impl Part {
         }
     }
 
-    /// Adds a radial support (a steady rest) at the face; `compliance_mm_per_n` is zero for a rigid one.
+    /// Adds a radial support (a steady rest) at the face; `compliance_mm_per_n` is zero for a rigid
+    /// one.
     pub fn support(&mut self, compliance_mm_per_n: f64) {
         let rest = compliance_mm_per_n;
         match *self {
@@ -118,8 +123,8 @@ pub fn compliance_at_joint(left: &Part, right: &Part) -> f64 {
     }
 }
 
-/// Sherman-Morrison, C - (Cn)(Cn)ᵀ/(c + nᵀCn) with n = (1, b), multiplied out so that nothing cancels:
-/// (c·C₁₁ + b²·det C)/(c + nᵀCn).
+/// Sherman-Morrison, C - (Cn)(Cn)ᵀ/(c + nᵀCn) with n = (1, b), multiplied out so that nothing
+/// cancels: (c·C₁₁ + b²·det C)/(c + nᵀCn).
 fn held_and_hinged(held: &Matrix2<f64>, compliance: f64, lever: f64) -> f64 {
     if compliance.is_infinite() {
         return held[(0, 0)];
@@ -164,8 +169,8 @@ impl Supports {
     }
 }
 
-/// Radial deflection at the load per newton of load, mm/N, for a load at every node of a grid of equal elements:
-/// `sections.len() + 1` values from chuck to tailstock.
+/// Radial deflection at the load per newton of load, mm/N, for a load at every node of a grid of
+/// equal elements: `sections.len() + 1` values from chuck to tailstock.
 pub fn travelling_load(step_mm: f64, sections: &[Section], supports: &Supports) -> Vec<f64> {
     let lefts = left_parts(step_mm, sections, supports);
     let mut right = supports.tailstock;

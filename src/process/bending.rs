@@ -1,8 +1,10 @@
-//! What bends the axis besides the radial force that sets the size: self weight, tailstock, chuck, and the force seen from both planes.
+//! What bends the axis besides the radial force that sets the size: self weight, tailstock, chuck,
+//! and the force seen from both planes.
 //!
-//! x is up in the image and y towards the camera; angles in the plane across the spindle are counted from x towards y, the way the
-//! spindle turns. What stands still (weight, tailstock, force) and what turns with the part (the chuck's eccentricity, the thrust
-//! on a bow) are two lines.
+//! x is up in the image and y towards the camera; angles in the plane across the spindle are
+//! counted from x towards y, the way the spindle turns. What stands still (weight, tailstock,
+//! force) and what turns with the part (the chuck's eccentricity, the thrust on a bow) are two
+//! lines.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -87,8 +89,9 @@ impl BendingSettings {
         direction(self.tool_deg)
     }
 
-    /// The cutting force on the shaft in the image plane and towards the camera, N: the radial part away from the tool, the
-    /// tangential one against the surface's motion under it (ISO 3002-4; the spindle turns from x towards y).
+    /// The cutting force on the shaft in the image plane and towards the camera, N: the radial part
+    /// away from the tool, the tangential one against the surface's motion under it (ISO 3002-4;
+    /// the spindle turns from x towards y).
     pub fn force_n(&self, force: &Components) -> [f64; 2] {
         let [x, y] = self.towards_tool();
         [-force.passive_n * x + force.cutting_n * y, -force.passive_n * y - force.cutting_n * x]
@@ -150,8 +153,8 @@ impl HeldShaft<'_> {
         self.diameter_mm.iter().map(span).collect()
     }
 
-    /// The axis at every node in the machine's frame, mm along x and y: weight, tailstock and, with a `force`, the tool. `None` where the
-    /// thrust buckles the shaft.
+    /// The axis at every node in the machine's frame, mm along x and y: weight, tailstock and, with
+    /// a `force`, the tool. `None` where the thrust buckles the shaft.
     pub fn still_mm(&self, force: Option<&ForceAt>) -> Option<Vec<AxisKnot>> {
         let pull = force.map_or([0.0; 2], |f| self.bending.force_n(&f.force));
         let offset = [self.bending.tailstock_x_um, self.bending.tailstock_y_um];
@@ -169,8 +172,8 @@ impl HeldShaft<'_> {
         Some(self.knots(&plane(0)?, &plane(1)?))
     }
 
-    /// The axis at every node in the body's frame, mm: the chuck's eccentricity, and the thrust on a `bow`; the bow itself is not
-    /// in it.
+    /// The axis at every node in the body's frame, mm: the chuck's eccentricity, and the thrust on
+    /// a `bow`; the bow itself is not in it.
     pub fn turning_mm(&self, bow: &[AxisKnot]) -> Option<Vec<AxisKnot>> {
         let held = direction(self.bending.chuck_eccentricity_deg);
         let thrust_n = self.thrust();
@@ -208,8 +211,9 @@ impl HeldShaft<'_> {
     }
 }
 
-/// Axial compression of a bowed bar acts like a load of −P·w₀″ on a straight one; a bow of straight pieces has its curvature at its
-/// knots: −P times the change of slope, straight beyond the ends (Timoshenko and Gere, 1.12).
+/// Axial compression of a bowed bar acts like a load of −P·w₀″ on a straight one; a bow of straight
+/// pieces has its curvature at its knots: −P times the change of slope, straight beyond the ends
+/// (Timoshenko and Gere, 1.12).
 fn thrust_on_bow(bow: &[AxisKnot], offset: impl Fn(&AxisKnot) -> f64, thrust_n: f64) -> Vec<PointForce> {
     if thrust_n == 0.0 || bow.len() < 2 {
         return Vec::new();

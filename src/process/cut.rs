@@ -24,8 +24,8 @@ pub struct CutSummary {
     pub max_feed_n: f64,
     /// Largest radial deflection at the tool, mm.
     pub max_deflection_mm: f64,
-    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected in the pass unless
-    /// `process.bending.tangential_error` is set.
+    /// Upper bound of the diameter error of the tangential deflection (equation 3), µm: neglected
+    /// in the pass unless `process.bending.tangential_error` is set.
     pub tangential_error_um: f64,
     /// Height of the feed marks f²/8r, µm.
     pub feed_mark_um: f64,
@@ -41,7 +41,8 @@ pub(super) struct Cut<'a> {
     pub step_mm: f64,
     pub supports: Supports,
     pub material: &'a Material,
-    /// Tangential displacement of the axis at every node without the force, mm, where the diameter carries the tangential error.
+    /// Tangential displacement of the axis at every node without the force, mm, where the diameter
+    /// carries the tangential error.
     pub tangential_mm: Option<&'a [f64]>,
 }
 
@@ -57,7 +58,8 @@ pub(super) struct Passed {
 }
 
 impl Cut<'_> {
-    /// Diameters after the pass, the tool travelling from the last node to the first, and what it met.
+    /// Diameters after the pass, the tool travelling from the last node to the first, and what it
+    /// met.
     pub(super) fn towards_first(&self) -> Passed {
         let lefts = self.uncut_left_parts();
         let mut right = self.supports.tailstock;

@@ -1,7 +1,8 @@
-//! What comes between command and cut: wear, drift, scatter, machine errors, heat, the blank's own form.
+//! What comes between command and cut: wear, drift, scatter, machine errors, heat, the blank's own
+//! form.
 //!
-//! Every random quantity is drawn from (seed, purpose, pass) alone, so that controllers compared on one seed meet
-//! the same disturbances.
+//! Every random quantity is drawn from (seed, purpose, pass) alone, so that controllers compared on
+//! one seed meet the same disturbances.
 
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use schemars::JsonSchema;
@@ -131,7 +132,8 @@ impl DisturbanceSettings {
         Uniform::new_inclusive(1.0 - half, 1.0 + half).map_or(1.0, |range| range.sample(&mut random))
     }
 
-    /// Displacement common to a whole pass, mm of diameter; `cuts` counts the passes since the machine was cold.
+    /// Displacement common to a whole pass, mm of diameter; `cuts` counts the passes since the
+    /// machine was cold.
     pub(super) fn common_mm(&self, seed: u64, pass: u32, cuts: u32) -> f64 {
         let mut random = generator(seed, Stream::Repeatability, pass);
         let scatter: f64 = StandardNormal.sample(&mut random);

@@ -9,9 +9,10 @@
 //!                   [  6h   (2-Φ)h²  -6h   (4+Φ)h²  ]
 //! ```
 //!
-//! is exact for constant sections (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968). The system is
-//! block tridiagonal (half bandwidth 4) and solved by block elimination. It loses about (L/h)³ of a double's
-//! accuracy: fine for drawing a deflection line and for judging [`super::beam`], which the passes use.
+//! is exact for constant sections (J. S. Przemieniecki, Theory of Matrix Structural Analysis,
+//! 1968). The system is block tridiagonal (half bandwidth 4) and solved by block elimination. It
+//! loses about (L/h)³ of a double's accuracy: fine for drawing a deflection line and for judging
+//! [`super::beam`], which the passes use.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -50,7 +51,8 @@ impl System {
         Self { diagonal, upper, load: vec![Vector2::zeros(); nodes] }
     }
 
-    /// A spring of compliance `compliance` on degree of freedom `dof` (0 deflection, 1 rotation); zero fixes it.
+    /// A spring of compliance `compliance` on degree of freedom `dof` (0 deflection, 1 rotation);
+    /// zero fixes it.
     fn support(&mut self, node: usize, dof: usize, compliance: f64) {
         if compliance > 0.0 {
             self.diagonal[node][(dof, dof)] += 1.0 / compliance;
@@ -97,8 +99,9 @@ impl System {
     }
 }
 
-/// Radial deflection in mm of every node (`sections.len() + 1` of them, `step_mm` apart) under forces in N at nodes.
-/// `None` where the supports leave the shaft free to move, or a force stands at no node.
+/// Radial deflection in mm of every node (`sections.len() + 1` of them, `step_mm` apart) under
+/// forces in N at nodes. `None` where the supports leave the shaft free to move, or a force stands
+/// at no node.
 pub fn deflection_line_mm(
     step_mm: f64,
     sections: &[Section],

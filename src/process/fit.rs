@@ -1,8 +1,8 @@
 //! The power law's constants from measured forces, by least squares with confidence intervals.
 //!
-//! ln F = ln C + x·ln a_p + y·ln f + z·ln v is linear in (ln C, x, y, z); equal relative scatter of the forces makes
-//! equal weights right. A factor that the data do not vary cannot be estimated: its exponent is taken from the law
-//! given. Intervals are Student's t on n - p degrees of freedom.
+//! ln F = ln C + x·ln a_p + y·ln f + z·ln v is linear in (ln C, x, y, z); equal relative scatter of
+//! the forces makes equal weights right. A factor that the data do not vary cannot be estimated:
+//! its exponent is taken from the law given. Intervals are Student's t on n - p degrees of freedom.
 
 use std::io::Read;
 

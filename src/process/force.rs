@@ -12,7 +12,8 @@ use super::tool_factors::ToolFactors;
 use crate::plan::CuttingData;
 use crate::setting::SettingError;
 
-/// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of materials.
+/// The material of Tables 1 and 2 of the slender-shaft paper, by its name in the table of
+/// materials.
 pub const FITTED_TO: &str = "C45";
 
 /// The force law, `[process.force.power]` or `[process.force.kienzle]`.
@@ -44,8 +45,9 @@ pub struct FittedRange {
 }
 
 impl Default for FittedRange {
-    /// Where the slender-shaft paper bears the default law out: depths of Table 1, to which C and x are fitted; feeds of Fig. 9,
-    /// whose errors its y gives within 5 %; speeds of Table 2, whose own z is the same.
+    /// Where the slender-shaft paper bears the default law out: depths of Table 1, to which C and x
+    /// are fitted; feeds of Fig. 9, whose errors its y gives within 5 %; speeds of Table 2, whose
+    /// own z is the same.
     fn default() -> Self {
         Self { depth_mm: [0.10, 0.38], feed_mm_per_rev: [0.05, 0.35], speed_m_per_min: [30.0, 100.0] }
     }
@@ -158,8 +160,9 @@ impl DepthLaw {
         }
     }
 
-    /// The depth really cut, mm, where the tool is set `set_mm` deep and the shaft yields `compliance_mm_per_n`:
-    /// the root of a + w·F(a) = a₀. Newton's method kept inside its bracket, to 1e-13 mm or a double's end.
+    /// The depth really cut, mm, where the tool is set `set_mm` deep and the shaft yields
+    /// `compliance_mm_per_n`: the root of a + w·F(a) = a₀. Newton's method kept inside its bracket,
+    /// to 1e-13 mm or a double's end.
     pub fn depth_mm(&self, set_mm: f64, compliance_mm_per_n: f64) -> f64 {
         if set_mm <= 0.0 {
             return 0.0;
@@ -186,8 +189,9 @@ impl PowerLaw {
         Self { fitted: FittedRange::TABLE_1, ..Self::default() }
     }
 
-    /// Table 2 of the slender-shaft paper: the speed series at one depth, whose forces are 9.14 times smaller than Table 1's at the
-    /// same cutting data. C is the geometric mean over its rows with z = -0.3 and a handbook's x.
+    /// Table 2 of the slender-shaft paper: the speed series at one depth, whose forces are 9.14
+    /// times smaller than Table 1's at the same cutting data. C is the geometric mean over its rows
+    /// with z = -0.3 and a handbook's x.
     pub fn table_2() -> Self {
         Self { coefficient_n: 521.2, depth_exponent: 0.9, fitted: FittedRange::TABLE_2, ..Self::default() }
     }
@@ -242,8 +246,8 @@ impl PowerLaw {
 }
 
 impl ForceLaw {
-    /// The law at the cutting data, tool and material given. Without any data for the material the force is zero;
-    /// [`super::ProcessSettings::validate`] refuses that.
+    /// The law at the cutting data, tool and material given. Without any data for the material the
+    /// force is zero; [`super::ProcessSettings::validate`] refuses that.
     pub fn at(&self, cutting: &CuttingData, tool: &ToolSettings, material: &Material) -> DepthLaw {
         match self {
             Self::Power(law) => law.with_tool(cutting, tool),
@@ -254,8 +258,9 @@ impl ForceLaw {
         }
     }
 
-    /// A word where the law was fitted to another material than is cut: Table 1 is of 45 steel, and its numbers do not follow
-    /// `process.material`; a coefficient of one's own is taken to be of one's own material.
+    /// A word where the law was fitted to another material than is cut: Table 1 is of 45 steel, and
+    /// its numbers do not follow `process.material`; a coefficient of one's own is taken to be of
+    /// one's own material.
     pub fn of_another_material(&self, material: &Material) -> Option<String> {
         let table_1 =
             matches!(self, Self::Power(law) if law.coefficient_n == PowerLaw::table_1().coefficient_n);
@@ -268,7 +273,8 @@ impl ForceLaw {
         })
     }
 
-    /// What lies outside the range of the data behind the law, in words; empty inside it. `depth_mm` from and to.
+    /// What lies outside the range of the data behind the law, in words; empty inside it.
+    /// `depth_mm` from and to.
     pub fn extrapolation(
         &self,
         cutting: &CuttingData,

@@ -1,18 +1,19 @@
 //! Kienzle's law along an edge with a nose radius.
 //!
-//! At every point of the engaged edge the chip is h = f·sin κ thick, κ being the lead angle there; a width ds of the
-//! edge carries the cutting force dF_c = kc1.1·h^(1-mc)·ds and, in the tool plane, a force normal to the edge
-//! dF_n = ρ·dF_c, of which sin κ points against the feed and cos κ radially. On the nose (radius r) κ runs from 0
-//! at the tip to κ_e with r(1 - cos κ_e) = a_p, and only beyond the nose the straight edge with κ_r begins:
+//! At every point of the engaged edge the chip is h = f·sin κ thick, κ being the lead angle there;
+//! a width ds of the edge carries the cutting force dF_c = kc1.1·h^(1-mc)·ds and, in the tool
+//! plane, a force normal to the edge dF_n = ρ·dF_c, of which sin κ points against the feed and cos
+//! κ radially. On the nose (radius r) κ runs from 0 at the tip to κ_e with r(1 - cos κ_e) = a_p,
+//! and only beyond the nose the straight edge with κ_r begins:
 //!
 //! ```text
 //! F_p = ρ·kc1.1·f^(1-mc)·[ r·sin^(2-mc)κ_e/(2-mc) + l·sin^(1-mc)κ_r·cos κ_r ]
 //! ```
 //!
-//! with l the engaged length of the straight edge. So the shallower the cut, the more of the force is radial, and
-//! with κ_r = 90° the radial force does not grow any more once a_p reaches r. Valid for f well below r and for
-//! chips thicker than the edge rounding. (O. Kienzle, VDI-Z 94, 1952; edge integration as in G. Boothroyd and
-//! W. Knight, Fundamentals of Machining.)
+//! with l the engaged length of the straight edge. So the shallower the cut, the more of the force
+//! is radial, and with κ_r = 90° the radial force does not grow any more once a_p reaches r. Valid
+//! for f well below r and for chips thicker than the edge rounding. (O. Kienzle, VDI-Z 94, 1952;
+//! edge integration as in G. Boothroyd and W. Knight, Fundamentals of Machining.)
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +25,8 @@ use super::tool::ToolSettings;
 use super::tool_factors::ToolFactors;
 use crate::setting::SettingError;
 
-/// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises faster, mm.
+/// Chips thinner than this lie below the data that kc1.1 and mc were fitted to; there k_c rises
+/// faster, mm.
 pub const THINNEST_CHIP_MM: f64 = 0.05;
 
 /// `[process.force.kienzle]`.
@@ -104,7 +106,8 @@ pub struct EdgeLaw {
     factors: ToolFactors,
 }
 
-/// Nodes and weights of the eight-point Gauss-Legendre rule on 0..1, one half (the other is its mirror image).
+/// Nodes and weights of the eight-point Gauss-Legendre rule on 0..1, one half (the other is its
+/// mirror image).
 const GAUSS: [(f64, f64); 4] = [
     (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
     (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
@@ -170,8 +173,8 @@ impl EdgeLaw {
     }
 }
 
-/// ∫₀^end sin^p κ dκ for 0 < end ≤ π/2 and p > 0. With κ = end·t² the integrand is smooth enough for an
-/// eight-point rule (relative error below 1e-5).
+/// ∫₀^end sin^p κ dκ for 0 < end ≤ π/2 and p > 0. With κ = end·t² the integrand is smooth enough
+/// for an eight-point rule (relative error below 1e-5).
 fn power_of_sine(end: f64, p: f64) -> f64 {
     let at = |t: f64| 2.0 * t * end * (end * t * t).sin().powf(p);
     GAUSS.iter().map(|&(t, weight)| weight * (at(t) + at(1.0 - t))).sum()

@@ -1,16 +1,18 @@
 //! The whole deflection line of a held shaft in one plane, exact for pieces of constant section.
 //!
-//! Along a piece with bending stiffness EI, shear stiffness κGA, axial compression P and load q a length, the state
-//! (u, ψ, M, V) of deflection, rotation of the section, moment and transverse force follows
+//! Along a piece with bending stiffness EI, shear stiffness κGA, axial compression P and load q a
+//! length, the state (u, ψ, M, V) of deflection, rotation of the section, moment and transverse
+//! force follows
 //!
 //! ```text
 //! u' = ψ + V/κGA      ψ' = M/EI      M' = -V - P·u'      V' = -q
 //! ```
 //!
-//! (Timoshenko; with EI·u'''' + P·u'' = q for κGA = ∞: S. Timoshenko, J. Gere, Theory of Elastic Stability, 1961, ch. 1).
-//! Its transfer over a piece is a matrix exponential: a polynomial for P = 0, a series otherwise. The state is carried
-//! from the chuck with the unknown reactions as further columns; what the supports demand gives them. Loads and supports
-//! stand anywhere, not only where pieces meet. [`super::beam`] gives the deflection at a travelling load alone, in O(N).
+//! (Timoshenko; with EI·u'''' + P·u'' = q for κGA = ∞: S. Timoshenko, J. Gere, Theory of Elastic
+//! Stability, 1961, ch. 1). Its transfer over a piece is a matrix exponential: a polynomial for P =
+//! 0, a series otherwise. The state is carried from the chuck with the unknown reactions as further
+//! columns; what the supports demand gives them. Loads and supports stand anywhere, not only where
+//! pieces meet. [`super::beam`] gives the deflection at a travelling load alone, in O(N).
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
@@ -52,7 +54,8 @@ pub struct Action {
 
 type Transfer = SMatrix<f64, 5, 5>;
 
-/// Terms of the exponential's series; it ends far earlier, with the last term below a double's resolution.
+/// Terms of the exponential's series; it ends far earlier, with the last term below a double's
+/// resolution.
 const TERMS: u32 = 60;
 
 /// Transfer of (u, ψ, M, V, 1) over `h` mm.
@@ -84,7 +87,8 @@ struct Carried {
 }
 
 impl Carried {
-    /// From the chuck on; unknowns are its force, its moment (a hinge: its rotation) and one reaction a rest.
+    /// From the chuck on; unknowns are its force, its moment (a hinge: its rotation) and one
+    /// reaction a rest.
     fn from_chuck(chuck: &Part, chuck_mm: f64, unknowns: usize) -> Self {
         let mut state = DMatrix::zeros(4, unknowns + 1);
         state[(0, 0)] = chuck_mm;
@@ -177,8 +181,9 @@ enum Event {
     Rest(usize, f64),
 }
 
-/// Deflection in mm along +u at the ends of all spans (`spans.len() + 1` values from chuck to tailstock). `None` where the supports
-/// leave the shaft free to move, or where the thrust buckles it.
+/// Deflection in mm along +u at the ends of all spans (`spans.len() + 1` values from chuck to
+/// tailstock). `None` where the supports leave the shaft free to move, or where the thrust buckles
+/// it.
 ///
 /// Forces and rests outside the shaft are moved to its ends.
 pub fn deflection_line_mm(spans: &[Span], supports: &Supports, action: &Action) -> Option<Vec<f64>> {

@@ -1,10 +1,12 @@
-//! Workpiece materials: elastic constants, thermal growth and specific cutting force, each with its source.
+//! Workpiece materials: elastic constants, thermal growth and specific cutting force, each with its
+//! source.
 //!
-//! kc1.1 and mc are Kienzle's main values as collected by H. Victor (Zerspankennwerte, Industrie-Anzeiger 98,
-//! 1976, and the handbooks that reprint him): turning with carbide, v about 100 m/min, rake angle 6°, sharp tool,
-//! uncertain by 10-20 %. Where a second, independent table was found they are compared with it in a test (chuck maker
-//! Röhm, RN-1391, Table 2: k_c over the feed at a lead angle of 45°, for 42CrMo4, 16MnCr5 and EN-GJL-250: within 5 %).
-//! Elastic constants and expansion are those of the standards named in each row. A material without `kienzle` has no
+//! kc1.1 and mc are Kienzle's main values as collected by H. Victor (Zerspankennwerte,
+//! Industrie-Anzeiger 98, 1976, and the handbooks that reprint him): turning with carbide, v about
+//! 100 m/min, rake angle 6°, sharp tool, uncertain by 10-20 %. Where a second, independent table
+//! was found they are compared with it in a test (chuck maker Röhm, RN-1391, Table 2: k_c over the
+//! feed at a lead angle of 45°, for 42CrMo4, 16MnCr5 and EN-GJL-250: within 5 %). Elastic constants
+//! and expansion are those of the standards named in each row. A material without `kienzle` has no
 //! value here that we could trace.
 
 /// Main values of the specific cutting force k_c = kc1.1·h^(-mc), h in mm.
@@ -39,7 +41,8 @@ pub struct Material {
 
 const VICTOR: &str = "H. Victor, Industrie-Anzeiger 98 (1976)";
 const NONE: &str = "elastic constants only";
-/// Density 7850 kg/m³ is EN 1991-1-1's upper value (Table A.4, 77.0-78.5 kN/m³); E = 210 000 N/mm² and ν = .3 are the standard's; α = 11.5 µm/(m·K) is the usual value about 20 °C (the standard
+/// Density 7850 kg/m³ is EN 1991-1-1's upper value (Table A.4, 77.0-78.5 kN/m³); E = 210 000 N/mm²
+/// and ν = .3 are the standard's; α = 11.5 µm/(m·K) is the usual value about 20 °C (the standard
 /// rounds to 12).
 const STEEL: &str = "EN 1993-1-1, 3.2.6; α as used for gauging steel (11.5 ± 1, ISO 1 practice)";
 
@@ -111,7 +114,8 @@ pub fn names() -> String {
 mod tests {
     use super::*;
 
-    /// k_c in kN/mm² at feeds .16, .25, .4, .63, 1.0, 1.6 mm and a lead angle of 45° (Röhm, RN-1391, Table 2): h = f·sin 45°.
+    /// k_c in kN/mm² at feeds .16, .25, .4, .63, 1.0, 1.6 mm and a lead angle of 45° (Röhm,
+    /// RN-1391, Table 2): h = f·sin 45°.
     const ROEHM: [(&str, [f64; 6]); 3] = [
         ("42CrMo4", [4.35, 3.90, 3.45, 3.10, 2.75, 2.45]),
         ("16MnCr5", [3.75, 3.30, 2.95, 2.60, 2.30, 2.05]),

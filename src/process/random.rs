@@ -25,8 +25,8 @@ pub(super) fn generator(seed: u64, stream: Stream, pass: u32) -> Pcg64 {
     Pcg64::new(u128::from(seed), (stream as u128) << 32 | u128::from(pass))
 }
 
-/// Gaussian weights whose squares add up to one, so that white noise keeps its variance. Smoothed noise has the
-/// autocorrelation exp(-τ²/4s²), which is 1/e at τ = 2s.
+/// Gaussian weights whose squares add up to one, so that white noise keeps its variance. Smoothed
+/// noise has the autocorrelation exp(-τ²/4s²), which is 1/e at τ = 2s.
 pub(super) fn smoothing_kernel(sd_nodes: f64) -> Vec<f64> {
     let reach = (KERNEL_REACH * sd_nodes).ceil() as i32;
     let raw: Vec<f64> = (-reach..=reach).map(|i| (-0.5 * (f64::from(i) / sd_nodes).powi(2)).exp()).collect();

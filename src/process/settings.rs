@@ -1,4 +1,5 @@
-//! The `[process]` table: what is cut, how it is held, how it yields and what the tool leaves on it.
+//! The `[process]` table: what is cut, how it is held, how it yields and what the tool leaves on
+//! it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -41,7 +41,8 @@ impl SteppedShaft {
         self.pieces.iter().map(|piece| piece.length_mm).sum()
     }
 
-    /// Radial deflection at a load at `z_mm` per newton, mm/N. Positions outside the shaft are moved to its ends.
+    /// Radial deflection at a load at `z_mm` per newton, mm/N. Positions outside the shaft are
+    /// moved to its ends.
     pub fn compliance_mm_per_n(&self, z_mm: f64) -> f64 {
         let length = self.length_mm();
         let z = z_mm.clamp(0.0, length);
@@ -75,7 +76,8 @@ impl SteppedShaft {
     }
 }
 
-/// A part from its support over `pieces` up to `reach_mm`, with the rests (ascending, at most `reach_mm` away) on it.
+/// A part from its support over `pieces` up to `reach_mm`, with the rests (ascending, at most
+/// `reach_mm` away) on it.
 fn grown(
     support: Part,
     pieces: impl Iterator<Item = (f64, Section)>,

@@ -1,8 +1,9 @@
 //! The surface that a pass leaves: correlated heights and small lobes, from (seed, pass) alone.
 //!
-//! White Gaussian noise on a grid of z and θ is smoothed by a separable Gaussian kernel of standard deviation
-//! half the correlation length (periodic in θ) and scaled to the rms asked for. The autocorrelation of noise
-//! smoothed by a Gaussian of standard deviation s is exp(-τ²/4s²), which is 1/e at τ = 2s.
+//! White Gaussian noise on a grid of z and θ is smoothed by a separable Gaussian kernel of standard
+//! deviation half the correlation length (periodic in θ) and scaled to the rms asked for. The
+//! autocorrelation of noise smoothed by a Gaussian of standard deviation s is exp(-τ²/4s²), which
+//! is 1/e at τ = 2s.
 
 use rand_distr::{Distribution, StandardNormal};
 
@@ -46,8 +47,9 @@ fn kernel_f32(sd_nodes: f64) -> Vec<f32> {
     smoothing_kernel(sd_nodes).iter().map(|w| *w as f32).collect()
 }
 
-/// The same surface with the helix that a tool of nose radius r leaves at a feed f: heights s²/2r, s the distance
-/// along z from the middle of the mark, f²/8r at the crests. The valleys lie on the radius that was cut.
+/// The same surface with the helix that a tool of nose radius r leaves at a feed f: heights s²/2r,
+/// s the distance along z from the middle of the mark, f²/8r at the crests. The valleys lie on the
+/// radius that was cut.
 pub(super) fn with_feed_marks(
     surface: Option<&SurfaceTexture>,
     length_mm: f64,

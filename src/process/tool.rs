@@ -44,7 +44,8 @@ impl ToolSettings {
         let key = |name: &str| format!("{prefix}.{name}");
         Range::POSITIVE.check(&key("nose_radius_mm"), self.nose_radius_mm)?;
         Range::between(15.0, 90.0).check(&key("lead_angle_deg"), self.lead_angle_deg)?;
-        // Inserts are made from -15° to 30°; a wedge of less than 45° between rake and relief breaks.
+        // Inserts are made from -15° to 30°; a wedge of less than 45° between rake and relief
+        // breaks.
         Range::between(-15.0, 30.0).check(&key("rake_deg"), self.rake_deg)?;
         Range::between(0.5, 20.0).check(&key("relief_deg"), self.relief_deg)?;
         Range::between(0.5, 90.0).check(&key("minor_angle_deg"), self.minor_angle_deg)?;

@@ -1,24 +1,27 @@
-//! The tool's geometry: handbook factors on the three force components, and the height of the feed marks.
+//! The tool's geometry: handbook factors on the three force components, and the height of the feed
+//! marks.
 //!
-//! A handbook's force is that of a reference tool (lead angle κ_r 45°, rake γ 10°, inclination λ_s 0°, nose radius 2 mm) times one
-//! factor an angle: K = K_κ·K_γ·K_λ·K_r. Carbide on steel: A. G. Kosilova, R. K. Meshcheryakov (eds), Spravochnik
-//! tekhnologa-mashinostroitelya, vol. 2, Mashinostroenie 1985, table 23; the rake of 20° from Ai Xing, Xiao Shigang,
-//! Qiexiao yongliang jianming shouce (Concise handbook of cutting data), 1994, which reprints the others. λ_s is ISO 3002's (the
-//! handbook's has the opposite sign). The row of nose radii is given there for high-speed steel and is used for carbide too,
-//! linear in logarithms, for want of another.
+//! A handbook's force is that of a reference tool (lead angle κ_r 45°, rake γ 10°, inclination λ_s
+//! 0°, nose radius 2 mm) times one factor an angle: K = K_κ·K_γ·K_λ·K_r. Carbide on steel: A. G.
+//! Kosilova, R. K. Meshcheryakov (eds), Spravochnik tekhnologa-mashinostroitelya, vol. 2,
+//! Mashinostroenie 1985, table 23; the rake of 20° from Ai Xing, Xiao Shigang, Qiexiao yongliang
+//! jianming shouce (Concise handbook of cutting data), 1994, which reprints the others. λ_s is ISO
+//! 3002's (the handbook's has the opposite sign). The row of nose radii is given there for
+//! high-speed steel and is used for carbide too, linear in logarithms, for want of another.
 //!
-//! What of it could be checked in public text (the books themselves were not at hand): a worked example that cites table 23,
-//! p. 275 (ukrbukva.net 56407, p. 18) has the entries on F_c for 90°, 10°, 0° and, interpolated in logarithms, r = .8 mm. No
-//! public text with the entries on F_p and F_f was found. Two facts support those of F_p: the
-//! paper's Table 2 follows the handbook's law with this insert's product of factors within 3 %
-//! (`reproduce 003`, row table2.handbook; the paper computed its forces by such a formula), and
-//! makers of inserts give the same directions (ZCC-CT catalogue 2019, p. 451: a larger lead angle
-//! and a smaller nose take radial force off a slender shaft). The paper's nose of .4 mm lies below
-//! the table and is extrapolated.
+//! What of it could be checked in public text (the books themselves were not at hand): a worked
+//! example that cites table 23, p. 275 (ukrbukva.net 56407, p. 18) has the entries on F_c for 90°,
+//! 10°, 0° and, interpolated in logarithms, r = .8 mm. No public text with the entries on F_p and
+//! F_f was found. Two facts support those of F_p: the paper's Table 2 follows the handbook's law
+//! with this insert's product of factors within 3 % (`reproduce 003`, row table2.handbook; the
+//! paper computed its forces by such a formula), and makers of inserts give the same directions
+//! (ZCC-CT catalogue 2019, p. 451: a larger lead angle and a smaller nose take radial force off a
+//! slender shaft). The paper's nose of .4 mm lies below the table and is extrapolated.
 //!
-//! Those tables have no factor for relief (α) and minor cutting edge angle (κ'_r): between 4° and 15° of relief and beyond 3° of
-//! minor angle the force does not depend on them within the scatter of such data (10-20 %). They are taken as 1. The minor angle
-//! shapes the feed marks instead, see [`feed_mark_mm`].
+//! Those tables have no factor for relief (α) and minor cutting edge angle (κ'_r): between 4° and
+//! 15° of relief and beyond 3° of minor angle the force does not depend on them within the scatter
+//! of such data (10-20 %). They are taken as 1. The minor angle shapes the feed marks instead, see
+//! [`feed_mark_mm`].
 
 use serde::Serialize;
 
@@ -77,8 +80,8 @@ impl ToolFactors {
     /// No change.
     pub const ONE: Self = Self { cutting: 1.0, feed: 1.0, passive: 1.0 };
 
-    /// All factors of a tool against the handbook's reference tool. Angles outside the tables (κ_r 30-90°, γ -15 to 20°, λ_s -15 to
-    /// 5°) take the table's end.
+    /// All factors of a tool against the handbook's reference tool. Angles outside the tables (κ_r
+    /// 30-90°, γ -15 to 20°, λ_s -15 to 5°) take the table's end.
     pub fn of(tool: &ToolSettings) -> Self {
         let all = [
             held(&LEAD, tool.lead_angle_deg),
@@ -89,8 +92,8 @@ impl ToolFactors {
         Self::product(&all)
     }
 
-    /// The factors of a tool whose edge is integrated (Kienzle): lead angle and nose radius are in the integral, rake and inclination
-    /// are left, against the 6° and 0° of the tabulated kc1.1.
+    /// The factors of a tool whose edge is integrated (Kienzle): lead angle and nose radius are in
+    /// the integral, rake and inclination are left, against the 6° and 0° of the tabulated kc1.1.
     pub fn beside_the_edge(tool: &ToolSettings) -> Self {
         let at = |rake: f64, inclination: f64| {
             Self::product(&[held(&RAKE, rake), held(&INCLINATION, inclination)])
@@ -117,8 +120,9 @@ impl ToolFactors {
 /// Rake of the tools behind the tabulated kc1.1 (see `process::material`), degrees.
 const TABULATED_RAKE_DEG: f64 = 6.0;
 
-/// Theoretical height of the feed marks, mm: f²/8r where the nose alone draws them (f ≤ 2r·sin κ'_r, exact form), beyond that the
-/// nose and the straight minor edge (G. Boothroyd, W. Knight, Fundamentals of Machining and Machine Tools, chapter on roughness).
+/// Theoretical height of the feed marks, mm: f²/8r where the nose alone draws them (f ≤ 2r·sin
+/// κ'_r, exact form), beyond that the nose and the straight minor edge (G. Boothroyd, W. Knight,
+/// Fundamentals of Machining and Machine Tools, chapter on roughness).
 pub fn feed_mark_mm(feed_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
     let (f, r) = (feed_mm_per_rev, tool.nose_radius_mm);
     let (sin, cos) = tool.minor_angle_deg.to_radians().sin_cos();
@@ -128,7 +132,8 @@ pub fn feed_mark_mm(feed_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
     r * (1.0 - cos) + f * sin * cos - (sin * sin * sin * (2.0 * f * r - f * f * sin)).max(0.0).sqrt()
 }
 
-/// The largest feed whose marks are at most `height_mm` high, mm/r, up to `most_mm_per_rev`. The height grows with the feed.
+/// The largest feed whose marks are at most `height_mm` high, mm/r, up to `most_mm_per_rev`. The
+/// height grows with the feed.
 pub fn largest_feed_mm_per_rev(height_mm: f64, most_mm_per_rev: f64, tool: &ToolSettings) -> f64 {
     let by_nose = (8.0 * tool.nose_radius_mm * height_mm).sqrt();
     if by_nose <= 2.0 * tool.nose_radius_mm * tool.minor_angle_deg.to_radians().sin() {

@@ -1,10 +1,11 @@
 //! One turning pass: the commanded profile and the diameters left behind.
 //!
-//! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin behind it and still
-//! thick ahead. At every node the depth really cut a = (D_before - D)/2 solves a + w·F(a) = (D_before - b)/2 with
-//! the compliance w of the half-cut shaft, and D = b + 2·w·F(a). Errors of the diameter before therefore show again
-//! in the diameter after (error copying), reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b.
-//! Diameters are those of the unloaded shaft at 20 °C.
+//! The tool is commanded to the diameter b(z) and travels along the shaft, which is already thin
+//! behind it and still thick ahead. At every node the depth really cut a = (D_before - D)/2 solves
+//! a + w·F(a) = (D_before - b)/2 with the compliance w of the half-cut shaft, and D = b + 2·w·F(a).
+//! Errors of the diameter before therefore show again in the diameter after (error copying),
+//! reduced by w·F'/(1 + w·F'). Wear, drift and machine errors displace b. Diameters are those of
+//! the unloaded shaft at 20 °C.
 
 pub(super) mod followed;
 
@@ -204,7 +205,8 @@ impl TurningProcess {
         self.since_cold = 0;
     }
 
-    /// Clamps the next blank of a batch: edge and machine stay as they are, the blank's form and force are drawn anew.
+    /// Clamps the next blank of a batch: edge and machine stay as they are, the blank's form and
+    /// force are drawn anew.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -214,8 +216,8 @@ impl TurningProcess {
         Ok(Self { cuts, since_cold, wear_mm, ..fresh })
     }
 
-    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What the first pass used
-    /// outside its range is logged as a warning.
+    /// Cuts a pass and gives the shaft that remains. On an error the workpiece is as before. What
+    /// the first pass used outside its range is logged as a warning.
     ///
     /// # Errors
     /// A plan that contradicts itself, a depth of cut below the minimum chip, a shaft that buckles.
@@ -276,8 +278,9 @@ impl TurningProcess {
         Ok((passed, law))
     }
 
-    /// Displaces the tool's path by what the axis has moved away from the tool without any force (weight, tailstock), and gives how far
-    /// it has moved across; `None` where nothing moves it and only the force counts.
+    /// Displaces the tool's path by what the axis has moved away from the tool without any force
+    /// (weight, tailstock), and gives how far it has moved across; `None` where nothing moves it
+    /// and only the force counts.
     fn displace(&self, commanded: &mut [f64]) -> Option<Vec<f64>> {
         let bending = &self.settings.bending;
         let still = !bending.self_weight && bending.tailstock_x_um == 0.0 && bending.tailstock_y_um == 0.0;
@@ -321,8 +324,8 @@ impl TurningProcess {
         1.0 + 1e-6 * self.material.expansion_um_per_m_k * rise_k
     }
 
-    /// Diameter that the edge stands at: the command, linear between station middles with the end pieces continued,
-    /// displaced by wear, guideway, drift and scatter.
+    /// Diameter that the edge stands at: the command, linear between station middles with the end
+    /// pieces continued, displaced by wear, guideway, drift and scatter.
     fn tool_path(&self, plan: &PassPlan) -> Vec<f64> {
         let d = &self.settings.disturbance;
         let stations: Vec<f64> = plan.commanded_mm().collect();
@@ -365,7 +368,8 @@ impl TurningProcess {
         Err(ProcessError::BelowMinimumChip { pass, z_mm, depth_mm, set_mm, minimum_chip_mm })
     }
 
-    /// Euler's load of the thinnest diameter over the whole length, clamped and hinged: 2.0457·π²·EI/L².
+    /// Euler's load of the thinnest diameter over the whole length, clamped and hinged:
+    /// 2.0457·π²·EI/L².
     fn check_buckling(&self, pass: u32, after: &[f64], feed_n: f64) -> Result<(), ProcessError> {
         let support = &self.settings.support;
         if support.tailstock_n_per_um == 0.0 {
@@ -398,7 +402,8 @@ impl TurningProcess {
     }
 }
 
-/// Value at `z` on the line through knots `upper - 1` and `upper`; the only value where there is one.
+/// Value at `z` on the line through knots `upper - 1` and `upper`; the only value where there is
+/// one.
 fn linear(knots: &[f64], values: &[f64], upper: usize, z: f64) -> f64 {
     let (Some(&z1), Some(&v1)) = (knots.get(upper), values.get(upper)) else {
         return values[0];

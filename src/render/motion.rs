@@ -6,10 +6,11 @@
 //! s(t) = v·t + Σ A_k sin(2π f_k t + φ_k)
 //! ```
 //!
-//! feed and carriage motion past a sloped edge (v), run-out (f = spindle), lobes (f = order × spindle), vibration. The
-//! camera sees the mean over the light's time: the edge at mean s̄ blurred by the distribution of s - s̄. A steady motion
-//! is a box of variance (vT)²/12, many periods of a vibration an arcsine of variance A²/2; what lies between is followed in
-//! time. A strobe is an exposure of its own, shorter and later.
+//! feed and carriage motion past a sloped edge (v), run-out (f = spindle), lobes (f = order ×
+//! spindle), vibration. The camera sees the mean over the light's time: the edge at mean s̄ blurred
+//! by the distribution of s - s̄. A steady motion is a box of variance (vT)²/12, many periods of a
+//! vibration an arcsine of variance A²/2; what lies between is followed in time. A strobe is an
+//! exposure of its own, shorter and later.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +21,8 @@ use super::error::{RenderError, within};
 use crate::render::optics::edge_spread::quadrature::{gauss_legendre, panels};
 use crate::render::optics::edge_spread::{EdgeSpread, Shifts};
 
-/// Nodes a panel of at most half a radian of the fastest motion: followed to 1e-12 of its amplitude.
+/// Nodes a panel of at most half a radian of the fastest motion: followed to 1e-12 of its
+/// amplitude.
 const NODES: usize = 4;
 
 /// Periods from which a sinusoid's phase no longer matters and the arcsine takes its place.
@@ -84,8 +86,8 @@ impl Motion {
     /// Checks every value against its range and the exposure.
     ///
     /// # Errors
-    /// Names the key that is wrong and what would be right: a flash outside the exposure, light for longer than a revolution
-    /// without consent.
+    /// Names the key that is wrong and what would be right: a flash outside the exposure, light for
+    /// longer than a revolution without consent.
     pub fn check(&self, exposure_us: f64) -> Result<(), RenderError> {
         within("camera.exposure_us", exposure_us, 1e-3, 1e7)?;
         within("motion.spindle_rpm", self.spindle_rpm, -1e6, 1e6)?;
@@ -131,10 +133,11 @@ impl Motion {
         gauss_legendre(nodes.max(1)).into_iter().map(pose).collect()
     }
 
-    /// Instants over the light's time at which to draw, with weights that add up to one; a single one where nothing moves.
+    /// Instants over the light's time at which to draw, with weights that add up to one; a single
+    /// one where nothing moves.
     ///
-    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a revolution included; vibrations of
-    /// more than 8 periods enter as arcsines.
+    /// Four Gauss nodes to two radians of the fastest motion, a form of `undulations` a revolution
+    /// included; vibrations of more than 8 periods enter as arcsines.
     pub fn instants(&self, exposure_us: f64, undulations: f64) -> Vec<Pose> {
         let time = self.light_time(exposure_us);
         let periods = |v: &Vibration| v.frequency_hz * time.length_us * 1e-6;
@@ -171,8 +174,9 @@ impl Motion {
         poses
     }
 
-    /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows the sinusoids of
-    /// `turning`, given per revolution of the spindle (run-out has 1 undulation, lobes their order).
+    /// The path of an edge whose height changes by `slope` (dx/dz) along the shaft and that follows
+    /// the sinusoids of `turning`, given per revolution of the spindle (run-out has 1 undulation,
+    /// lobes their order).
     pub fn path(&self, slope: f64, turning: &[Turning]) -> EdgePath {
         let mut waves: Vec<Wave> = self
             .vibration
@@ -252,7 +256,8 @@ impl EdgePath {
 
     /// Positions over the light's time with weights, µm.
     ///
-    /// Waves of more than 64 periods enter as arcsines, the rest and the steady motion are followed in time.
+    /// Waves of more than 64 periods enter as arcsines, the rest and the steady motion are followed
+    /// in time.
     pub fn shifts(&self, time: LightTime) -> Shifts {
         let (fast, slow): (Vec<Wave>, Vec<Wave>) =
             self.waves.iter().partition(|w| (w.per_us * time.length_us).abs() > MANY_PERIODS);
@@ -265,7 +270,8 @@ impl EdgePath {
         fast.iter().fold(followed, |shifts, w| shifts.folded(&Shifts::arcsine(w.amplitude_um, ARCSINE_NODES)))
     }
 
-    /// The edge spread of a moving upper edge about its mean position; a lower one takes [`Shifts::mirrored`].
+    /// The edge spread of a moving upper edge about its mean position; a lower one takes
+    /// [`Shifts::mirrored`].
     ///
     /// # Errors
     /// As [`EdgeSpread::tabulate`].

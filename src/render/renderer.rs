@@ -1,4 +1,5 @@
-//! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is asked for.
+//! One renderer for the process: a wgpu device, or the CPU twin where there is none or it is asked
+//! for.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -58,8 +59,8 @@ impl Renderer {
     /// Opens the backend asked for and logs which adapter it is.
     ///
     /// # Errors
-    /// When Vulkan or GL is asked for and offers no adapter. `auto` takes a hardware adapter, else the
-    /// CPU twin; software adapters only where Vulkan or GL is asked for.
+    /// When Vulkan or GL is asked for and offers no adapter. `auto` takes a hardware adapter, else
+    /// the CPU twin; software adapters only where Vulkan or GL is asked for.
     ///
     /// A device that fails later does not end the run: it goes on with the CPU twin, reports that
     /// once and in [`Self::adapter_name`]. To try that, `SHADOWGAUGE_LOSE_DEVICE_AFTER=N` destroys
@@ -113,7 +114,8 @@ impl Renderer {
         Self { engine, backend, adapter, lost: OnceLock::new(), refused: OnceLock::new(), strict: false }
     }
 
-    /// The same renderer, for which a device that fails is an error: for comparisons of the device with the twin.
+    /// The same renderer, for which a device that fails is an error: for comparisons of the device
+    /// with the twin.
     #[must_use]
     pub fn strict(self) -> Self {
         Self { strict: true, ..self }
@@ -134,7 +136,8 @@ impl Renderer {
         self.lost.get().map_or(&self.adapter, |loss| &loss.adapter)
     }
 
-    /// Runs the job on the device, where there is one that is not lost; `false` leaves the work to the twin.
+    /// Runs the job on the device, where there is one that is not lost; `false` leaves the work to
+    /// the twin.
     fn on_device(&self, job: &Job<'_>, work: Work, buffer: &mut Buffer) -> Result<bool, RenderError> {
         let Engine::Device(gpu) = &self.engine else { return Ok(false) };
         if self.lost.get().is_some() {
@@ -178,8 +181,8 @@ impl Renderer {
         Ok(self.frame(scene, request, reuse, false)?.0)
     }
 
-    /// [`Self::render`] with the truth of the contamination: bits of [`super::contamination::mask`] for every pixel of
-    /// the frame, row-major; `None` where the scene is clean.
+    /// [`Self::render`] with the truth of the contamination: bits of [`super::contamination::mask`]
+    /// for every pixel of the frame, row-major; `None` where the scene is clean.
     ///
     /// # Errors
     /// As [`Self::render`].

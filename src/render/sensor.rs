@@ -1,4 +1,5 @@
-//! The sensor, from photons to counts, and sensors with published EMVA 1288 figures: `sensor.preset = "…"` fills in what the table does not set itself.
+//! The sensor, from photons to counts, and sensors with published EMVA 1288 figures: `sensor.preset
+//! = "…"` fills in what the table does not set itself.
 //!
 //! | preset | sensor | source |
 //! |---|---|---|
@@ -6,11 +7,13 @@
 //! | `sony_imx900_high_gain` | the same, high conversion gain, 3 dB | the same report |
 //! | `lucid_atx470s` | LUCID Atlas10 ATX470S-M, Sony IMX492, 8288 × 5644 of 2.315 µm, 12 bit | LUCID Vision Labs, "EMVA 1288 Data" of the ATX470S-M |
 //!
-//! The FRAMOS figures were read in a public transcription of that report (system gain, quantum efficiency, temporal dark
-//! noise, saturation capacity, DSNU, PRNU, black level), the LUCID ones (temporal dark noise, saturation capacity, DSNU, PRNU)
-//! in a public quotation. LUCID's system gain and quantum efficiency were not found: its gain is set so that the saturation
-//! capacity fills 12 bits above the black level, its quantum efficiency is the default; both are marked below.
-//! DSNU and PRNU enter as white patterns: the split into rows, columns and pixels is not published with them.
+//! The FRAMOS figures were read in a public transcription of that report (system gain, quantum
+//! efficiency, temporal dark noise, saturation capacity, DSNU, PRNU, black level), the LUCID ones
+//! (temporal dark noise, saturation capacity, DSNU, PRNU) in a public quotation. LUCID's system
+//! gain and quantum efficiency were not found: its gain is set so that the saturation capacity
+//! fills 12 bits above the black level, its quantum efficiency is the default; both are marked
+//! below. DSNU and PRNU enter as white patterns: the split into rows, columns and pixels is not
+//! published with them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -134,7 +137,8 @@ impl SensorPreset {
                 ..sensor
             },
             Self::LucidAtx470s => Sensor {
-                // Not published where these figures were read: the well fills the scale above the black level.
+                // Not published where these figures were read: the well fills the scale above the
+                // black level.
                 electrons_per_count: 15_655.0 / (4095.0 - 64.0),
                 read_noise_e: 7.83,
                 black_level_counts: 64.0,

@@ -1,7 +1,8 @@
 //! What a user sets about camera, optics, light and sensor: the nominal optical setup.
 //!
-//! The true bench differs from it by seeded amounts ([`SetupDeviations`]) that only `truth` knows; the gauge gets frames
-//! and has to calibrate. Levels are grey values in counts, electrons follow from them by the sensor's gain.
+//! The true bench differs from it by seeded amounts ([`SetupDeviations`]) that only `truth` knows;
+//! the gauge gets frames and has to calibrate. Levels are grey values in counts, electrons follow
+//! from them by the sensor's gain.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -86,7 +87,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Rows of a frame that has the optical axis in its middle: all rows, or for two windows twice the place of the axis between them.
+    /// Rows of a frame that has the optical axis in its middle: all rows, or for two windows twice
+    /// the place of the axis between them.
     pub fn rows_about_axis(&self) -> f64 {
         let between = |w: EdgeWindows| f64::from(w.upper_row + w.lower_row) - f64::from(w.rows);
         f64::from(self.rows) - self.windows.map_or(0.0, between)
@@ -154,8 +156,8 @@ impl Default for Light {
 }
 
 impl Light {
-    /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: what is set, or
-    /// black level + η·photons/(electrons a count).
+    /// Grey value of the bright field with a sensor whose true gain is `electrons_per_count`: what
+    /// is set, or black level + η·photons/(electrons a count).
     pub fn bright_in(&self, sensor: &Sensor, electrons_per_count: f64) -> f64 {
         self.bright_photons.map_or(self.bright_counts, |photons| {
             sensor.black_level_counts + sensor.quantum_efficiency * photons / electrons_per_count

@@ -1,4 +1,5 @@
-//! The axis of the part in the report of a run: what stands still of it and what turns, measured and true in one picture a pass.
+//! The axis of the part in the report of a run: what stands still of it and what turns, measured
+//! and true in one picture a pass.
 
 use super::error::ReportError;
 use super::html::Page;
@@ -13,7 +14,8 @@ const TRUE: usize = 6;
 /// Colour of what is true and not seen.
 const UNSEEN: usize = 1;
 
-/// Adds the section, the last pass open and those before folded; nothing where no pass has an axis. Gives the file that goes beside the page.
+/// Adds the section, the last pass open and those before folded; nothing where no pass has an axis.
+/// Gives the file that goes beside the page.
 ///
 /// # Errors
 /// Where a chart cannot be drawn.
@@ -82,7 +84,8 @@ fn table(page: &mut Page, rows: &[AxisRow]) {
     page.table(&header, &table);
 }
 
-/// Still part and turning part of a pass, measured with U and true where the simulation has it; gives the first picture.
+/// Still part and turning part of a pass, measured with U and true where the simulation has it;
+/// gives the first picture.
 fn of_pass(
     page: &mut Page,
     rows: &[AxisRow],

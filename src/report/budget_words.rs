@@ -25,7 +25,8 @@ pub fn budget_rows(budget: &Budget) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The result of a budget in words, U and value to the place of U's second significant digit (GUM 7.2.6); U is k·u.
+/// The result of a budget in words, U and value to the place of U's second significant digit (GUM
+/// 7.2.6); U is k·u.
 pub(super) fn budget_words(budget: &Budget, k: f64) -> String {
     let expanded_mm = k * budget.u_mm();
     let um = |u_mm: f64| stated(0.0, 1e3 * u_mm)[1].clone();

@@ -5,7 +5,7 @@ use super::error::ReportError;
 use super::html::Page;
 use super::plot::{Chart, Mark, Series};
 use crate::gauge::SystematicResidual;
-use crate::gauge::calibration::{SetupCalibration, Residual};
+use crate::gauge::calibration::{Residual, SetupCalibration};
 use crate::gauge::stated::stated;
 use crate::studies::calibration::{Calibrated, CalibrationPlan, edge_model_line, parameter_table};
 
@@ -113,7 +113,10 @@ fn residuals(page: &mut Page, plan: &CalibrationPlan, residuals: &[Residual]) ->
 }
 
 /// What the masters' edges leave of the edge model.
-fn systematic_residual(page: &mut Page, systematic_residual: Option<&SystematicResidual>) -> Result<(), ReportError> {
+fn systematic_residual(
+    page: &mut Page,
+    systematic_residual: Option<&SystematicResidual>,
+) -> Result<(), ReportError> {
     let Some(systematic_residual) = systematic_residual else {
         page.text("The edge model fits the masters' edges as well as their noise lets it be told.");
         return Ok(());
@@ -129,8 +132,11 @@ fn systematic_residual(page: &mut Page, systematic_residual: Option<&SystematicR
     let series = [("upper edges", 0), ("lower edges", 1)].map(|(name, side)| {
         let values = &systematic_residual.residual[side];
         let middle = (values.len() / 2) as f64;
-        let points =
-            values.iter().enumerate().map(|(k, r)| ((k as f64 - middle) * systematic_residual.step_px, 1e2 * r)).collect();
+        let points = values
+            .iter()
+            .enumerate()
+            .map(|(k, r)| ((k as f64 - middle) * systematic_residual.step_px, 1e2 * r))
+            .collect();
         Series::new(name, Mark::Line, side, points)
     });
     let chart = Chart {

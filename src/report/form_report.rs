@@ -1,4 +1,5 @@
-//! Form over a revolution in the report of a run: a polar plot of one section, sizes and roundness along z.
+//! Form over a revolution in the report of a run: a polar plot of one section, sizes and roundness
+//! along z.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -98,7 +99,8 @@ pub fn form_section(
 /// Where the rings of a polar plot are labelled, degrees.
 const LABEL_RAY_DEG: f64 = 67.5;
 
-/// A polar plot of a closed profile: deviations from the mean magnified, rings a round number of µm apart.
+/// A polar plot of a closed profile: deviations from the mean magnified, rings a round number of µm
+/// apart.
 fn polar_plot(profile_mm: &[f64]) -> String {
     let (size, base, band) = (420.0, 110.0, 70.0);
     let middle = 0.5 * size;

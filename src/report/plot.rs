@@ -5,7 +5,8 @@ use std::ops::Range;
 use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito; a brown in place of their yellow), in order of use.
+/// Colours that stay apart for colour-blind readers (Okabe and Ito; a brown in place of their
+/// yellow), in order of use.
 pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -52,7 +53,8 @@ pub enum Mark {
     Band,
 }
 
-/// The outline of a band about points (x, y, half width), broken into pieces nowhere: rows with a gap are left out.
+/// The outline of a band about points (x, y, half width), broken into pieces nowhere: rows with a
+/// gap are left out.
 pub fn band(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Vec<(f64, f64)> {
     let usable = points.filter(|p| p.1.is_finite() && p.2.is_finite());
     let mut outline: Vec<(f64, f64)> = usable.clone().map(|(x, y, half)| (x, y + half)).collect();

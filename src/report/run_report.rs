@@ -1,4 +1,5 @@
-//! The report of a run: error along z, convergence, a frame with its edges, stated against actual uncertainty.
+//! The report of a run: error along z, convergence, a frame with its edges, stated against actual
+//! uncertainty.
 
 use super::axis_report::axis_section;
 use super::budget_words::{BUDGET_HEADER, budget_rows, budget_words};
@@ -344,7 +345,8 @@ fn uncertainty(page: &mut Page, rows: &Rows) -> Result<(), ReportError> {
     Ok(())
 }
 
-/// The budget of a station after the last pass: random part of type A over the angles, common parts by source.
+/// The budget of a station after the last pass: random part of type A over the angles, common parts
+/// by source.
 fn budget(page: &mut Page, view: &RunView<'_>, rows: &Rows) -> Result<(), ReportError> {
     let last = rows.passes.iter().map(|p| p.pass).max().unwrap_or(0);
     let mut random: Vec<f64> = rows.of_pass(last).filter_map(|s| s.u_random_mm).collect();

@@ -124,7 +124,8 @@ fn overview_svg(sample: &Picture<'_>, png: &[u8], image: &GrayImage, step: usize
 /// Colour of an edge, seen on every grey.
 const EDGE_COLOUR: &str = "#d55e00";
 
-/// An edge as SVG lines, broken at gaps; `row0` is the picture's first row, `scale` its pixels a column.
+/// An edge as SVG lines, broken at gaps; `row0` is the picture's first row, `scale` its pixels a
+/// column.
 fn polyline(edge: &[Option<f64>], every: usize, row0: f64, scale: f64, width: f64) -> String {
     let mut path = String::new();
     let mut pen_down = false;

@@ -19,7 +19,8 @@ const LARGEST_PX: f64 = 45.0;
 /// A shaft whose axis leaves the spindle's by less is drawn straight, mm.
 const STRAIGHT_MM: f64 = 1e-6;
 
-/// Adds a turn of the last pass as a moving picture; gives the file that goes beside the page, none of a straight shaft.
+/// Adds a turn of the last pass as a moving picture; gives the file that goes beside the page, none
+/// of a straight shaft.
 pub fn turn_picture(
     page: &mut Page,
     passes: &[PassRow],

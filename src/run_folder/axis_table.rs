@@ -1,4 +1,5 @@
-//! `axis.csv` of a run folder: where the axis of the part stands at every station, and what of it turns.
+//! `axis.csv` of a run folder: where the axis of the part stands at every station, and what of it
+//! turns.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +21,8 @@ pub struct AxisRow {
     pub bend_x_mm: f64,
     /// Its standard uncertainty, mm.
     pub u_bend_x_mm: f64,
-    /// What turns with the part, upwards at spindle angle 0, mm; empty where the angles do not show it.
+    /// What turns with the part, upwards at spindle angle 0, mm; empty where the angles do not show
+    /// it.
     pub turning_x_mm: Option<f64>,
     /// What turns with the part, towards the camera at spindle angle 0, mm.
     pub turning_y_mm: Option<f64>,

@@ -52,11 +52,12 @@ pub struct RunFolder {
 const HASH_LINE: &str = "# config sha256 ";
 
 impl RunFolder {
-    /// Claims `path` for a run of the config `resolved_toml` with this hash, or takes up an unfinished run of the same hash.
+    /// Claims `path` for a run of the config `resolved_toml` with this hash, or takes up an
+    /// unfinished run of the same hash.
     ///
     /// # Errors
-    /// [`RunFolderError::Taken`] for anything else in the folder; [`RunFolderError::Output`] where another run writes in it or it cannot be
-    /// made.
+    /// [`RunFolderError::Taken`] for anything else in the folder; [`RunFolderError::Output`] where
+    /// another run writes in it or it cannot be made.
     pub fn claim(path: &Path, hash: &str, resolved_toml: &str) -> Result<Self, RunFolderError> {
         let mut folder = Self::unlocked(path);
         if path == Path::new("-") {
@@ -126,7 +127,8 @@ impl RunFolder {
         }
     }
 
-    /// Whether the folder holds nothing but a run of this program, finished or not: `demo` may replace it.
+    /// Whether the folder holds nothing but a run of this program, finished or not: `demo` may
+    /// replace it.
     pub fn is_run(path: &Path) -> bool {
         matches!(Self::unlocked(path).state(), Ok(State::Run { .. }))
     }

@@ -1,4 +1,5 @@
-//! The form tables of a run folder: `form.csv`, one row a section, and `part_form.csv`, one row a pass.
+//! The form tables of a run folder: `form.csv`, one row a section, and `part_form.csv`, one row a
+//! pass.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +7,8 @@ use super::folder::{RunFolder, RunFolderError};
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::profile::Station;
 
-/// A row of `form.csv`: sizes and form of a section of the silhouette's hull over the angles of a pass.
+/// A row of `form.csv`: sizes and form of a section of the silhouette's hull over the angles of a
+/// pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FormRow {
     /// Pass, from 1.
@@ -19,7 +21,8 @@ pub struct FormRow {
     pub half_turn: bool,
     /// Least-squares size GG, mm.
     pub gg_mm: f64,
-    /// Its standard uncertainty, mm: `u_gg_random_mm` and `u_gg_common_mm` together. Version 0.1 wrote the random one alone.
+    /// Its standard uncertainty, mm: `u_gg_random_mm` and `u_gg_common_mm` together. Version 0.1
+    /// wrote the random one alone.
     pub u_gg_mm: f64,
     /// Minimum circumscribed size GN, mm.
     pub gn_mm: f64,

@@ -1,4 +1,5 @@
-//! The columnar tables of a run folder, for pandas, polars, DuckDB: `diameters.parquet` and `truth.parquet`.
+//! The columnar tables of a run folder, for pandas, polars, DuckDB: `diameters.parquet` and
+//! `truth.parquet`.
 
 use std::sync::Arc;
 

@@ -30,7 +30,8 @@ pub struct PassRow {
     pub frames: usize,
     /// What control decided after the pass: `released`, `held` or `last`.
     pub decision: String,
-    /// Largest radial force, N; this and what follows is the cell's, empty where it has none, not in older tables.
+    /// Largest radial force, N; this and what follows is the cell's, empty where it has none, not
+    /// in older tables.
     #[serde(default)]
     pub radial_force_n: Option<f64>,
     /// Largest tangential force, N.
@@ -67,7 +68,8 @@ pub struct StationRow {
     pub flag: Option<Reason>,
     /// True mean caliper diameter, mm.
     pub true_d_mm: f64,
-    /// Effective degrees of freedom of the uncertainty; empty where they are very many, not in older tables.
+    /// Effective degrees of freedom of the uncertainty; empty where they are very many, not in
+    /// older tables.
     #[serde(default)]
     pub effective_freedom: Option<f64>,
 }
@@ -112,7 +114,8 @@ pub struct OffsetRow {
     pub z_mm: f64,
     /// Offset o, mm of diameter: b = r - o.
     pub offset_mm: f64,
-    /// Offset that the controller asked for, before the machine's program rounded it, mm of diameter; not in older tables.
+    /// Offset that the controller asked for, before the machine's program rounded it, mm of
+    /// diameter; not in older tables.
     #[serde(default)]
     pub asked_mm: Option<f64>,
     /// Commanded diameter b, mm.
@@ -123,8 +126,8 @@ pub struct OffsetRow {
     pub reason: String,
 }
 
-/// A row of `truth_axis.csv`: where the axis of a station lay when a pass was looked at (tool clear, or under the
-/// force while it was cut); for comparison only.
+/// A row of `truth_axis.csv`: where the axis of a station lay when a pass was looked at (tool
+/// clear, or under the force while it was cut); for comparison only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrueAxisRow {
     /// Pass, from 1.

@@ -203,7 +203,8 @@ pub struct Shaft {
     pub eccentricity: Eccentricity,
     /// Bow of the body's own axis; turns with the spindle. Sorted by z; empty for a straight body.
     pub bow: Vec<AxisKnot>,
-    /// Deflection of the axis in the machine's frame (sag, cutting force); does not turn. Sorted by z.
+    /// Deflection of the axis in the machine's frame (sag, cutting force); does not turn. Sorted by
+    /// z.
     pub deflection: Vec<AxisKnot>,
     /// How the axis of rotation lies in the field.
     pub pose: Pose,

@@ -198,8 +198,8 @@ pub struct ShaftForm {
 }
 
 impl ShaftForm {
-    /// The first key that describes a finished part rather than how a plain shaft lies in the machine: what a turning pass
-    /// would cut away.
+    /// The first key that describes a finished part rather than how a plain shaft lies in the
+    /// machine: what a turning pass would cut away.
     pub fn finished_key(&self) -> Option<&'static str> {
         let keys = [
             (!self.contour.is_empty(), "shaft.contour"),

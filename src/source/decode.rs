@@ -1,8 +1,9 @@
 //! Image bytes to grey frames: PNG, TIFF and BigTIFF, JPEG, BMP, PGM and its kin.
 //!
-//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files. Encoded ones become
-//! proportional to the light (`transfer`), turned pictures upright (`orientation`). Without further knowledge a 16-bit file is
-//! 12-bit where no value exceeds 4095, else 16-bit. Memory: the file's samples, unpacked, and the frame.
+//! Grey values are taken as they stand; 10-, 12- and 14-bit values stand unshifted in 16-bit files.
+//! Encoded ones become proportional to the light (`transfer`), turned pictures upright
+//! (`orientation`). Without further knowledge a 16-bit file is 12-bit where no value exceeds 4095,
+//! else 16-bit. Memory: the file's samples, unpacked, and the frame.
 
 use super::error::{DecodeError, damaged};
 use super::raster::{Channel, Raster};
@@ -55,8 +56,8 @@ fn format(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Where the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without thumbnails and masks, the images of a
-/// PGM stream; one place in every other file.
+/// Where the frames of a file begin, for [`Wanted::place`]: the pages of a TIFF without thumbnails
+/// and masks, the images of a PGM stream; one place in every other file.
 pub fn pages(bytes: &[u8]) -> Vec<u64> {
     let places = match format(bytes) {
         Some(Format::Tiff) => tiff::pages(bytes),
@@ -66,7 +67,8 @@ pub fn pages(bytes: &[u8]) -> Vec<u64> {
     if places.is_empty() { vec![0] } else { places }
 }
 
-/// The first frame of an image, in grey. `bit_depth` is what is known beside the file (`frames.csv`).
+/// The first frame of an image, in grey. `bit_depth` is what is known beside the file
+/// (`frames.csv`).
 ///
 /// # Errors
 /// As [`decode_wanted`].
@@ -78,8 +80,8 @@ pub fn decode(bytes: &[u8], bit_depth: Option<u8>, meta: FrameMeta) -> Result<Fr
 /// Decodes one frame of an image.
 ///
 /// # Errors
-/// Refuses what is empty, no image, damaged, coloured without a channel chosen, transparent, encoded in a way that is not
-/// undone, too large or beyond its stated bit depth.
+/// Refuses what is empty, no image, damaged, coloured without a channel chosen, transparent,
+/// encoded in a way that is not undone, too large or beyond its stated bit depth.
 pub fn decode_wanted(bytes: &[u8], wanted: &Wanted, meta: FrameMeta) -> Result<Decoded, DecodeError> {
     if bytes.is_empty() {
         return Err(DecodeError::Empty);

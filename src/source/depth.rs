@@ -1,6 +1,7 @@
-//! What full scale is: stated beside the file (`frames.csv`), by the file (`maxval`, `sBIT`, bits a sample), or found
-//! from the largest value. Grey values are taken as they stand, except where a file's writer has spread them over its container
-//! (left-aligned, or scaled to its ends): there the camera's own values come back.
+//! What full scale is: stated beside the file (`frames.csv`), by the file (`maxval`, `sBIT`, bits a
+//! sample), or found from the largest value. Grey values are taken as they stand, except where a
+//! file's writer has spread them over its container (left-aligned, or scaled to its ends): there
+//! the camera's own values come back.
 
 use super::error::DecodeError;
 use crate::frame::{Buffer, PixelFormat};
@@ -97,7 +98,8 @@ fn words(
     Ok(sized(values, format, None))
 }
 
-/// The frame of a format; eight bits in a container of eight. A full scale that is the format's own is not stated again.
+/// The frame of a format; eight bits in a container of eight. A full scale that is the format's own
+/// is not stated again.
 fn sized(values: Vec<u16>, format: PixelFormat, full_scale: Option<f32>) -> Depth {
     let full_scale = full_scale.filter(|full| *full != full_of(format));
     let buffer = if format == PixelFormat::Mono8 {

@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-/// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for all memory.
+/// Most pixels of an image: 16 times the largest sensors in use, so that a few bytes cannot ask for
+/// all memory.
 pub(super) const MOST_PIXELS: u64 = 1 << 28;
 
 /// Longest side of an image, px.
@@ -63,7 +64,8 @@ pub enum DecodeError {
         /// Rows.
         rows: u32,
     },
-    /// A JPEG whose whole picture is kept as coefficients while it is decoded: three times the frame's memory.
+    /// A JPEG whose whole picture is kept as coefficients while it is decoded: three times the
+    /// frame's memory.
     #[error("a progressive JPEG; save it as a baseline JPEG, or without loss as PNG, TIFF, BMP or PGM")]
     Progressive,
     /// A JPEG of few and long rows: strips of eight take more memory than the frame.

@@ -94,7 +94,8 @@ pub struct StoredFrame {
 pub struct Listing {
     /// The images.
     pub images: Vec<PathBuf>,
-    /// Two names that stand the other way round in plain order (`img10`, `img2`), where there are any.
+    /// Two names that stand the other way round in plain order (`img10`, `img2`), where there are
+    /// any.
     pub reordered: Option<(String, String)>,
 }
 
@@ -106,7 +107,8 @@ pub fn list_images(path: &Path) -> Result<Vec<PathBuf>, ReadError> {
     listing(path).map(|l| l.images)
 }
 
-/// Images of a folder (or of its `frames` folder), in natural order of their names; a file is itself.
+/// Images of a folder (or of its `frames` folder), in natural order of their names; a file is
+/// itself.
 ///
 /// # Errors
 /// Where the path cannot be read or the folder holds no image.
@@ -209,7 +211,8 @@ impl FileFrames {
         self.open.as_ref().map(Open::stem)
     }
 
-    /// Reads the next frame; `None` at the end. After an error the next call goes on with the next one.
+    /// Reads the next frame; `None` at the end. After an error the next call goes on with the next
+    /// one.
     pub fn next_stored(&mut self) -> Option<Result<StoredFrame, ReadError>> {
         self.open_next()?;
         let mut open = self.open.take()?;
@@ -305,7 +308,8 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-/// The table beside the images of a folder, or in the folder above where it is theirs; empty where there is none.
+/// The table beside the images of a folder, or in the folder above where it is theirs; empty where
+/// there is none.
 fn table_of(folder: &Path, notices: &mut Vec<String>) -> Result<FrameTable, TableError> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let beside = here.join("frames.csv");

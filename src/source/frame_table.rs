@@ -1,8 +1,10 @@
-//! `frames.csv`: what is known of each frame beside its image, as programs and spreadsheets write it.
+//! `frames.csv`: what is known of each frame beside its image, as programs and spreadsheets write
+//! it.
 //!
-//! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not separate; any line ending;
-//! UTF-8 with or without its mark, or UTF-16 with one; quoted fields; Excel's `sep=` line. What is none of these is refused
-//! with its row, counted as a spreadsheet counts them: the names of the columns are row 1.
+//! Separated by commas, semicolons or tabs; decimal points, or decimal commas where they do not
+//! separate; any line ending; UTF-8 with or without its mark, or UTF-16 with one; quoted fields;
+//! Excel's `sep=` line. What is none of these is refused with its row, counted as a spreadsheet
+//! counts them: the names of the columns are row 1.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

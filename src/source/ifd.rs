@@ -1,7 +1,9 @@
-//! Directories of a TIFF (TIFF 6.0 section 2; BigTIFF, magic 43), as TIFF files and EXIF blocks hold them: a chain of
-//! tagged entries. Every read is within the bytes given, or there is no value.
+//! Directories of a TIFF (TIFF 6.0 section 2; BigTIFF, magic 43), as TIFF files and EXIF blocks
+//! hold them: a chain of tagged entries. Every read is within the bytes given, or there is no
+//! value.
 
-/// Most directories followed: more pages than any recording, and an end to chains that bite their tail.
+/// Most directories followed: more pages than any recording, and an end to chains that bite their
+/// tail.
 const MOST_DIRECTORIES: usize = 1 << 20;
 /// Most entries of a directory; a photograph's have some dozens.
 const MOST_ENTRIES: u64 = 4096;
@@ -97,7 +99,8 @@ impl<'a> TiffBytes<'a> {
         Some(Directory { entries, next })
     }
 
-    /// The directories of the chain, in order; a chain that ends in nothing or in itself ends there.
+    /// The directories of the chain, in order; a chain that ends in nothing or in itself ends
+    /// there.
     pub(super) fn chain(&self) -> Vec<u64> {
         let (mut places, mut at) = (Vec::new(), self.first);
         let mut seen = std::collections::HashSet::new();

@@ -18,7 +18,8 @@ use crate::frame::Buffer;
 
 /// Memory of a strip of 8 rows, bytes a column: 16-bit samples.
 const STRIP: usize = 16;
-/// The same where the one channel claims to be sampled more finely than others: with room for rows between the samples.
+/// The same where the one channel claims to be sampled more finely than others: with room for rows
+/// between the samples.
 const SAMPLED_STRIP: usize = 64;
 /// Strips up to this many bytes are decoded however small the frame.
 const SMALL_STRIP: usize = 256 << 10;
@@ -72,7 +73,8 @@ fn strip_bytes(info: &ImageInfo) -> usize {
     a_column * usize::from(info.width).next_multiple_of(32)
 }
 
-/// JFIF's density in its own segment (T.871 10.1): 1 dots an inch, 2 dots a centimetre; 0 is a ratio alone.
+/// JFIF's density in its own segment (T.871 10.1): 1 dots an inch, 2 dots a centimetre; 0 is a
+/// ratio alone.
 fn scale(bytes: &[u8]) -> Option<FileScale> {
     let [unit, density @ ..] = jfif(bytes)?;
     let (unit_um, name) = match unit {

@@ -2,8 +2,8 @@
 
 use std::cmp::Ordering;
 
-/// Compares runs of digits by their value, of any length, and everything else byte by byte; names that differ
-/// in nothing else than leading zeros stand in plain order.
+/// Compares runs of digits by their value, of any length, and everything else byte by byte; names
+/// that differ in nothing else than leading zeros stand in plain order.
 pub fn natural(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.as_bytes(), b.as_bytes());
     while let ([x, ..], [y, ..]) = (left, right) {

@@ -1,4 +1,5 @@
-//! Orientation tags (TIFF 6.0 tag 274, EXIF 4.6.5.1): where a file's first row and column stand in the scene.
+//! Orientation tags (TIFF 6.0 tag 274, EXIF 4.6.5.1): where a file's first row and column stand in
+//! the scene.
 //!
 //! ```text
 //! 1 top left  2 top right  3 bottom right  4 bottom left      rows stay rows
@@ -12,7 +13,8 @@ pub(super) fn exchanges(orientation: u64) -> bool {
     (5..=8).contains(&orientation)
 }
 
-/// The upright picture of a row-major one with `columns` columns. 1 and numbers without a meaning change nothing.
+/// The upright picture of a row-major one with `columns` columns. 1 and numbers without a meaning
+/// change nothing.
 pub(super) fn upright(buffer: Buffer, columns: usize, orientation: u64) -> Buffer {
     match buffer {
         Buffer::U8(v) => Buffer::U8(turned(v, columns, orientation)),
@@ -52,7 +54,8 @@ fn exchanged<T: Copy>(values: &[T], columns: usize, orientation: u64) -> Vec<T> 
 mod tests {
     use super::*;
 
-    /// Where the stored first row and column stand in the upright picture, in the words of the standard.
+    /// Where the stored first row and column stand in the upright picture, in the words of the
+    /// standard.
     #[test]
     fn the_stored_first_row_and_column_come_to_their_sides() {
         // Stored 2 x 3:  1 2 3 / 4 5 6.

@@ -1,9 +1,10 @@
-//! Samples of 1 to 15 bits packed without gaps, most significant bit first, rows padded to whole bytes (TIFF 6.0 BitsPerSample,
-//! FillOrder 1; PNG 7.2; PBM).
+//! Samples of 1 to 15 bits packed without gaps, most significant bit first, rows padded to whole
+//! bytes (TIFF 6.0 BitsPerSample, FillOrder 1; PNG 7.2; PBM).
 
 use crate::frame::Buffer;
 
-/// Unpacks rows of `row_samples` samples of `bits` bits: 8-bit values up to 8 bits, else 16-bit ones.
+/// Unpacks rows of `row_samples` samples of `bits` bits: 8-bit values up to 8 bits, else 16-bit
+/// ones.
 pub(super) fn unpack(packed: &[u8], bits: u8, row_samples: usize) -> Buffer {
     let row_bytes = (row_samples * usize::from(bits)).div_ceil(8).max(1);
     let rows = packed.chunks_exact(row_bytes);

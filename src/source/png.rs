@@ -1,4 +1,5 @@
-//! PNG: grey and palettes at 1 to 16 bits, colours, with what its chunks state (PNG, third edition, 2025).
+//! PNG: grey and palettes at 1 to 16 bits, colours, with what its chunks state (PNG, third edition,
+//! 2025).
 
 use std::io::Cursor;
 

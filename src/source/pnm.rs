@@ -1,5 +1,5 @@
-//! PGM, PPM, PBM (plain and raw), PAM and PFM, as the Netpbm manual pages define them: grey values as they stand, `maxval` the
-//! full scale.
+//! PGM, PPM, PBM (plain and raw), PAM and PFM, as the Netpbm manual pages define them: grey values
+//! as they stand, `maxval` the full scale.
 
 use super::error::{DecodeError, check_size, damaged};
 use super::packed::unpack;

@@ -1,4 +1,5 @@
-//! What a file format's reader hands on: samples as they stand in the file, and what the file states of them.
+//! What a file format's reader hands on: samples as they stand in the file, and what the file
+//! states of them.
 
 use super::error::DecodeError;
 use super::scale::FileScale;
@@ -45,7 +46,8 @@ pub(super) struct Stated {
     pub(super) orientation: Option<u64>,
     /// Scale.
     pub(super) scale: Option<FileScale>,
-    /// Bytes that the samples took in the file's own depth, where these are more than they take now.
+    /// Bytes that the samples took in the file's own depth, where these are more than they take
+    /// now.
     pub(super) wider_bytes: usize,
 }
 

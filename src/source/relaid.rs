@@ -1,4 +1,5 @@
-//! A TIFF whose first directory is another one than the file's: the same bytes, with a directory of our own behind them.
+//! A TIFF whose first directory is another one than the file's: the same bytes, with a directory of
+//! our own behind them.
 
 use std::io::{Read, Result as IoResult, Seek, SeekFrom};
 
@@ -49,7 +50,8 @@ impl Tag {
     }
 }
 
-/// The bytes of a file between a header that points behind them and the directory that stands there.
+/// The bytes of a file between a header that points behind them and the directory that stands
+/// there.
 pub(super) struct Relaid<'a> {
     header: Vec<u8>,
     bytes: &'a [u8],

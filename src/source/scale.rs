@@ -10,8 +10,9 @@ const PRINT_DPI: [f64; 19] = [
 ];
 /// An inch, µm.
 const INCH_UM: f64 = 25_400.0;
-/// Scales that differ by more are two scales. A scale is wrong by as much as the diameter: .1 % of 20 mm is 20 µm,
-/// and what writers round off (whole pixels a metre, hundredths of a dot an inch) stays below it.
+/// Scales that differ by more are two scales. A scale is wrong by as much as the diameter: .1 % of
+/// 20 mm is 20 µm, and what writers round off (whole pixels a metre, hundredths of a dot an inch)
+/// stays below it.
 pub const SAME_SCALE: f64 = 1e-3;
 
 /// What a file's scale is worth.
@@ -39,7 +40,8 @@ pub struct FileScale {
 }
 
 impl FileScale {
-    /// Of dots per unit of `unit_um` µm, across and down, in `whole` numbers or not; `None` where these are no lengths.
+    /// Of dots per unit of `unit_um` µm, across and down, in `whole` numbers or not; `None` where
+    /// these are no lengths.
     pub(super) fn of_density(density: [f64; 2], whole: bool, unit_um: f64, origin: String) -> Option<Self> {
         let um_per_px = density.map(|d| unit_um / d);
         if um_per_px.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
@@ -85,7 +87,8 @@ impl FileScale {
         Ok(x)
     }
 
-    /// Refuses a scale in use that differs from this one by more than .1 %; a printer's or a screen's is no word on it.
+    /// Refuses a scale in use that differs from this one by more than .1 %; a printer's or a
+    /// screen's is no word on it.
     ///
     /// # Errors
     /// Names both.

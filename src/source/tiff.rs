@@ -1,7 +1,9 @@
-//! TIFF and BigTIFF: every page, grey and palettes at 1 to 64 bits (packed ones, too), signed and floating point, colours.
+//! TIFF and BigTIFF: every page, grey and palettes at 1 to 64 bits (packed ones, too), signed and
+//! floating point, colours.
 //!
-//! The `tiff` crate unpacks strips and tiles. It reads neither samples of 9 to 15 bits nor palettes, so that a page is
-//! laid before it under a directory of its own (behind the file's end): packed rows as rows of bytes, indices as grey.
+//! The `tiff` crate unpacks strips and tiles. It reads neither samples of 9 to 15 bits nor
+//! palettes, so that a page is laid before it under a directory of its own (behind the file's end):
+//! packed rows as rows of bytes, indices as grey.
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::{TiffError, TiffUnsupportedError};
@@ -16,7 +18,8 @@ use super::scale::FileScale;
 use super::transfer::Transfer;
 use crate::frame::Buffer;
 
-/// Tags that the unpacking needs as they stand: compression, fill order, strips, predictor, tiles, JPEG tables.
+/// Tags that the unpacking needs as they stand: compression, fill order, strips, predictor, tiles,
+/// JPEG tables.
 const KEPT: [u16; 10] = [259, 273, 278, 279, 317, 322, 323, 324, 325, 347];
 
 /// The layout of the samples by a page's tags.
@@ -304,8 +307,8 @@ struct Laid {
 }
 
 impl Laid {
-    /// Columns of all tiles, where the decoder loses its place behind tiles that stand out over the right edge: it does so
-    /// with LZW (compression 5).
+    /// Columns of all tiles, where the decoder loses its place behind tiles that stand out over the
+    /// right edge: it does so with LZW (compression 5).
     fn padded_columns(&self, compression: Option<u64>) -> u32 {
         let tile = self.tile_columns.filter(|t| *t > 0 && compression == Some(5));
         tile.and_then(|t| self.columns.checked_next_multiple_of(t)).unwrap_or(self.columns)
@@ -427,7 +430,8 @@ fn decoded(tiff: &TiffBytes<'_>, directory: &Directory, mut tags: Vec<Tag>) -> R
     })
 }
 
-/// A palette (tag 320: all reds, all greens, all blues): 16-bit colours, eight bits where they are no more.
+/// A palette (tag 320: all reds, all greens, all blues): 16-bit colours, eight bits where they are
+/// no more.
 fn colours(
     indices: Buffer,
     tiff: &TiffBytes<'_>,

@@ -1,10 +1,11 @@
-//! Encoded grey values back to light: what `gAMA`, `sRGB`, `iCCP`, `cICP` (PNG), TransferFunction, GrayResponseCurve and
-//! ICC profiles (TIFF) and EXIF's colour space (JPEG) state.
+//! Encoded grey values back to light: what `gAMA`, `sRGB`, `iCCP`, `cICP` (PNG), TransferFunction,
+//! GrayResponseCurve and ICC profiles (TIFF) and EXIF's colour space (JPEG) state.
 //!
-//! An edge-spread function is one of light. Where grey values grow with a power of the light, the place where they
-//! cross the middle is another one, by about half the blur for a power of .45.
+//! An edge-spread function is one of light. Where grey values grow with a power of the light, the
+//! place where they cross the middle is another one, by about half the blur for a power of .45.
 //!
-//! Curves: sRGB IEC 61966-2-1; BT.709 item 1.2 and the other `cICP` codes ITU-T H.273 table 3; ICC.1:2022 10.6, 10.18.
+//! Curves: sRGB IEC 61966-2-1; BT.709 item 1.2 and the other `cICP` codes ITU-T H.273 table 3;
+//! ICC.1:2022 10.6, 10.18.
 
 use std::fmt;
 
@@ -13,7 +14,8 @@ use moxcms::{ColorProfile, DataColorSpace, ToneCurveEvaluator};
 use super::error::DecodeError;
 use crate::frame::{Buffer, Encoding};
 
-/// Largest ICC profile read, bytes: tone curves and their texts; those that carry tables of colours are larger.
+/// Largest ICC profile read, bytes: tone curves and their texts; those that carry tables of colours
+/// are larger.
 const LARGEST_PROFILE: usize = 128 << 10;
 
 /// How grey values encode light, and the tag that states it.
@@ -47,7 +49,8 @@ impl Transfer {
     pub(super) fn of_gama(scaled: u32) -> Result<Self, DecodeError> {
         let exponent = f64::from(scaled) / 1e5;
         let origin = format!("gAMA {exponent}");
-        // Displays and cameras lie between .3 and 1; what lies far outside is no exponent but a mistake.
+        // Displays and cameras lie between .3 and 1; what lies far outside is no exponent but a
+        // mistake.
         if !(0.1..=10.0).contains(&exponent) {
             return Err(refused(&origin, "no exponent of an image; 0.1 to 10, and 1 for linear values"));
         }
@@ -59,7 +62,8 @@ impl Transfer {
         Self { origin: origin.to_owned(), curve: Curve::Srgb }
     }
 
-    /// `cICP`: primaries, transfer function, matrix, full range. `None` where it leaves the function open.
+    /// `cICP`: primaries, transfer function, matrix, full range. `None` where it leaves the
+    /// function open.
     pub(super) fn of_cicp(code: [u8; 4]) -> Result<Option<Self>, DecodeError> {
         let origin = format!("cICP transfer function {}", code[1]);
         if code[3] != 1 {

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::dirty_frames::{Bump, COLUMNS, DrawError, Contaminant, PIXEL_UM, Piece, STATION};
+use super::dirty_frames::{Bump, COLUMNS, Contaminant, DrawError, PIXEL_UM, Piece, STATION};
 use crate::frame::Frame;
 use crate::gauge::{FrameEdges, Gauge, GaugeSettings, Rejection, StationColumns};
 

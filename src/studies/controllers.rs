@@ -1,4 +1,5 @@
-//! Controllers on equal terms: every one turns the same shafts, rendered and measured; errors by pass with intervals.
+//! Controllers on equal terms: every one turns the same shafts, rendered and measured; errors by
+//! pass with intervals.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -71,7 +72,8 @@ pub struct ControllerStudy {
     pub runs: Vec<PassError>,
 }
 
-/// Turns `shafts` shafts (seeds from the job's on) with every controller; `none` always comes first, as the measure.
+/// Turns `shafts` shafts (seeds from the job's on) with every controller; `none` always comes
+/// first, as the measure.
 ///
 /// # Errors
 /// Where a job does not fit together, the renderer or the gauge fails.

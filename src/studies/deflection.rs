@@ -1,4 +1,5 @@
-//! `study deflection`: how far a held shaft yields under a radial force, over the position of the force.
+//! `study deflection`: how far a held shaft yields under a radial force, over the position of the
+//! force.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -238,7 +238,8 @@ impl Piece {
     }
 }
 
-/// Light on a pixel whose centre lies `d` px in the light of a Gaussian edge, the pixel's area integrated.
+/// Light on a pixel whose centre lies `d` px in the light of a Gaussian edge, the pixel's area
+/// integrated.
 fn step(d: f64) -> f64 {
     if d.abs() > 6.0 * SIGMA_PX {
         return if d > 0.0 { 1.0 } else { 0.0 };

@@ -1,8 +1,9 @@
-//! `study factor`: one cutting variable at a time against the size error (Tables 1-2 and Figs 7-9 of the slender-shaft
-//! paper).
+//! `study factor`: one cutting variable at a time against the size error (Tables 1-2 and Figs 7-9
+//! of the slender-shaft paper).
 //!
-//! The size error at a position of the tool is 2·w(z)·F, w the compliance of the held shaft there; the largest of
-//! them over z is what the paper plots the top of. Forces are those given with a series, else the force law's.
+//! The size error at a position of the tool is 2·w(z)·F, w the compliance of the held shaft there;
+//! the largest of them over z is what the paper plots the top of. Forces are those given with a
+//! series, else the force law's.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -5,7 +5,7 @@
 use crate::frame::{PixelFormat, Pixels};
 use crate::render::contamination::Contamination;
 use crate::render::form::form_shaft;
-use crate::render::settings::{SetupSettings, Camera, SetupDeviations, Light, Optics, Sensor};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
 use crate::render::{FrameRequest, OpticalSetup, RenderError, Renderer, Scene};
 use crate::shaft::{ProfileKnot, ShaftForm};
 use crate::truth::true_edges;

@@ -1,4 +1,5 @@
-//! `study in-process`: one job scanned after every pass, and while it is cut, with and without correction within the pass.
+//! `study in-process`: one job scanned after every pass, and while it is cut, with and without
+//! correction within the pass.
 
 use serde::Serialize;
 

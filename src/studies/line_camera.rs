@@ -1,9 +1,11 @@
-//! `study line-camera`: readings of a line camera: how fast they are measured, and how near their repeatability comes to its bound.
+//! `study line-camera`: readings of a line camera: how fast they are measured, and how near their
+//! repeatability comes to its bound.
 //!
-//! The part stands at sixteen places a sixteenth of a pixel apart, in turn, so that every phase is seen. What a reading repeats to is the
-//! scatter of measured less true width; the bound is that of Cramér and Rao for the width with levels, blur and noise known, over all pixels
-//! of the line, from noise-free lines drawn a fiftieth of a pixel apart and the sensor's own noise. Readings are measured one by one as a
-//! stream, and in blocks as a frame grabber delivers them.
+//! The part stands at sixteen places a sixteenth of a pixel apart, in turn, so that every phase is
+//! seen. What a reading repeats to is the scatter of measured less true width; the bound is that of
+//! Cramér and Rao for the width with levels, blur and noise known, over all pixels of the line,
+//! from noise-free lines drawn a fiftieth of a pixel apart and the sensor's own noise. Readings are
+//! measured one by one as a stream, and in blocks as a frame grabber delivers them.
 
 use std::time::Instant;
 
@@ -27,7 +29,8 @@ pub const BLOCK: usize = 256;
 const STEP_PX: f64 = 0.01;
 /// Readings after which a stream pools as many as it keeps.
 const SETTLED: usize = 32;
-/// Step from one reading's edge to the next that a block allows, px: a part does not wander farther within 60 µs.
+/// Step from one reading's edge to the next that a block allows, px: a part does not wander farther
+/// within 60 µs.
 const MOST_STEP_PX: f64 = 3.0;
 
 /// A study that cannot be made.
@@ -252,7 +255,8 @@ fn true_width_px(job: &Job, scene: &Scene) -> Result<f64, RenderError> {
     Ok(edges.first().map_or(f64::NAN, |e| e.bottom_px - e.top_px))
 }
 
-/// Variance of a width below which no unbiased estimate comes, px²: 1/I of both edges, each from its half of the line.
+/// Variance of a width below which no unbiased estimate comes, px²: 1/I of both edges, each from
+/// its half of the line.
 fn bound_variance_px2(
     job: &Job,
     setup: &OpticalSetup,

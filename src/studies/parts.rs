@@ -1,8 +1,9 @@
-//! A batch of parts, with and without learning from part to part: two loops, pass to pass within a part and part to part.
+//! A batch of parts, with and without learning from part to part: two loops, pass to pass within a
+//! part and part to part.
 //!
-//! What is charted is the finished part's mean deviation from its aim, as an individuals chart (ISO 7870-2): centre x̄,
-//! limits x̄ ± 3·R̄/d₂ with the mean moving range R̄ of two and d₂ = 1.128. Capability is Ppk (ISO 22514-2) from the
-//! standard deviation over the batch.
+//! What is charted is the finished part's mean deviation from its aim, as an individuals chart (ISO
+//! 7870-2): centre x̄, limits x̄ ± 3·R̄/d₂ with the mean moving range R̄ of two and d₂ = 1.128.
+//! Capability is Ppk (ISO 22514-2) from the standard deviation over the batch.
 
 use serde::Serialize;
 
@@ -102,7 +103,8 @@ pub struct PartsStudy {
     pub passes: Vec<PartPass>,
 }
 
-/// Turns the batch twice, without and with `[control.parts]`; the blanks, the machine and the noise are the same.
+/// Turns the batch twice, without and with `[control.parts]`; the blanks, the machine and the noise
+/// are the same.
 ///
 /// # Errors
 /// Where the job does not fit together, the renderer or the gauge fails.

@@ -10,8 +10,8 @@ use crate::plan::CuttingData;
 /// What the paper's rows are computed from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
-    /// Errors at x = 1/6 … 1, in `unit_mm`. The paper's table is lost: these are the smoothest values, to one decimal,
-    /// that give its a and b.
+    /// Errors at x = 1/6 … 1, in `unit_mm`. The paper's table is lost: these are the smoothest
+    /// values, to one decimal, that give its a and b.
     pub error: Vec<f64>,
     /// Unit of the errors, mm.
     pub unit_mm: f64,
@@ -60,8 +60,8 @@ pub struct InputError(String);
 
 /// Six significant digits are printed.
 const DIGITS: f64 = 5e-6;
-/// Agreement asked of the change of the mean diameter, relative: the groups' numbers of parts and their scatter are not printed; means
-/// of five parts within 10 µm differ by as much.
+/// Agreement asked of the change of the mean diameter, relative: the groups' numbers of parts and
+/// their scatter are not printed; means of five parts within 10 µm differ by as much.
 pub(crate) const CHANGE: f64 = 0.20;
 
 /// The error line through the inputs' errors.
@@ -121,7 +121,8 @@ fn data_rows(inputs: &Inputs) -> Vec<Row> {
     let moment: f64 = (1..=6).zip(&inputs.error).map(|(i, e)| f64::from(2 * i - 7) * e).sum();
     let why =
         "table 1 is missing from the text: the printed a and b fix this sum, the errors are reconstructed";
-    // x = i/6: x̄ = 7/12, x − x̄ = (2i − 7)/12, Σ(x − x̄)² = 35/72, so Σε = 6(a + b·7/12) and Σ(2i − 7)ε = b·35/6
+    // x = i/6: x̄ = 7/12, x − x̄ = (2i − 7)/12, Σ(x − x̄)² = 35/72, so Σε = 6(a + b·7/12) and Σ(2i
+    // − 7)ε = b·35/6
     let (b, a) = (inputs.slope, inputs.intercept);
     let (from_a, from_b) = (6.0 * (a + b * 7.0 / 12.0), b * 35.0 / 6.0);
     let row = |names: (&str, &str, &str), paper: f64, ours: f64| {
@@ -309,8 +310,9 @@ fn macro_rows(inputs: &Inputs, v: &MacroValues) -> Vec<Row> {
     ]
 }
 
-/// Equations 7 to 10 as printed, each into the variable that it names, in `order` and `runs` times: what is taken off the
-/// diameter at the start in the end, in the unit of the errors. A variable that nothing has filled counts as 0.
+/// Equations 7 to 10 as printed, each into the variable that it names, in `order` and `runs` times:
+/// what is taken off the diameter at the start in the end, in the unit of the errors. A variable
+/// that nothing has filled counts as 0.
 fn compensation_at_start(inputs: &Inputs, order: &[u32], runs: usize) -> f64 {
     // #800 to #805; the first two less the diameter aimed at, in that unit.
     let mut v = [0.0, 0.0, inputs.slope, inputs.intercept, 0.0, 0.0];
@@ -375,7 +377,8 @@ fn experiment_rows(inputs: &Inputs, line: &LineFit) -> Vec<Row> {
 mod tests {
     use super::*;
 
-    /// Through points of 2 + 3(x-1) + 5(x-1)(x-2) - 7(x-1)(x-2)(x-4), Newton's coefficients are these four and no more.
+    /// Through points of 2 + 3(x-1) + 5(x-1)(x-2) - 7(x-1)(x-2)(x-4), Newton's coefficients are
+    /// these four and no more.
     #[test]
     fn divided_differences_are_newtons_coefficients() {
         let x: [f64; 5] = [1.0, 2.0, 4.0, 4.5, 7.0];

@@ -1,6 +1,8 @@
-//! What a reproduction of a paper reports: its figure, ours, the range accepted for ours, and the verdict that follows.
+//! What a reproduction of a paper reports: its figure, ours, the range accepted for ours, and the
+//! verdict that follows.
 //!
-//! No verdict is chosen: it is computed from figure, ours, range and what ours rests on ([`Basis`]).
+//! No verdict is chosen: it is computed from figure, ours, range and what ours rests on
+//! ([`Basis`]).
 //!
 //! | basis | ours inside the range | outside |
 //! |---|---|---|
@@ -8,9 +10,9 @@
 //! | [`Basis::InSample`] | consistent | not reproduced |
 //! | [`Basis::Printed`] | consistent | contradiction |
 //!
-//! A row that needs what the paper does not give is undetermined; one without figure and range is not in the paper. Only
-//! [`Basis::Printed`], which takes nothing but the paper's own figures and equations, can end in a contradiction: a constant of
-//! ours never does.
+//! A row that needs what the paper does not give is undetermined; one without figure and range is
+//! not in the paper. Only [`Basis::Printed`], which takes nothing but the paper's own figures and
+//! equations, can end in a contradiction: a constant of ours never does.
 
 use serde::Serialize;
 
@@ -20,9 +22,11 @@ use serde::Serialize;
 pub enum Verdict {
     /// A prediction that was not fitted to the figure agrees with it.
     Reproduced,
-    /// A fit to the figure, an identity of the paper's equations or an input handed through agrees with it.
+    /// A fit to the figure, an identity of the paper's equations or an input handed through agrees
+    /// with it.
     Consistent,
-    /// The paper's own figures and equations contradict each other, by arithmetic or geometry without a constant of ours.
+    /// The paper's own figures and equations contradict each other, by arithmetic or geometry
+    /// without a constant of ours.
     Contradiction,
     /// The paper lacks the data that the figure would follow from.
     Undetermined,
@@ -77,7 +81,8 @@ pub enum Accept {
     Relative(f64),
     /// This much on either side of the paper's figure.
     Absolute(f64),
-    /// From and to, for what the paper states without a number, or as a limit; either may be infinite.
+    /// From and to, for what the paper states without a number, or as a limit; either may be
+    /// infinite.
     Range(f64, f64),
 }
 
@@ -112,12 +117,14 @@ pub struct Row {
     pub known_miss: Option<String>,
 }
 
-/// A figure that is known not to be reproduced: by how much, and why. A run that misses otherwise is no known miss.
+/// A figure that is known not to be reproduced: by how much, and why. A run that misses otherwise
+/// is no known miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownMiss {
     /// The row.
     pub id: &'static str,
-    /// Ours, in the row's unit; the miss is the known one within 5 % of the largest of it, the figure and their difference.
+    /// Ours, in the row's unit; the miss is the known one within 5 % of the largest of it, the
+    /// figure and their difference.
     pub ours: f64,
     /// Why ours misses.
     pub reason: &'static str,
@@ -178,7 +185,8 @@ impl Row {
         Self::in_sample(names, Some(0.0), ours, Accept::Absolute(limit), reason)
     }
 
-    /// One of the paper's figures against what its other figures and equations give. `ours` must take no constant of ours.
+    /// One of the paper's figures against what its other figures and equations give. `ours` must
+    /// take no constant of ours.
     pub fn printed(
         names: (&str, &str, &str),
         paper: Option<f64>,

@@ -1,4 +1,5 @@
-//! Stability of every controller with every plant: poles, limits of the plant gain, margin, transients.
+//! Stability of every controller with every plant: poles, limits of the plant gain, margin,
+//! transients.
 
 use serde::Serialize;
 

@@ -1,6 +1,7 @@
-//! The uncertainty of a diameter by the law of propagation and by Monte Carlo (JCGM 101) through the whole measurement:
-//! certificates, thermometers, every block of edges of every master's frame → adjustment of the optical setup → the part's edges,
-//! temperature, place and finish → diameter at 20 °C. Its sources are the rows of `measure --budget`, by the same names.
+//! The uncertainty of a diameter by the law of propagation and by Monte Carlo (JCGM 101) through
+//! the whole measurement: certificates, thermometers, every block of edges of every master's frame
+//! → adjustment of the optical setup → the part's edges, temperature, place and finish → diameter
+//! at 20 °C. Its sources are the rows of `measure --budget`, by the same names.
 
 use serde::Serialize;
 
@@ -12,7 +13,8 @@ use crate::gauge::monte_carlo::{
     monte_carlo_adaptive, validate,
 };
 
-/// The part whose diameter is looked at: a reading of it and the calibration that turns it into millimetres.
+/// The part whose diameter is looked at: a reading of it and the calibration that turns it into
+/// millimetres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
     reading: WidthReading,
@@ -21,8 +23,9 @@ pub struct PartView {
 }
 
 impl PartView {
-    /// A part of a diameter at 20 °C in the middle of the field, its edges as quiet as `like`'s. The lens is inverted: its rows are
-    /// those at which the calibrated lens shows this diameter under the conditions.
+    /// A part of a diameter at 20 °C in the middle of the field, its edges as quiet as `like`'s.
+    /// The lens is inverted: its rows are those at which the calibrated lens shows this diameter
+    /// under the conditions.
     ///
     /// `None` for a calibration without an optical setup, and a part that does not fit the field.
     pub fn of_diameter(
@@ -101,7 +104,8 @@ pub struct Uncertainty {
     pub sources: Vec<Source>,
     /// By Monte Carlo, mm.
     pub monte_carlo: Propagated,
-    /// Whether the first is validated by the second, at two and at one significant digits of u (JCGM 101, 8.1).
+    /// Whether the first is validated by the second, at two and at one significant digits of u
+    /// (JCGM 101, 8.1).
     pub validation: [Validation; 2],
 }
 
@@ -131,8 +135,10 @@ impl Model<'_> {
         };
         let p = &x[self.deviations..self.deviations + OF_PART];
         let r = &self.reading;
-        let along =
-            ColumnSpread { mean_px: r.column_px - lens.centre_column_px, variance_px2: r.column_variance_px2 };
+        let along = ColumnSpread {
+            mean_px: r.column_px - lens.centre_column_px,
+            variance_px2: r.column_variance_px2,
+        };
         let (top, bottom) = (r.rows_px.0 - lens.centre_row_px, r.rows_px.1 - lens.centre_row_px);
         let width = lens.ideal_mean(along, bottom) - lens.ideal_mean(along, top);
         let added: f64 = x[self.deviations + OF_PART..].iter().sum();
@@ -155,7 +161,8 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
             input(name.clone(), 0.0, Distribution::Normal { u: sigma / (scale * o.chord) })
         })
         .collect();
-    // Priors count in units of their standard uncertainties; of a lens, temperature and expansion only limits are known.
+    // Priors count in units of their standard uncertainties; of a lens, temperature and expansion
+    // only limits are known.
     all.extend(sources.into_iter().skip(seen.len()).map(|name| {
         let limits = is_rectangular(&name);
         let distribution = if limits { even(3.0_f64.sqrt()) } else { Distribution::Normal { u: 1.0 } };
@@ -171,7 +178,8 @@ fn inputs(adjustment: &Adjustment, calibration: &Calibration, part: &PartView, c
     for (name, (estimate, distribution)) in OF_CONDITIONS.iter().zip(of_part) {
         all.push(input((*name).to_owned(), estimate, distribution));
     }
-    // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it stands.
+    // Every other row of the budget (noise, levels, form, blur …) adds to the diameter as it
+    // stands.
     let calibrated =
         |source: &str| calibration.setup.as_ref().is_some_and(|b| b.parts.iter().any(|p| p.source == source));
     let others = part.budget.contributions.iter();
@@ -190,7 +198,8 @@ pub struct Draws {
     pub seed: u64,
 }
 
-/// Propagates the distributions of everything that a diameter depends on; `None` where the masters determine no bench.
+/// Propagates the distributions of everything that a diameter depends on; `None` where the masters
+/// determine no bench.
 pub fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,
@@ -226,8 +235,9 @@ pub fn uncertainty(
     })
 }
 
-/// Contributions of inputs of one name together. A row of the budget whose input has no term of first order (place of the axis x
-/// telecentricity, where that is about zero) is given as the budget has it.
+/// Contributions of inputs of one name together. A row of the budget whose input has no term of
+/// first order (place of the axis x telecentricity, where that is about zero) is given as the
+/// budget has it.
 fn sources(inputs: &[Input], gum: &LawOfPropagation, budget: &Budget) -> Vec<Source> {
     let mut all: Vec<Source> = Vec::new();
     for (input, u) in inputs.iter().zip(&gum.contributions) {

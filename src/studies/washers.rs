@@ -1,4 +1,5 @@
-//! Rings of known size: the gauge and a plain method on the same split, one scale and one edge offset for outline and bore.
+//! Rings of known size: the gauge and a plain method on the same split, one scale and one edge
+//! offset for outline and bore.
 //!
 //! Scale s and offset o of D = s·d ± o (+ outline, − bore) are adjusted by least squares to both
 //! diameters of all parts but one and tested on the one left out. A tactile machine reports the
@@ -33,10 +34,11 @@ pub const LEVEL: f64 = 130.0;
 /// Diameters of common styli, mm.
 pub const BALLS_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
 const RAYS: usize = 3600;
-/// Bootstrap samples: some 60 lie beyond either end of an interval, which then stands to an eighth of a tail (binomial).
+/// Bootstrap samples: some 60 lie beyond either end of an interval, which then stands to an eighth
+/// of a tail (binomial).
 const BOOTSTRAPS: usize = 10_000;
-/// Share of the samples beyond either end: four figures are compared, and all four intervals together hold at 95 %
-/// (Bonferroni).
+/// Share of the samples beyond either end: four figures are compared, and all four intervals
+/// together hold at 95 % (Bonferroni).
 const TAIL: f64 = 0.05 / 4.0 / 2.0;
 /// Residuals beyond so many robust standard deviations from the median are listed.
 const OUTLIER: f64 = 3.0;
@@ -146,8 +148,8 @@ pub struct Comparison {
     pub ours_um: f64,
     /// The plain method's, µm.
     pub plain_um: f64,
-    /// Interval of the difference gauge − plain, µm: bootstrap over parts, both methods on the same sample; 95 % for all four
-    /// comparisons together.
+    /// Interval of the difference gauge − plain, µm: bootstrap over parts, both methods on the same
+    /// sample; 95 % for all four comparisons together.
     pub difference_um: [f64; 2],
     /// What that interval shows.
     pub verdict: Verdict,
@@ -248,8 +250,8 @@ fn measure(part: &Part) -> Result<(RingMeasurement, Pair), WashersError> {
     Ok((ring, crossing))
 }
 
-/// Diameter of the least-squares circle through the first crossings of [`LEVEL`] from the shadow outwards, along bilinear
-/// rays in steps of a quarter of a pixel; twice, for the centre.
+/// Diameter of the least-squares circle through the first crossings of [`LEVEL`] from the shadow
+/// outwards, along bilinear rays in steps of a quarter of a pixel; twice, for the centre.
 fn level_crossing(view: &FrameView<'_>, mut circle: (DVec2, f64), outward: f64) -> Result<f64, FormError> {
     let grey = |p: DVec2| {
         let (corner, part) = (p.floor(), p - p.floor());
@@ -301,7 +303,8 @@ fn figures(name: String, diameter_px: Vec<Pair>, machine_mm: &[Pair]) -> MethodF
     }
 }
 
-/// Residuals of both halves (every second part in the order given), each with the other half's scale and offset, µm.
+/// Residuals of both halves (every second part in the order given), each with the other half's
+/// scale and offset, µm.
 fn split_residuals(diameter_px: &[Pair], machine_mm: &[Pair]) -> Vec<Pair> {
     let all: Vec<(Pair, Pair)> = diameter_px.iter().copied().zip(machine_mm.iter().copied()).collect();
     let fits = [0, 1].map(|half| scale_and_offset(all.iter().skip(1 - half).step_by(2)));
@@ -333,8 +336,9 @@ fn comparisons(ours_px: &[Pair], plain_px: &[Pair], machine_mm: &[Pair]) -> Vec<
     found
 }
 
-/// Interval of the difference of a spread (index into [`spreads`]) between two methods on the same parts: percentiles
-/// over samples of the parts with replacement (Efron, Tibshirani 1993, ch. 13). The seed is fixed: equal inputs, equal interval.
+/// Interval of the difference of a spread (index into [`spreads`]) between two methods on the same
+/// parts: percentiles over samples of the parts with replacement (Efron, Tibshirani 1993, ch. 13).
+/// The seed is fixed: equal inputs, equal interval.
 fn bootstrap(ours: &[f64], plain: &[f64], index: usize) -> [f64; 2] {
     let mut random = rand_pcg::Pcg64::seed_from_u64(0x7761_7368);
     let parts = ours.len();

@@ -10,7 +10,7 @@ use shadowgauge::gauge::{
 };
 use shadowgauge::profile::DiameterProfile;
 use shadowgauge::render::form::form_shaft;
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations, Esf, GaussianEsf};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{Pose, ProfileKnot, Shaft, ShaftForm};
 

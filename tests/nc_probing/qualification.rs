@@ -1,6 +1,6 @@
 //! The probe qualified on a reference, and the spindle held at an angle while it touches.
 
-use shadowgauge::nc::replay::{self, Deed, WorkingSpace, Surface};
+use shadowgauge::nc::replay::{self, Deed, Surface, WorkingSpace};
 use shadowgauge::nc::{
     Dialect, NcError, NcProbe, NcSettings, ProbeReference, Qualification, SpindleOrientation, Tailstock,
 };
@@ -66,7 +66,8 @@ fn the_correction_the_ball_and_the_scatter_are_left_in_variables() {
             assert_eq!((written.cut.z_mm, written.cut.touches), (30.0, 5 * sides), "{dialect:?}");
             // 12 µm of indicated run-out, which the angle of 30° meets at .87 of it
             let run_out = if held { 0.012 } else { 0.0 };
-            let working_space = qualification.working_space(dialect, met(&settings, run_out)).expect("a scene");
+            let working_space =
+                qualification.working_space(dialect, met(&settings, run_out)).expect("a scene");
             let events = run(&text, &working_space);
             let touched = touches(&events);
             assert_eq!(touched.len(), 5 * sides as usize);

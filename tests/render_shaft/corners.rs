@@ -9,7 +9,7 @@ use shadowgauge::render::settings::Esf;
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ContourPoint, Pose, ProfileKnot, Shaft, ShaftForm, Thread};
 
-use crate::support::{setup, counts, device, exact, shifts, worst};
+use crate::support::{counts, device, exact, setup, shifts, worst};
 
 fn request() -> FrameRequest {
     FrameRequest { format: Some(PixelFormat::F32), ..Default::default() }

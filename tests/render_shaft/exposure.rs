@@ -3,7 +3,7 @@
 use shadowgauge::frame::PixelFormat;
 use shadowgauge::render::esf_families::PartiallyCoherentEdge;
 use shadowgauge::render::motion::{Motion, Strobe, Vibration};
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations, Esf};
+use shadowgauge::render::settings::{Esf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, FrameRequest, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{Eccentricity, Flat, Pose, Shaft};
 

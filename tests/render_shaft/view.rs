@@ -10,7 +10,7 @@ use shadowgauge::render::{BackendChoice, FrameRequest, Renderer, Scene};
 use shadowgauge::shaft::{AxisKnot, Flat, Keyway, Lobe, Pose, ProfileKnot, Shaft};
 
 use crate::close;
-use crate::support::{setup, counts, exact, shifts, worst};
+use crate::support::{counts, exact, setup, shifts, worst};
 
 fn shoulder() -> Shaft {
     let mut shaft = Shaft::cylinder(25.0);

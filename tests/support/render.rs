@@ -1,7 +1,7 @@
 //! Benches, scenes and comparisons for the renderer's tests.
 
 use shadowgauge::frame::{Frame, Pixels};
-use shadowgauge::render::settings::{SetupSettings, SetupDeviations, Esf, GaussianEsf};
+use shadowgauge::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use shadowgauge::render::{BackendChoice, OpticalSetup, Renderer, Scene};
 use shadowgauge::shaft::{ProfileKnot, Shaft};
 

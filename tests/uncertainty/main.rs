@@ -1,10 +1,10 @@
 //! Calibration of a bench, its budget, Monte Carlo and coverage.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-mod setup;
 mod cli;
 mod coverage;
 mod jcgm_101;
 #[path = "../support/program.rs"]
 mod program;
+mod setup;
 mod trust;

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use shadowgauge::gauge::calibration::{
-    Adjustment, ColumnSpread, CertificateShare, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
+    Adjustment, CertificateShare, ColumnSpread, LensLimits, LensModel, MasterPrior, Observation, PARAMETERS,
     Thermometer, Unstated,
 };
 use shadowgauge::gauge::{CalibrationError, MasterCertificate};

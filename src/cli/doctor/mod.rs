@@ -1,4 +1,5 @@
-//! `shadowgauge doctor`: adapters, drivers, what `auto` would choose, what is missing and how to install it.
+//! `shadowgauge doctor`: adapters, drivers, what `auto` would choose, what is missing and how to
+//! install it.
 //!
 //! `gpu_check` compares an adapter's frames with the CPU twin's and takes the time of both.
 

@@ -1,5 +1,5 @@
-//! What `measure` is given about the part itself (which of several shadows, what becomes of refused columns), and the words on what was
-//! left out.
+//! What `measure` is given about the part itself (which of several shadows, what becomes of refused
+//! columns), and the words on what was left out.
 
 use serde_json::{Map, Value, json};
 
@@ -54,7 +54,8 @@ impl ChoiceArgs {
         self.rejection.unwrap_or_default()
     }
 
-    /// Whether a frame that is refused for its outline is measured again as crests and roots: not where rejection is stated.
+    /// Whether a frame that is refused for its outline is measured again as crests and roots: not
+    /// where rejection is stated.
     pub fn tries_crests(&self) -> bool {
         self.rejection.is_none()
     }

@@ -1,5 +1,5 @@
-//! Threads and knurls in `measure`: what is refused for leaving its neighbours or for its steep flanks is measured again as an outline of
-//! crests and roots, and kept where it is one.
+//! Threads and knurls in `measure`: what is refused for leaving its neighbours or for its steep
+//! flanks is measured again as an outline of crests and roots, and kept where it is one.
 
 use serde_json::{Map, Value, json};
 
@@ -23,7 +23,8 @@ impl CrestStream {
         Self { settings: settings.clone().for_crests(), stream: None }
     }
 
-    /// The frame's edges and the pitch of its crests, px, where the first measurement is poor and the outline goes up and down.
+    /// The frame's edges and the pitch of its crests, px, where the first measurement is poor and
+    /// the outline goes up and down.
     pub fn measure(
         &mut self,
         first: &Result<FrameEdges, FrameRefused>,

@@ -13,11 +13,12 @@ pub fn needs_scale(text: &str) -> bool {
     matches!(Path::new(text).extension().and_then(|e| e.to_str()), Some("csv" | "json"))
 }
 
-/// The model of `gaussian`, `learnt`, a table of distances in µm (.csv or .json, as `optics esf` prints them), or the `[optics]` of a
-/// config.
+/// The model of `gaussian`, `learnt`, a table of distances in µm (.csv or .json, as `optics esf`
+/// prints them), or the `[optics]` of a config.
 ///
 /// # Errors
-/// Exit 2 for a name that is none, a file without a scale to read it by, or one that is no edge; 3 for one that cannot be read.
+/// Exit 2 for a name that is none, a file without a scale to read it by, or one that is no edge; 3
+/// for one that cannot be read.
 pub fn esf_model(text: &str, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     match text {
         "gaussian" => return Ok(EsfModel::Gaussian {}),
@@ -74,7 +75,8 @@ fn measured(text: &str, um_per_px: f64) -> Result<EsfModel, String> {
     Ok(sampled_edge(from / um_per_px, to / um_per_px, |d_px| spread.value(d_px * um_per_px)))
 }
 
-/// The family that a config renders with, in focus on the finished part, at the scale given or the config's own.
+/// The family that a config renders with, in focus on the finished part, at the scale given or the
+/// config's own.
 fn of_config(path: &Path, um_per_px: Option<f64>) -> Result<EsfModel, Failure> {
     let nominal = NominalOptics::load(path)?;
     let edge = nominal.edge(nominal.radius_mm, 0.0)?;

@@ -9,7 +9,8 @@ use crate::frame::Frame;
 use crate::gauge::Calibration;
 use crate::source::{Channel, FileFrames, FileScale, SAME_SCALE, StoredFrame, listing, out_of_order};
 
-/// How far a camera's nominal scale may lie from a calibrated one: makers state the magnification of lenses to about 1 %.
+/// How far a camera's nominal scale may lie from a calibrated one: makers state the magnification
+/// of lenses to about 1 %.
 const NOMINAL_SCALE: f64 = 0.01;
 
 /// Arguments that say how files are read.
@@ -46,7 +47,8 @@ pub fn scale_argument(text: &str) -> Result<ScaleArgument, String> {
     }
 }
 
-/// The images of all inputs; folders in the order of the numbers in their names, which is reported where it is another one.
+/// The images of all inputs; folders in the order of the numbers in their names, which is reported
+/// where it is another one.
 ///
 /// # Errors
 /// An input that cannot be read, a folder without images.
@@ -105,7 +107,8 @@ pub struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
-    /// Frames of these files, to be measured by this calibration; `scale` is the command line's own.
+    /// Frames of these files, to be measured by this calibration; `scale` is the command line's
+    /// own.
     pub fn new(
         paths: Vec<PathBuf>,
         args: &'a FrameArgs,
@@ -130,7 +133,8 @@ impl<'a> Frames<'a> {
         Some((stem, frame))
     }
 
-    /// Logs what was done to the first such frame's values; refuses another scale or encoding than the calibration's.
+    /// Logs what was done to the first such frame's values; refuses another scale or encoding than
+    /// the calibration's.
     fn checked(&mut self, stored: &StoredFrame) -> Result<(), String> {
         for change in &stored.changed {
             if self.said.insert(change.clone()) {

@@ -19,7 +19,8 @@ use crate::gauge::{
 };
 use crate::profile::{Diameter, Reading, Reason};
 
-/// Columns of a local size that is judged where no stations are given: as many as the largest diameter is the median of.
+/// Columns of a local size that is judged where no stations are given: as many as the largest
+/// diameter is the median of.
 const LOCAL_COLUMNS: f64 = 65.0;
 /// Stretches along z that are compared from turn to turn where no stations are given, mm.
 const TURN_STRETCH_MM: f64 = 1.0;
@@ -149,7 +150,8 @@ fn local_columns(columns: usize) -> f64 {
 pub fn stated_budget(reading: &WidthReading, calibration: &Calibration, conditions: &Conditions) -> Budget {
     let mut budget = reading.budget(calibration, conditions);
     if is_uncalibrated(calibration) {
-        // Without masters there is nothing that the part's edges or temperature could differ from: U is the image's alone.
+        // Without masters there is nothing that the part's edges or temperature could differ from:
+        // U is the image's alone.
         let temperature = (conditions.limit_temperature_k == 0.0).then_some("temperature of the part");
         budget.contributions.extend(temperature.into_iter().chain(["scale and edge offset"]).map(|source| {
             Contribution {
@@ -332,7 +334,8 @@ impl<'a> InspectionReport<'a> {
         }
     }
 
-    /// A frame that is blurred otherwise than the masters were and is measured all the same carries a warning.
+    /// A frame that is blurred otherwise than the masters were and is measured all the same carries
+    /// a warning.
     fn warn_of_blur(&self, meta: &FrameMeta, edges: &FrameEdges, out: &mut Map<String, Value>) {
         let setup = self.calibration.setup.as_ref();
         if let Some(Err(error)) = setup.map(|b| b.check_focus(edges.figures.sigma_px, &self.conditions)) {
@@ -392,7 +395,8 @@ impl<'a> InspectionReport<'a> {
 
     fn add_budget(&self, budget: &Budget, out: &mut Map<String, Value>) {
         let k = budget.factor_or(self.args.coverage_factor);
-        // `u_random_mm` and `u_common_mm` are those of `d_mm` in stations and tables; here they were those of the largest diameter.
+        // `u_random_mm` and `u_common_mm` are those of `d_mm` in stations and tables; here they
+        // were those of the largest diameter.
         for (name, old, u) in [
             ("u_max_random_mm", "u_random_mm", budget.u_random_mm()),
             ("u_max_common_mm", "u_common_mm", budget.u_common_mm()),
@@ -423,8 +427,8 @@ impl<'a> InspectionReport<'a> {
         out.insert("stations".to_owned(), rows.into());
     }
 
-    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords are none; crests that face roots have
-    /// the distance of their tangents.
+    /// All of a frame that must lie within the limits. A disc seen end-on has one size, its chords
+    /// are none; crests that face roots have the distance of their tangents.
     fn to_be_judged(
         &self,
         meta: &FrameMeta,
@@ -552,7 +556,8 @@ impl<'a> InspectionReport<'a> {
     /// Cp and Cpk of the batch with intervals of 95 %.
     ///
     /// # Errors
-    /// Why there are none: they are a process's, which one part does not show, nor scatter that is the gauge's own.
+    /// Why there are none: they are a process's, which one part does not show, nor scatter that is
+    /// the gauge's own.
     fn capability(&self, lower: f64, upper: f64) -> Result<(Capability, Capability), String> {
         if !self.args.parts {
             return Err("one part has none; --parts takes every frame as another part".to_owned());

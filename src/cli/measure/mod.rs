@@ -144,7 +144,8 @@ struct Measured {
 /// Runs the command.
 ///
 /// # Errors
-/// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be measured (3).
+/// Refuses impossible settings (2); fails on files that cannot be read and where no frame can be
+/// measured (3).
 pub fn run(args: &MeasureArgs) -> CommandResult {
     let paths = paths(&args.input)?;
     let calibration = calibration(args, &paths)?;
@@ -161,7 +162,8 @@ pub fn run(args: &MeasureArgs) -> CommandResult {
         settings.min_diameter_px = args.min_diameter_px.unwrap_or(settings.min_diameter_px);
     }
     let gauge = Gauge::new(settings).map_err(Failure::refuse)?;
-    let gauge = gauge.with_systematic_residual(calibration.as_ref().and_then(Calibration::systematic_residual));
+    let gauge =
+        gauge.with_systematic_residual(calibration.as_ref().and_then(Calibration::systematic_residual));
     if args.shape == Shape::Ring {
         return rings(args, calibration.as_ref(), &conditions, paths);
     }
@@ -212,11 +214,13 @@ fn rings(
     }
 }
 
-/// The edge-spread function of the command line; without one, that of the masters' edges, else the Gaussian.
+/// The edge-spread function of the command line; without one, that of the masters' edges, else the
+/// Gaussian.
 fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
     match &args.esf {
         Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
-        // The outline of a ring is read with Gaussian edges: a calibration of others does not hold for it.
+        // The outline of a ring is read with Gaussian edges: a calibration of others does not hold
+        // for it.
         None if args.shape == Shape::Ring => Ok(EsfModel::default()),
         None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
     }
@@ -246,7 +250,8 @@ fn calibration(args: &MeasureArgs, paths: &[PathBuf]) -> Result<Option<Calibrati
     Ok(Some(if args.vertical { calibration.transposed() } else { calibration }))
 }
 
-/// The part's conditions: the file given, else the calibration's own; the temperature of the command line before both.
+/// The part's conditions: the file given, else the calibration's own; the temperature of the
+/// command line before both.
 fn conditions(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<Conditions, Failure> {
     let known = match calibration {
         Some(c) if c.leaves_conditions_open() => Conditions::unstated(),
@@ -278,7 +283,8 @@ fn merged(text: &ConfigText, known: &Conditions) -> Result<Conditions, Failure> 
     Ok(given.over(known))
 }
 
-/// A frame with the calibration's corrections of sensor and light; one of another size than calibrated is refused.
+/// A frame with the calibration's corrections of sensor and light; one of another size than
+/// calibrated is refused.
 fn prepared(args: &MeasureArgs, frame: Frame, calibration: Option<&Calibration>) -> Result<Frame, String> {
     let Some(setup) = calibration.and_then(|c| c.setup.as_ref()) else { return Ok(frame) };
     let view = view(args, &frame);
@@ -458,7 +464,8 @@ fn measure_one(
 
 /// Warns where an edge-spread function was to be learnt and could not be.
 fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
-    let unlearnt = |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
+    let unlearnt =
+        |m: &&Measured| m.result.as_ref().is_ok_and(|e| e.figures.position_ambiguity_px == [0.0; 2]);
     let count = results.iter().filter(unlearnt).count();
     if gauge.settings().esf == (EsfModel::Learnt {}) && count > 0 {
         tracing::warn!(
@@ -467,7 +474,8 @@ fn report_unlearnt(gauge: &Gauge, results: &[Measured]) {
     }
 }
 
-/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere than theirs.
+/// A frame that is blurred otherwise than the masters were is refused: its edges stand elsewhere
+/// than theirs.
 fn sharp(mut measured: Measured, calibration: Option<&Calibration>, conditions: &Conditions) -> Measured {
     if let (Ok(edges), Some(setup)) = (&measured.result, calibration.and_then(|c| c.setup.as_ref()))
         && let Err(error) = setup.check_focus(edges.figures.sigma_px, conditions)

@@ -1,4 +1,5 @@
-//! Sizes over a revolution that a tolerance's modifiers ask for: the envelope (E), the least circumscribed cylinder (GN) and circles (GN) ACS.
+//! Sizes over a revolution that a tolerance's modifiers ask for: the envelope (E), the least
+//! circumscribed cylinder (GN) and circles (GN) ACS.
 
 use serde_json::{Value, json};
 
@@ -10,7 +11,8 @@ use crate::gauge::diameter::sections::{Envelope, PartForm, TurnAverager};
 use crate::gauge::form::Cutoff;
 use crate::gauge::{Calibration, ColumnDiameters};
 
-/// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single columns' noise is not.
+/// Columns of the sections that an envelope is taken over: crests as wide as that are seen, single
+/// columns' noise is not.
 const ENVELOPE_COLUMNS: f64 = 8.0;
 
 /// The judgement of a revolution, worst first, and what it rests on.
@@ -21,8 +23,9 @@ pub(super) struct TurnJudgement {
     pub(super) json: Value,
 }
 
-/// Judges the sizes over a revolution that `tolerance` asks for; `None` where it asks for none. `common_mm` is the common standard uncertainty
-/// of sizes at z, `envelope` what was found or why nothing was.
+/// Judges the sizes over a revolution that `tolerance` asks for; `None` where it asks for none.
+/// `common_mm` is the common standard uncertainty of sizes at z, `envelope` what was found or why
+/// nothing was.
 pub(super) fn judge_turn(
     tolerance: &Tolerance,
     rule: DecisionRule,
@@ -176,7 +179,8 @@ pub(super) fn part_form(
     }
 }
 
-/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns, which they share.
+/// Common standard uncertainty of the sizes of the section at `z_mm`, mm: that of its columns,
+/// which they share.
 pub(super) fn common_mm(turn: &Frames, z_mm: f64, length_mm: f64) -> Option<f64> {
     let (mut sum, mut n) = (0.0, 0.0);
     for (meta, diameters) in turn {

@@ -1,5 +1,5 @@
-//! `measure --bench`: how long a frame takes in memory; with more threads than one also what they gain, beside what the machine
-//! itself gains by them.
+//! `measure --bench`: how long a frame takes in memory; with more threads than one also what they
+//! gain, beside what the machine itself gains by them.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -14,7 +14,8 @@ use crate::numerics::robust::median_of;
 const ROUNDS: usize = 15;
 const FRAMES: usize = 256;
 
-/// Times `count` frames in one stream that starts anew, on the threads of the pool that this is called in.
+/// Times `count` frames in one stream that starts anew, on the threads of the pool that this is
+/// called in.
 pub(super) fn benchmark(gauge: &Gauge, frames: &[FrameView<'_>], count: u32) -> Value {
     let mut stream = gauge.stream();
     let mut edges = FrameEdges::default();
@@ -57,7 +58,8 @@ struct Gains {
     of_lanes: f64,
     /// One stream each of whose frames is shared between the threads.
     within_a_frame: f64,
-    /// As many streams as threads, which share nothing: what the cores, caches and memory of this machine allow.
+    /// As many streams as threads, which share nothing: what the cores, caches and memory of this
+    /// machine allow.
     of_independent_streams: f64,
 }
 

@@ -6,7 +6,8 @@ use crate::gauge::axis_line::{AxisLine, STILL_TOWARDS_CAMERA};
 use crate::gauge::diameter::sections::{PartForm, SectionForm};
 use crate::gauge::stated::stated;
 
-/// A revolution as the JSON document has it; `common_mm` gives the common standard uncertainty of a section's sizes.
+/// A revolution as the JSON document has it; `common_mm` gives the common standard uncertainty of a
+/// section's sizes.
 pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>) -> Value {
     let mut all = json!(form);
     all["filter"] = json!(filter_text(form));
@@ -20,7 +21,8 @@ pub(super) fn turn_json(form: &PartForm, common_mm: impl Fn(f64) -> Option<f64>)
             section["u_gg_mm"] = json!(common.map(|common| random.hypot(common)));
             section["u_gg_common_mm"] = json!(common);
             if section["half_turn"] == true {
-                // Half a revolution takes the spindle as still: of its even motion nothing is known.
+                // Half a revolution takes the spindle as still: of its even motion nothing is
+                // known.
                 section["harmonics"]["even_spindle"] = Value::Null;
             }
             section["roundness_mm"] = json!({ "lsci": lsci, "mzci": mzci, "mici": mici, "mcci": mcci });
@@ -98,7 +100,8 @@ pub(super) fn scatter_word(form: &PartForm) -> Option<String> {
     ))
 }
 
-/// The filter and how far the angles let it reach: n tangents a revolution carry up to n/2 undulations.
+/// The filter and how far the angles let it reach: n tangents a revolution carry up to n/2
+/// undulations.
 fn filter_text(form: &PartForm) -> String {
     let tangents = |s: &SectionForm| if s.half_turn { 2 * s.angles } else { s.angles };
     let Some(section) = form.sections.iter().min_by_key(|s| tangents(s)) else { return String::new() };

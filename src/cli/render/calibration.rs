@@ -1,5 +1,5 @@
-//! `shadowgauge render` of a calibration's file with `[simulate]`: the very frames that `calibrate` measures, in folders, with their
-//! true edges, and the same calibration for these folders.
+//! `shadowgauge render` of a calibration's file with `[simulate]`: the very frames that `calibrate`
+//! measures, in folders, with their true edges, and the same calibration for these folders.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,8 @@ use crate::truth;
 /// Draws the fields and pins of the plan in `file`.
 ///
 /// # Errors
-/// Exit 2 for a plan, a command line or a folder that is refused; 3 for a device or a disk that fails.
+/// Exit 2 for a plan, a command line or a folder that is refused; 3 for a device or a disk that
+/// fails.
 pub fn run(args: &RenderArgs, file: &Path) -> CommandResult {
     let LoadedPlan { plan, text, .. } = calibration_plan::load(file, Date::of(SystemTime::now()))?;
     if plan.simulate.is_none() {
@@ -67,7 +68,8 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Everything in the order in which `calibrate` asks for it: numbers, and so noise, are then the same.
+    /// Everything in the order in which `calibrate` asks for it: numbers, and so noise, are then
+    /// the same.
     fn write(mut self, renderer: &Renderer) -> Result<usize, Failure> {
         let mut recordings = SimulatedRecordings::new(self.plan, renderer).map_err(Failure::refuse)?;
         let simulate = self.plan.simulate.clone().unwrap_or_default();

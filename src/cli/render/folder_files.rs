@@ -1,4 +1,5 @@
-//! Files of a folder of frames: the table beside them, writing, and what a renderer's error means for the exit code.
+//! Files of a folder of frames: the table beside them, writing, and what a renderer's error means
+//! for the exit code.
 
 use std::fmt::Write as _;
 use std::io::Error as IoError;

@@ -1,4 +1,5 @@
-//! Frames as image files: 16- and 8-bit linear grey PNG, 16-bit and f32 TIFF, each with the pixel size in its tags.
+//! Frames as image files: 16- and 8-bit linear grey PNG, 16-bit and f32 TIFF, each with the pixel
+//! size in its tags.
 
 use std::io::{Cursor, Error as IoError};
 
@@ -89,7 +90,8 @@ pub fn encode(frame: &Frame, format: FileFormat, um_per_px: f64) -> Result<Vec<u
     }
 }
 
-/// An 8-bit PNG stretched from the darkest to the brightest percentile, reduced by averaging to a handy width.
+/// An 8-bit PNG stretched from the darkest to the brightest percentile, reduced by averaging to a
+/// handy width.
 ///
 /// # Errors
 /// When the encoder refuses the frame.

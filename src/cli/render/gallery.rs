@@ -1,4 +1,5 @@
-//! `shadowgauge render --gallery`: a frame of every kind that can be drawn, and a contact sheet of all.
+//! `shadowgauge render --gallery`: a frame of every kind that can be drawn, and a contact sheet of
+//! all.
 
 use std::path::Path;
 

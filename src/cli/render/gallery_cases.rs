@@ -1,4 +1,5 @@
-//! The gallery's cases: one frame for every family of edges, feature of a shaft, light, contamination and sensor.
+//! The gallery's cases: one frame for every family of edges, feature of a shaft, light,
+//! contamination and sensor.
 //!
 //! Each case is the text of a config, so that what the gallery shows can be tried and changed.
 
@@ -216,7 +217,8 @@ impl Case {
     pub(super) fn toml(&self) -> String {
         let [rows, columns] = FRAME;
         let d = self.diameter_mm;
-        // A `[camera]` or `[optics]` table of the case's own is joined with the one that every case has.
+        // A `[camera]` or `[optics]` table of the case's own is joined with the one that every case
+        // has.
         let mut camera = format!("columns = {columns}\nrows = {rows}\npixel_um = 3.0\n");
         let mut rest = String::new();
         for table in

@@ -54,7 +54,8 @@ fn dots(character: char) -> [u8; 7] {
 /// Height of a line, px.
 pub(super) const HEIGHT: usize = 7;
 
-/// Writes `text` in black into a picture of `columns` columns, its upper left corner at (`row`, `column`).
+/// Writes `text` in black into a picture of `columns` columns, its upper left corner at (`row`,
+/// `column`).
 pub(super) fn write(picture: &mut [u8], columns: usize, [row, column]: [usize; 2], text: &str) {
     for (i, character) in text.chars().enumerate() {
         for (r, bits) in dots(character).into_iter().enumerate() {

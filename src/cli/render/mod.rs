@@ -40,7 +40,8 @@ use crate::cli::input_output::ConfigText;
 /// Renders the frames of a config.
 ///
 /// # Errors
-/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a disk that fails.
+/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a
+/// disk that fails.
 pub fn run(args: &RenderArgs) -> CommandResult {
     if let Some(folder) = &args.gallery {
         return gallery(args, folder);
@@ -110,7 +111,8 @@ impl Series<'_> {
             put(folder, &name, encode(&frame, args.format, um_per_px))?;
             put(folder, &format!("previews/{stem}.png"), preview(&frame, um_per_px))?;
             if let Some(mask) = mask {
-                // What contamination touches, as an 8-bit PNG: the sum of the bits of `contamination::mask`.
+                // What contamination touches, as an 8-bit PNG: the sum of the bits of
+                // `contamination::mask`.
                 put(folder, &format!("masks/{stem}.png"), encode_mask(&frame.view(), &mask, um_per_px))?;
             }
             describe(&mut frames_csv, &stem, &frame, um_per_px);

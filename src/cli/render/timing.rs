@@ -1,5 +1,5 @@
-//! `shadowgauge render --bench`: how long a frame takes beside the floor of a kernel that only writes a constant, and
-//! whether memory grows.
+//! `shadowgauge render --bench`: how long a frame takes beside the floor of a kernel that only
+//! writes a constant, and whether memory grows.
 
 use std::time::Instant;
 
@@ -17,8 +17,8 @@ const WARM_UP: usize = 3;
 /// Frames after which memory is looked at a second time.
 const RSS_AFTER: usize = 1000;
 
-/// Times in ms, sorted, memory before the first frame, after [`RSS_AFTER`] of them and after the last, and the size
-/// of a frame, pixels.
+/// Times in ms, sorted, memory before the first frame, after [`RSS_AFTER`] of them and after the
+/// last, and the size of a frame, pixels.
 pub(crate) struct Timing {
     frames: Vec<f64>,
     floors: Vec<f64>,

@@ -4,7 +4,8 @@ use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::report::html::Page;
 use crate::studies::reproduction::{Row, Verdict};
 
-/// Prints the rows as a JSON array or as a table. Exit 1 where a figure is missed for no reason that is known.
+/// Prints the rows as a JSON array or as a table. Exit 1 where a figure is missed for no reason
+/// that is known.
 pub(super) fn print(rows: &[Row], json: bool) -> CommandResult {
     let missed = rows.iter().filter(|row| row.is_unexplained_miss()).count();
     let outcome = if missed == 0 { Outcome::Done } else { Outcome::OutOfTolerance };
@@ -69,7 +70,8 @@ fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&size) { format!("{value:.5}") } else { format!("{value:.3e}") }
 }
 
-/// The rows on a page, a table for each part of the paper: the words in the first column, so that a page is wide enough.
+/// The rows on a page, a table for each part of the paper: the words in the first column, so that a
+/// page is wide enough.
 pub(super) fn tables(page: &mut Page, rows: &[Row], parts: &[(&str, &[&str])]) {
     let cells = |row: &Row| {
         vec![

@@ -1,5 +1,5 @@
-//! `shadowgauge run`: cut, render, measure, correct, pass after pass, into a run folder; and the same without control
-//! beside it.
+//! `shadowgauge run`: cut, render, measure, correct, pass after pass, into a run folder; and the
+//! same without control beside it.
 //!
 //! In: a job. Out: a run folder with its report; the exit code is that of the finished part.
 //! `recorder` writes what each pass leaves and reads it back when a run is resumed.
@@ -54,7 +54,8 @@ pub struct RunArgs {
 /// Runs the job of a config file.
 ///
 /// # Errors
-/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a disk that fails.
+/// Exit 2 for a config, a command line or an output folder that is refused; 3 for a device or a
+/// disk that fails.
 pub fn run(args: &RunArgs) -> CommandResult {
     let text = std::fs::read_to_string(&args.config)
         .map_err(|cause| Failure::refused(config::ConfigError::Read { path: args.config.clone(), cause }))?;
@@ -91,7 +92,8 @@ pub struct Finished {
     stopped: Option<String>,
 }
 
-/// Runs a checked job into `out`; with `reference`, the same without control into a folder below it.
+/// Runs a checked job into `out`; with `reference`, the same without control into a folder below
+/// it.
 ///
 /// # Errors
 /// As [`run`].
@@ -130,8 +132,8 @@ pub fn execute(job: &Job, out: &Path, backend: BackendChoice, reference: bool) -
     })
 }
 
-/// The run and, side by side with it, the one without control: while one waits for the device, the other draws
-/// silhouettes, measures and writes.
+/// The run and, side by side with it, the one without control: while one waits for the device, the
+/// other draws silhouettes, measures and writes.
 fn run_both(
     job: &Job,
     folder: &RunFolder,

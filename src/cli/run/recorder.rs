@@ -31,7 +31,8 @@ pub struct Recorded {
     pub form: Option<PartForm>,
     /// Axis of the part after every pass.
     pub axis: Vec<AxisRow>,
-    /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was cut.
+    /// Verdict over all stations of the last pass, where a tolerance is given and the last pass was
+    /// cut.
     pub verdict: Option<Verdict>,
     /// Why not all passes were cut: an alarm.
     pub stopped: Option<String>,

@@ -1,4 +1,5 @@
-//! `shadowgauge study controllers`: every controller on the same shafts, through rendered and measured frames.
+//! `shadowgauge study controllers`: every controller on the same shafts, through rendered and
+//! measured frames.
 
 use std::path::PathBuf;
 

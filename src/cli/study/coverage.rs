@@ -1,4 +1,5 @@
-//! `shadowgauge study coverage`: whether stated intervals cover the true diameters, in rendered and measured scenes.
+//! `shadowgauge study coverage`: whether stated intervals cover the true diameters, in rendered and
+//! measured scenes.
 
 use crate::cli::failure::{CommandResult, Failure, Outcome};
 use crate::render::{BackendChoice, Renderer};
@@ -82,7 +83,8 @@ fn only(args: &StudyCoverageArgs, renderer: &Renderer) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// Prints classes, with the row of all of them together where there is one, and what each of them declares.
+/// Prints classes, with the row of all of them together where there is one, and what each of them
+/// declares.
 fn table(title: &str, classes: &[ClassFigures], together: Option<&ClassFigures>) {
     say_line!(
         "{title}\n{:<16} {:>7} {:>9} {:>10} {:>10} {:>11} {:>11} {:>9} {:>12}",

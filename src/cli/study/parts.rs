@@ -1,4 +1,5 @@
-//! `shadowgauge study parts`: a batch, with and without learning from part to part, through rendered and measured frames.
+//! `shadowgauge study parts`: a batch, with and without learning from part to part, through
+//! rendered and measured frames.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,5 @@
-//! `shadowgauge study stability`: poles, limits of the plant gain and transients of every controller.
+//! `shadowgauge study stability`: poles, limits of the plant gain and transients of every
+//! controller.
 
 use std::path::PathBuf;
 

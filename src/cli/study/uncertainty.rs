@@ -1,4 +1,5 @@
-//! `shadowgauge study uncertainty`: Monte Carlo (JCGM 101) beside the GUM's law of propagation, for an optical setup and a part.
+//! `shadowgauge study uncertainty`: Monte Carlo (JCGM 101) beside the GUM's law of propagation, for
+//! an optical setup and a part.
 
 use std::path::PathBuf;
 use std::time::SystemTime;

@@ -26,8 +26,8 @@ pub struct StudyWashersArgs {
 /// Runs the study; exit 1 where a bootstrap finds the gauge worse than the plain method.
 ///
 /// # Errors
-/// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be read and parts that cannot be
-/// measured.
+/// Exit 2 for an output folder that holds anything or too few parts, 3 for files that cannot be
+/// read and parts that cannot be measured.
 pub fn run(args: &StudyWashersArgs) -> CommandResult {
     let folder = StudyFolder::claim(args.out.as_deref())?;
     let parts = read(&args.folder)?;
@@ -52,8 +52,8 @@ pub fn run(args: &StudyWashersArgs) -> CommandResult {
     Ok(if misses.is_empty() { Outcome::Done } else { Outcome::OutOfTolerance })
 }
 
-/// Pictures with the machine's values, in the order of the names; a picture without values, or values without a picture, is
-/// named and left out.
+/// Pictures with the machine's values, in the order of the names; a picture without values, or
+/// values without a picture, is named and left out.
 fn read(folder: &Path) -> Result<Vec<Part>, Failure> {
     let mut machine = machine_values(&folder.join("cmm.csv"))?;
     let mut parts = Vec::new();

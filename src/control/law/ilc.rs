@@ -1,12 +1,13 @@
 //! Iterative learning: o(k+1) = Q [o(k) + L e(k)], Q a zero-phase low-pass along z.
 //!
-//! Q = (I + μ DᵀD)⁻¹, D the second difference: the smoother of Whittaker (Proc. Edinb. Math. Soc. 41 (1923) 63). It is
-//! symmetric with eigenvalues in (0, 1], passes constants and lines unchanged (no end effects), and a wave of N
-//! stations by 1/(1 + μ (2 − 2 cos 2π/N)²). Where Q < 1 the loop forgets instead of learning: an error with
-//! constant disturbance d settles at (1 − Q) d instead of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne,
-//! IEEE Control Syst. Mag. 26(3) (2006) 96.
+//! Q = (I + μ DᵀD)⁻¹, D the second difference: the smoother of Whittaker (Proc. Edinb. Math. Soc.
+//! 41 (1923) 63). It is symmetric with eigenvalues in (0, 1], passes constants and lines unchanged
+//! (no end effects), and a wave of N stations by 1/(1 + μ (2 − 2 cos 2π/N)²). Where Q < 1 the loop
+//! forgets instead of learning: an error with constant disturbance d settles at (1 − Q) d instead
+//! of 0. Convergence: D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Syst. Mag. 26(3)
+//! (2006) 96.
 
-use super::proposal::{Law, Proposal, Observation};
+use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::IlcSettings;
 use nalgebra::{DMatrix, DVector};
 
@@ -36,7 +37,8 @@ impl Law for IlcLaw {
     }
 }
 
-/// Q; the curvature of stations of uneven pitch is that of the parabola through three of them. `None` where nothing is filtered (cutoff 0 or below two stations, fewer than three).
+/// Q; the curvature of stations of uneven pitch is that of the parabola through three of them.
+/// `None` where nothing is filtered (cutoff 0 or below two stations, fewer than three).
 pub(crate) fn q_filter(cutoff_mm: f64, station_z_mm: &[f64]) -> Option<DMatrix<f64>> {
     let n = station_z_mm.len();
     let span = station_z_mm.last()? - station_z_mm.first()?;
@@ -56,7 +58,8 @@ pub(crate) fn q_filter(cutoff_mm: f64, station_z_mm: &[f64]) -> Option<DMatrix<f
 /// Departure of a pitch from the mean one that is rounding of decimal places of stations.
 const EVEN: f64 = 1e-9;
 
-/// Weights of three stations in the second derivative of the parabola through them, times the square of the mean pitch.
+/// Weights of three stations in the second derivative of the parabola through them, times the
+/// square of the mean pitch.
 fn curvature(z: &[f64], pitch: f64) -> [f64; 3] {
     let (before, after) = ((z[1] - z[0]) / pitch, (z[2] - z[1]) / pitch);
     if (before - 1.0).abs() < EVEN && (after - 1.0).abs() < EVEN {
@@ -70,7 +73,8 @@ fn curvature(z: &[f64], pitch: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Stations where they will: a straight line passes, a zigzag does not, and even pitch is the limit of uneven.
+    /// Stations where they will: a straight line passes, a zigzag does not, and even pitch is the
+    /// limit of uneven.
     #[test]
     fn stations_of_uneven_pitch_are_filtered_alike() {
         let z = [6.0, 40.0, 80.0, 95.0, 160.0, 200.0];

@@ -1,6 +1,7 @@
-//! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the offsets in force.
+//! Least-squares shapes (paper 000, eqs 4-6), refitted every pass; the fitted error is added to the
+//! offsets in force.
 
-use super::proposal::{Law, Proposal, Observation, independent_u, y};
+use super::proposal::{Law, Observation, Proposal, independent_u, y};
 use crate::control::error::ControlError;
 use crate::control::fit::{self, Fit};
 use crate::control::settings::{ApplyTo, Estimator, LsqSettings};

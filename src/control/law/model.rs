@@ -7,18 +7,19 @@
 //! commanded   b = r − 2ŷ with a = (D − r)/2: the depth that is cut if the pass comes out right; o = r − b = 2ŷ
 //! ```
 //!
-//! z from the chuck, ξ ∈ [−1, 1] along the stations, j the passes since the first. w: beam clamped in a yielding chuck,
-//! held by a yielding tailstock ([`compliance`]). The scale s, both stiffnesses, the stock's mean diameter, a constant
-//! and a taper of the machine and their growth a pass are estimated from all passes seen by penalised least squares
-//! (a Gaussian prior from the settings' uncertainties, Gauss-Newton); n, what a pass shares along z and the next does
-//! not repeat, with them. What remains at a station is carried by a level
-//! and a trend c of its own: a Kalman filter of two states, since a model of eight numbers never explains a machine.
-//! The plant gain g = 1/(1 + s·w·F′) follows from the same numbers.
+//! z from the chuck, ξ ∈ [−1, 1] along the stations, j the passes since the first. w: beam clamped
+//! in a yielding chuck, held by a yielding tailstock ([`compliance`]). The scale s, both
+//! stiffnesses, the stock's mean diameter, a constant and a taper of the machine and their growth a
+//! pass are estimated from all passes seen by penalised least squares (a Gaussian prior from the
+//! settings' uncertainties, Gauss-Newton); n, what a pass shares along z and the next does not
+//! repeat, with them. What remains at a station is carried by a level and a trend c of its own: a
+//! Kalman filter of two states, since a model of eight numbers never explains a machine. The plant
+//! gain g = 1/(1 + s·w·F′) follows from the same numbers.
 //!
-//! Valid while F is steep enough to be seen and the depth lies above minimum chip; one diameter is taken for the
-//! half-cut shaft, Euler-Bernoulli: both end up in s and c.
+//! Valid while F is steep enough to be seen and the depth lies above minimum chip; one diameter is
+//! taken for the half-cut shaft, Euler-Bernoulli: both end up in s and c.
 
-use super::proposal::{Feedforward, Law, Proposal, Observation};
+use super::proposal::{Feedforward, Law, Observation, Proposal};
 use crate::control::settings::{ModelSettings, Workpiece};
 use crate::plan::CuttingData;
 use nalgebra::{DMatrix, DVector};
@@ -29,7 +30,8 @@ const SHARED: usize = 8;
 const ITERATIONS: usize = 8;
 /// Step of the numerical derivative, in prior standard deviations.
 const DERIVATIVE_STEP: f64 = 1e-4;
-/// Below this depth the force law is not followed down to zero (its slope would grow without limit), mm.
+/// Below this depth the force law is not followed down to zero (its slope would grow without
+/// limit), mm.
 const LEAST_DEPTH_MM: f64 = 1e-3;
 
 type Theta = DVector<f64>;
@@ -258,7 +260,8 @@ impl Model<'_> {
         passes[j].pushed_mm[i] - self.pushed(theta, i, passes[j].index, &Self::cut(theta, &passes[j], i))
     }
 
-    /// Variance of a residual: repeatability, reading and, where the stock was not measured, its form as it is copied.
+    /// Variance of a residual: repeatability, reading and, where the stock was not measured, its
+    /// form as it is copied.
     fn variance(&self, theta: &Theta, pass: &Pass, i: usize) -> f64 {
         let copied = if pass.before == Before::Measured {
             0.0
@@ -269,8 +272,9 @@ impl Model<'_> {
         pass.u_mm[i].powi(2) + copied.powi(2)
     }
 
-    /// What the model leaves unexplained beyond noise in the passes whose stock was measured, root mean square: where it
-    /// is large the shared numbers count for less and the stations' own levels for more.
+    /// What the model leaves unexplained beyond noise in the passes whose stock was measured, root
+    /// mean square: where it is large the shared numbers count for less and the stations' own
+    /// levels for more.
     fn misfit(&self, theta: &Theta, passes: &[Pass]) -> f64 {
         let known = passes.iter().enumerate().filter(|(_, p)| p.before == Before::Measured);
         let (mut sum, mut count) = (0.0, 0);
@@ -322,7 +326,8 @@ impl Model<'_> {
         })
     }
 
-    /// c(z, j) of the coming pass: level and trend of every station's residuals, by a Kalman filter.
+    /// c(z, j) of the coming pass: level and trend of every station's residuals, by a Kalman
+    /// filter.
     fn carried(&self, theta: &Theta, passes: &[Pass], misfit: f64) -> Vec<f64> {
         let s = self.settings;
         (0..self.z_mm.len())
@@ -373,8 +378,9 @@ struct Beam {
 }
 
 impl Beam {
-    /// Deflection under a unit radial load at a: clamped in a chuck that yields sideways by 1/k_c, carried at L by a
-    /// tailstock of stiffness k_t, whose reaction R makes its own deflection R/k_t (Euler-Bernoulli, superposition).
+    /// Deflection under a unit radial load at a: clamped in a chuck that yields sideways by 1/k_c,
+    /// carried at L by a tailstock of stiffness k_t, whose reaction R makes its own deflection
+    /// R/k_t (Euler-Bernoulli, superposition).
     fn compliance(&self, a: f64, chuck: f64, tailstock: f64) -> f64 {
         let ei = self.e_n_per_mm2 * std::f64::consts::PI * self.diameter_mm.powi(4) / 64.0;
         let l = self.length_mm;

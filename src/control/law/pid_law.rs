@@ -1,6 +1,6 @@
 //! PID per station or per shape.
 
-use super::proposal::{Feedforward, Law, Proposal, Observation, project};
+use super::proposal::{Feedforward, Law, Observation, Proposal, project};
 use crate::control::error::ControlError;
 use crate::control::pid::Pid;
 use crate::control::settings::{OffsetForm, PidSettings, Spatial};

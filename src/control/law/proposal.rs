@@ -40,7 +40,8 @@ impl From<Vec<f64>> for Proposal {
 /// How offsets learnt from earlier parts meet what a law proposes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feedforward {
-    /// The proposal starts from the offsets in force: the difference of the next pass's to this pass's is added.
+    /// The proposal starts from the offsets in force: the difference of the next pass's to this
+    /// pass's is added.
     Difference,
     /// The proposal starts from zero: the next pass's is added.
     Whole,
@@ -48,9 +49,11 @@ pub(crate) enum Feedforward {
     Nothing,
 }
 
-/// A control law. It proposes; the compensator decides whether the proposal, and what the law learnt, is kept.
+/// A control law. It proposes; the compensator decides whether the proposal, and what the law
+/// learnt, is kept.
 pub(crate) trait Law: Clone {
-    /// A new part: forget the last one. `stock_mm` are its diameters before the first pass, where measured.
+    /// A new part: forget the last one. `stock_mm` are its diameters before the first pass, where
+    /// measured.
     fn begin(&mut self, stock_mm: Option<Vec<f64>>);
 
     /// Offsets of the next pass.
@@ -66,7 +69,8 @@ pub(super) fn y(errors: &Errors) -> DVector<f64> {
     DVector::from_column_slice(&errors.e_mm)
 }
 
-/// Standard uncertainty that is independent from station to station; the combined one where that is not stated.
+/// Standard uncertainty that is independent from station to station; the combined one where that is
+/// not stated.
 pub(super) fn independent_u(errors: &Errors) -> DVector<f64> {
     let stated = errors.u_random_mm.iter().all(|&u| u > 0.0);
     DVector::from_column_slice(if stated { &errors.u_random_mm } else { &errors.u_mm })

@@ -7,11 +7,11 @@
 //!              p(k) = λ₂ [m(k) − a(k−1)] + (1 − λ₂) p(k−1)             o(k+1) = [a(k) + p(k)]/b̂
 //! ```
 //!
-//! E. Sachs, A. Hu, A. Ingolfsson, IEEE Trans. Semicond. Manuf. 8 (1995) 26; S. Butler, J. Stefani, ibid. 7 (1994)
-//! 193 (the predictor-corrector form, as in A. Chen, R.-S. Guo, ibid. 14 (2001) 11). Stable for 0 < λ b/b̂ < 2 with a
-//! constant disturbance, for the double form see `stability`.
+//! E. Sachs, A. Hu, A. Ingolfsson, IEEE Trans. Semicond. Manuf. 8 (1995) 26; S. Butler, J. Stefani,
+//! ibid. 7 (1994) 193 (the predictor-corrector form, as in A. Chen, R.-S. Guo, ibid. 14 (2001) 11).
+//! Stable for 0 < λ b/b̂ < 2 with a constant disturbance, for the double form see `stability`.
 
-use super::proposal::{Law, Proposal, Observation};
+use super::proposal::{Law, Observation, Proposal};
 use crate::control::settings::{DoubleEwmaSettings, EwmaSettings};
 
 /// EWMA per station.

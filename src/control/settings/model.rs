@@ -1,13 +1,15 @@
 //! `[control.model]`: what the model-based controller assumes before it has measured anything.
 //!
-//! Length, diameter, material and force law describe the job's own part and follow from it where the table leaves them out
-//! ([`Workpiece`]); a controller that is built without a job falls back on the slender-shaft paper's part.
+//! Length, diameter, material and force law describe the job's own part and follow from it where
+//! the table leaves them out ([`Workpiece`]); a controller that is built without a job falls back
+//! on the slender-shaft paper's part.
 
 use crate::setting::{SettingError, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the model-based controller takes from the job: the part before the tool and the force that it should take.
+/// What the model-based controller takes from the job: the part before the tool and the force that
+/// it should take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece {
     /// C of F = C·a_p^x·f^y·v^z, N at 1 mm, 1 mm/r and 1 m/min.

@@ -63,9 +63,10 @@ impl Transfer {
         }
     }
 
-    /// Errors e(1), e(2), …, e(passes) from e(1) = 1 and a controller at rest (its derivative sees the step), under
-    /// the constant disturbance that would hold the error at 1 without control; with no disturbance where the plant
-    /// itself lets errors grow (α ≥ 1). Ends early where they pass 1e12.
+    /// Errors e(1), e(2), …, e(passes) from e(1) = 1 and a controller at rest (its derivative sees
+    /// the step), under the constant disturbance that would hold the error at 1 without control;
+    /// with no disturbance where the plant itself lets errors grow (α ≥ 1). Ends early where they
+    /// pass 1e12.
     pub fn response(&self, plant: Plant, gain: f64, passes: usize) -> Vec<f64> {
         let (n, d) = (self.numerator.coefficients(), self.denominator.coefficients());
         let (degree, lead) = (self.denominator.degree(), d.last().copied().unwrap_or(1.0));
@@ -73,7 +74,8 @@ impl Transfer {
         let disturbance = (1.0 - alpha).max(0.0);
         let (mut errors, mut outputs) = (vec![1.0_f64], Vec::<f64>::new());
         for k in 0..passes.saturating_sub(1) {
-            // Σ_i d_i o(k + i − degree) = Σ_i n_i e(k + i − degree), o counted so that outputs[k] is o(k+1)
+            // Σ_i d_i o(k + i − degree) = Σ_i n_i e(k + i − degree), o counted so that outputs[k]
+            // is o(k+1)
             let past = |series: &[f64], i: usize| (k + i).checked_sub(degree).map_or(0.0, |j| series[j]);
             let fed: f64 = n.iter().enumerate().map(|(i, c)| c * past(&errors, i)).sum();
             let kept: f64 = d.iter().take(degree).enumerate().map(|(i, c)| c * past(&outputs, i)).sum();
@@ -116,8 +118,9 @@ pub fn pid_transfer(settings: &PidSettings) -> Transfer {
     }
 }
 
-/// Integral action of weight w a pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂), iterative learning without
-/// filter (w = L), and the least-squares controller within the space of its shapes (w its gain).
+/// Integral action of weight w a pass: o(k+1) = o(k) + w e(k). Run-to-run EWMA (w = λ/b̂),
+/// iterative learning without filter (w = L), and the least-squares controller within the space of
+/// its shapes (w its gain).
 pub fn integral_transfer(weight: f64) -> Transfer {
     Transfer { numerator: Polynomial::new([0.0, weight]), denominator: Polynomial::new([-1.0, 1.0]) }
 }
@@ -130,8 +133,9 @@ pub fn double_ewma_transfer(settings: &DoubleEwmaSettings) -> Transfer {
     Transfer { numerator, denominator: Polynomial::new([1.0, -2.0, 1.0]) }
 }
 
-/// Model-based control near the depth planned: it commands what it predicts to be copied, (1 − ĝ)/ĝ of the error, and
-/// adds K/ĝ of what it did not foresee. With ĝ = g and error copying the poles are 0 and 1 − K.
+/// Model-based control near the depth planned: it commands what it predicts to be copied, (1 − ĝ)/ĝ
+/// of the error, and adds K/ĝ of what it did not foresee. With ĝ = g and error copying the poles
+/// are 0 and 1 − K.
 pub fn model_transfer(gain_estimate: f64, filter_gain: f64) -> Transfer {
     let copied = (1.0 - gain_estimate) / gain_estimate;
     let numerator = Polynomial::new([-copied, copied + filter_gain / gain_estimate]);

@@ -1,6 +1,7 @@
 //! Is the loop from pass to pass stable, and by what margin?
 //!
-//! Plant, per station or shape, errors and offsets in mm of diameter, w everything that does not depend on the loop:
+//! Plant, per station or shape, errors and offsets in mm of diameter, w everything that does not
+//! depend on the loop:
 //!
 //! ```text
 //! e(k+1) = α e(k) − g o(k+1) + w(k)
@@ -9,9 +10,9 @@
 //! error transfer        α given      paper 003, Fig. 11, read as e(k+1) = 1.3566 e(k) − .704 u(k)
 //! ```
 //!
-//! Controller o(k+1) = N(q)/D(q) e(k) with q the forward shift. The closed loop's poles are the roots of
-//! (q − α) D(q) + g N(q). Stable: every pole inside the unit circle (checked by eigenvalues of the companion matrix
-//! and, by itself, by Jury's table).
+//! Controller o(k+1) = N(q)/D(q) e(k) with q the forward shift. The closed loop's poles are the
+//! roots of (q − α) D(q) + g N(q). Stable: every pole inside the unit circle (checked by
+//! eigenvalues of the companion matrix and, by itself, by Jury's table).
 
 mod iteration;
 mod loops;

@@ -1,4 +1,5 @@
-//! Real polynomials in the forward shift: roots, Jury's test, transient growth of the companion matrix.
+//! Real polynomials in the forward shift: roots, Jury's test, transient growth of the companion
+//! matrix.
 
 use nalgebra::DMatrix;
 
@@ -76,9 +77,10 @@ impl Polynomial {
         })
     }
 
-    /// Whether all roots lie inside the unit circle: Jury's table in the form of Schur and Cohn, which lowers the
-    /// degree by one a step: a stable p has |p(0)| < |leading coefficient|, and so has every reduced polynomial.
-    /// (E. I. Jury, Theory and Application of the z-Transform Method, 1964, ch. 3.)
+    /// Whether all roots lie inside the unit circle: Jury's table in the form of Schur and Cohn,
+    /// which lowers the degree by one a step: a stable p has |p(0)| < |leading coefficient|, and so
+    /// has every reduced polynomial. (E. I. Jury, Theory and Application of the z-Transform Method,
+    /// 1964, ch. 3.)
     pub fn jury_stable(&self) -> bool {
         let mut c = self.coefficients.clone();
         while c.len() > 1 {

@@ -13,8 +13,9 @@
 //! r = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top) + ε_f + w_y]·χ + o − (D_p + δ_p + c_p·γ_g)·(1 + (α + δα)(T + δT − 20 °C))
 //! ```
 //!
-//! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N = ΣJᵀJ/σ², a group G of rows
-//! contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to N⁻¹ exactly, and a budget can name each source.
+//! Minimised is Σ r²/σ_r² + Σ ν²/u_ν² + Σ (a, q, g, t)²/u². With rows J/σ of both kinds and N =
+//! ΣJᵀJ/σ², a group G of rows contributes N⁻¹(Σ_G JᵀJ/σ²)N⁻¹ to the covariance: the parts add up to
+//! N⁻¹ exactly, and a budget can name each source.
 //!
 //! An edge model that differs from the true edge-spread function displaces edges by an amount that
 //! changes with focus. In the masters' plane it is part of the offset o; elsewhere it is w_y, with
@@ -51,7 +52,8 @@ const DISTORTION: &str = "distortion and keystone of the lens";
 const TELECENTRICITY: &str = "telecentricity of the lens";
 const MISFIT: &str = "misfit of the edge model out of the masters' plane";
 
-/// A source's share of the parameters' covariance, in the order s, o, a, q, g, t (mm/px, mm, 1, 1, 1, 1/mm).
+/// A source's share of the parameters' covariance, in the order s, o, a, q, g, t (mm/px, mm, 1, 1,
+/// 1, 1/mm).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CovariancePart {
@@ -125,8 +127,9 @@ fn out_of_plane(observations: &[Observation]) -> Vec<f64> {
     all.split_off(all.len().min(1))
 }
 
-/// Solves an adjustment again and again for data that deviate a little: the normal equations stay those of its own data
-/// (chord method; a step leaves the problem's non-linearity, 1e-3, of the error before it).
+/// Solves an adjustment again and again for data that deviate a little: the normal equations stay
+/// those of its own data (chord method; a step leaves the problem's non-linearity, 1e-3, of the
+/// error before it).
 #[derive(Clone, Debug)]
 pub struct Solver<'a> {
     adjustment: &'a Adjustment,
@@ -220,7 +223,8 @@ impl Adjustment {
         Ok(adjustment)
     }
 
-    /// Steps that make every unknown about 1: prior uncertainties, and 1e-4 of the scale, 1 µm for the offset.
+    /// Steps that make every unknown about 1: prior uncertainties, and 1e-4 of the scale, 1 µm for
+    /// the offset.
     fn units(&self, scale: f64) -> Vec<f64> {
         let some = |u: f64| u.max(1e-15);
         let [u_t, u_alpha] = self.thermometer.u();
@@ -309,7 +313,8 @@ impl Adjustment {
         &self.observations
     }
 
-    /// Standard deviation of each observation's residual, mm, Birge's ratio included once it is solved.
+    /// Standard deviation of each observation's residual, mm, Birge's ratio included once it is
+    /// solved.
     pub fn sigma_mm(&self) -> &[f64] {
         &self.sigma
     }
@@ -384,7 +389,8 @@ impl Adjustment {
         normal
     }
 
-    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not determine the optical setup.
+    /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not
+    /// determine the optical setup.
     fn solve(&self, deviations: Option<&[f64]>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
         let mut z = self.start.clone();
         let mut last = None;
@@ -419,7 +425,8 @@ impl Adjustment {
         right
     }
 
-    /// Fits the optical setup. The Birge ratio, where above 1, goes into the weights, so that a second call changes nothing.
+    /// Fits the optical setup. The Birge ratio, where above 1, goes into the weights, so that a
+    /// second call changes nothing.
     ///
     /// # Errors
     /// Where the masters do not determine the optical setup.
@@ -503,13 +510,15 @@ impl Adjustment {
         seen + z.iter().skip(2).map(|v| v * v).sum::<f64>()
     }
 
-    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no optical setup.
+    /// Parameters (s, o, a, q, g, t) from deviated data; `None` where they determine no optical
+    /// setup.
     pub fn parameters_with(&self, deviations: &[f64]) -> Option<[f64; PARAMETERS]> {
         let (z, _, _) = self.solve(Some(deviations))?;
         Some(std::array::from_fn(|k| z[k] * self.unit[k]))
     }
 
-    /// A solver for many sets of deviated data; `None` where the masters determine no optical setup.
+    /// A solver for many sets of deviated data; `None` where the masters determine no optical
+    /// setup.
     pub fn solver(&self) -> Option<Solver<'_>> {
         let (start, inverse, _) = self.solve(None)?;
         Some(Solver { adjustment: self, start, inverse })

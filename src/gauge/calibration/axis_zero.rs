@@ -3,8 +3,8 @@
 /// What heights count from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisZero {
-    /// Height of the optical axis as [`crate::gauge::ColumnDiameters::middle_mm`] counts, mm: 0 from a calibration with a lens, −scale·(rows − 1)/2
-    /// from a bare scale.
+    /// Height of the optical axis as [`crate::gauge::ColumnDiameters::middle_mm`] counts, mm: 0
+    /// from a calibration with a lens, −scale·(rows − 1)/2 from a bare scale.
     pub height_mm: f64,
     /// Relative standard uncertainty of the scale.
     pub u_scale: f64,

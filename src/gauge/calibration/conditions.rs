@@ -1,8 +1,8 @@
 //! The conditions under which a part is measured, as far as its diameter at 20 °C depends on them.
 //!
-//! D₂₀ = D_T/(1 + α(T − 20 °C)) (ISO 1). What a condition is not known to comes in as a rectangular distribution of the
-//! half width given, u = half/√3 (GUM 4.3.7). What is not stated is not exact: it has the limits of
-//! [`Unstated`].
+//! D₂₀ = D_T/(1 + α(T − 20 °C)) (ISO 1). What a condition is not known to comes in as a rectangular
+//! distribution of the half width given, u = half/√3 (GUM 4.3.7). What is not stated is not exact:
+//! it has the limits of [`Unstated`].
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -201,8 +201,8 @@ impl Conditions {
         1.0 / (1.0 + 1e-6 * self.expansion_um_per_m_k * (self.temperature_c - REFERENCE_C))
     }
 
-    /// Standard uncertainty of D₂₀ by the part's temperature, mm. Both factors of α(T − 20) are uncertain: near 20 °C
-    /// the product of their errors counts too (GUM 5.1.2, note).
+    /// Standard uncertainty of D₂₀ by the part's temperature, mm. Both factors of α(T − 20) are
+    /// uncertain: near 20 °C the product of their errors counts too (GUM 5.1.2, note).
     pub fn u_temperature_mm(&self, diameter_mm: f64) -> f64 {
         let u = self.limit_temperature_k / 3.0_f64.sqrt();
         let product = 1e-6 * self.limit_expansion_um_per_m_k / 3.0_f64.sqrt() * u;
@@ -215,12 +215,14 @@ impl Conditions {
             * (self.temperature_c - REFERENCE_C).abs()
     }
 
-    /// Standard uncertainty by the axis' place before the camera, mm: t·y with t known to `u_t`, 1/mm.
+    /// Standard uncertainty by the axis' place before the camera, mm: t·y with t known to `u_t`,
+    /// 1/mm.
     pub fn u_focus_mm(&self, diameter_mm: f64, t_per_mm: f64, u_t_per_mm: f64) -> f64 {
         diameter_mm * t_per_mm.hypot(u_t_per_mm) * self.limit_axis_y_mm / 3.0_f64.sqrt()
     }
 
-    /// Standard uncertainty by edges unlike the masters', mm of diameter: both edges are of one finish.
+    /// Standard uncertainty by edges unlike the masters', mm of diameter: both edges are of one
+    /// finish.
     pub fn u_edges_mm(&self) -> f64 {
         2e-3 * self.limit_edge_um / 3.0_f64.sqrt()
     }
@@ -247,7 +249,8 @@ mod tests {
         assert!((expansion.u_expansion_mm(25.0) - 25.0 * 1e-5).abs() < 1e-12);
     }
 
-    /// Nothing stated is ± 1.5 µm an edge and 20 ± 5 °C; what is stated takes its place, key by key.
+    /// Nothing stated is ± 1.5 µm an edge and 20 ± 5 °C; what is stated takes its place, key by
+    /// key.
     #[test]
     fn what_is_not_stated_has_wide_limits() {
         let read = |text: &str| toml::from_str::<Conditions>(text).unwrap();

@@ -1,4 +1,5 @@
-//! Calendar dates (ISO 8601, proleptic Gregorian): what a certificate's validity needs, and no more.
+//! Calendar dates (ISO 8601, proleptic Gregorian): what a certificate's validity needs, and no
+//! more.
 
 use std::fmt;
 use std::str::FromStr;
@@ -39,7 +40,8 @@ impl Date {
         self.days - earlier.days
     }
 
-    /// Year, month, day (Hinnant, "chrono-compatible low-level date algorithms": eras of 400 years from March).
+    /// Year, month, day (Hinnant, "chrono-compatible low-level date algorithms": eras of 400 years
+    /// from March).
     fn civil(self) -> (i64, i64, i64) {
         let shifted = self.days + 719_468;
         let era = shifted.div_euclid(146_097);

@@ -11,7 +11,8 @@ use crate::gauge::sensor::{FlatField, Response};
 /// A key, its value, and what would be right.
 type Impossible = (&'static str, f64, &'static str);
 
-/// Departure from a covariance matrix that rounding explains, relative to the parameters' total variances.
+/// Departure from a covariance matrix that rounding explains, relative to the parameters' total
+/// variances.
 const ROUNDING: f64 = 1e-6;
 /// Variances above this, in mm and px, are no calibration's.
 const LARGEST_VARIANCE: f64 = 1e6;

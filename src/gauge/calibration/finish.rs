@@ -1,14 +1,16 @@
 //! Finishes of masters and parts, and how far the edges of two of them may differ.
 //!
-//! Light grazes the limb of a cylinder over some R/M (M = (kR/2)^⅓). Roughness about the mean line, of correlation length L along
-//! the light, acts as a change of the surface's admittance and moves the limb outwards by
+//! Light grazes the limb of a cylinder over some R/M (M = (kR/2)^⅓). Roughness about the mean line,
+//! of correlation length L along the light, acts as a change of the surface's admittance and moves
+//! the limb outwards by
 //!
 //! ```text
 //! δ = 1.4 · 0.489 · Rq² · √(2k/L),   k = 2π/λ
 //! ```
 //!
-//! (perturbation of the impedance boundary condition; marching the parabolic equation past rough limbs gives the same for
-//! Rq = 0.2 and 0.4 µm: 0.06 and 0.24 µm; larger Rq are extrapolated). Edges of two finishes then differ by at most the larger δ.
+//! (perturbation of the impedance boundary condition; marching the parabolic equation past rough
+//! limbs gives the same for Rq = 0.2 and 0.4 µm: 0.06 and 0.24 µm; larger Rq are extrapolated).
+//! Edges of two finishes then differ by at most the larger δ.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,7 +51,8 @@ impl Finish {
         1.4 * 0.489 * rq * rq * (2.0 * k / CORRELATION_UM).sqrt()
     }
 
-    /// Limits within which edges of two finishes differ, ± µm an edge: either may be anything from smooth to its class' roughest.
+    /// Limits within which edges of two finishes differ, ± µm an edge: either may be anything from
+    /// smooth to its class' roughest.
     pub fn limit_um(self, other: Self) -> f64 {
         self.shift_um().max(other.shift_um())
     }

@@ -38,12 +38,13 @@ pub struct Calibration {
     pub offset_mm: f64,
     /// Covariance of (s, o): var(s), cov, var(o), in mm²/px², mm²/px, mm².
     pub covariance: [f64; 3],
-    /// Edge-spread function that was fitted to the masters' edges ([`EsfModel::name`]): the offset holds for it alone. `None` where no
-    /// master was seen, and in files of earlier versions.
+    /// Edge-spread function that was fitted to the masters' edges ([`EsfModel::name`]): the offset
+    /// holds for it alone. `None` where no master was seen, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_model: Option<String>,
-    /// How the files of its frames encoded light: the offset holds for it alone, since an encoding that is not quite what the file states
-    /// moves the edges of masters and parts alike. `None` where no frame was seen, and in files of earlier versions.
+    /// How the files of its frames encoded light: the offset holds for it alone, since an encoding
+    /// that is not quite what the file states moves the edges of masters and parts alike. `None`
+    /// where no frame was seen, and in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub encoding: Option<Encoding>,
     /// The masters it was made from.
@@ -51,7 +52,8 @@ pub struct Calibration {
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<Box<SetupCalibration>>,
-    /// What the masters' edges left of the edge model, where it was more than noise: its share of the edge offset is in `offset_mm`.
+    /// What the masters' edges left of the edge model, where it was more than noise: its share of
+    /// the edge offset is in `offset_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub systematic_residual: Option<Box<SystematicResidual>>,
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
@@ -67,7 +69,8 @@ impl Calibration {
     /// Weighted least squares over two masters or more and all their frames.
     ///
     /// # Errors
-    /// Refuses fewer than two masters, masters of one size or not seen, and impossible certificates.
+    /// Refuses fewer than two masters, masters of one size or not seen, and impossible
+    /// certificates.
     pub fn fit(masters: &[MasterMeasurement]) -> Result<Self, CalibrationError> {
         let figures: Result<Vec<MasterFigure>, CalibrationError> =
             masters.iter().map(|m| MasterFigure::from_edges(m.certificate, &m.frames)).collect();
@@ -174,8 +177,9 @@ impl Calibration {
         Self { encoding: Some(encoding), ..self }
     }
 
-    /// Refuses a frame whose file encoded light otherwise than those of the calibration's frames. A calibration of an earlier
-    /// version took encoded values as they stood: for linear frames alone it still holds. A bare scale holds for all.
+    /// Refuses a frame whose file encoded light otherwise than those of the calibration's frames. A
+    /// calibration of an earlier version took encoded values as they stood: for linear frames alone
+    /// it still holds. A bare scale holds for all.
     ///
     /// # Errors
     /// Where both are known and differ.
@@ -189,10 +193,14 @@ impl Calibration {
         Err(CalibrationError::OtherEncoding { found, calibrated })
     }
 
-    /// Standard uncertainty of a width by the unknown place of its edges, px: where they were learnt and the masters' were not, or
-    /// the other way round.
+    /// Standard uncertainty of a width by the unknown place of its edges, px: where they were
+    /// learnt and the masters' were not, or the other way round.
     pub(crate) fn u_position_px(&self, figures: &FrameFigures) -> f64 {
-        if self.is_learnt() { figures.unlearnt_position_px() / 3.0_f64.sqrt() } else { figures.u_position_px() }
+        if self.is_learnt() {
+            figures.unlearnt_position_px() / 3.0_f64.sqrt()
+        } else {
+            figures.u_position_px()
+        }
     }
 
     /// Whether the masters' edges were fitted by an edge-spread function estimated from their own
@@ -308,7 +316,8 @@ impl Calibration {
         }
     }
 
-    /// The calibration of the same optical setup for frames read column by column (a vertical shaft).
+    /// The calibration of the same optical setup for frames read column by column (a vertical
+    /// shaft).
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self { setup: self.setup.as_ref().map(|setup| Box::new(setup.transposed())), ..self.clone() }
@@ -335,7 +344,8 @@ impl Calibration {
         AxisZero { height_mm, u_scale: self.covariance[0].sqrt() / self.scale_mm_per_px }
     }
 
-    /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before the fit.
+    /// Residual of a master (certificate minus calibrated), mm, and its standard uncertainty before
+    /// the fit.
     pub fn residual_mm(&self, master: &MasterFigure) -> (f64, f64) {
         let residual = master.certificate.diameter_mm - self.diameter_mm(master.width_px);
         (residual, master.certificate.u_mm().hypot(self.scale_mm_per_px * master.u_width_px))
@@ -435,7 +445,8 @@ mod tests {
         assert!((read.diameter_mm(1200.0) - good.diameter_mm(1200.0)).abs() < 1e-12);
         assert!((read.u_common_mm(1200.0) - good.u_common_mm(1200.0)).abs() < 1e-12);
         assert!(!text.contains("misfit") && read.systematic_residual().is_none());
-        let left = SystematicResidual { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
+        let left =
+            SystematicResidual { step_px: 0.125, residual: [vec![0.01; 5], vec![-0.02; 5]], chi2: 2.3 };
         let with = serde_json::to_string(&good.clone().with_systematic_residual(Some(left.clone()))).unwrap();
         assert_eq!(Calibration::read(with.as_bytes()).unwrap().systematic_residual(), Some(&left));
         let loud = with.replace("-0.02", "-2.0");

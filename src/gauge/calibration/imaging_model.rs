@@ -1,18 +1,19 @@
 //! The imaging model by which the gauge corrects for the lens: from pixels to heights on the
 //! object.
 //!
-//! With u, v the column and row from the frame's centre, ρ half the frame's diagonal, r² = (u² + v²)/ρ² and y the
-//! distance of the shaft's axis from the plane that the masters lay in (towards the camera),
+//! With u, v the column and row from the frame's centre, ρ half the frame's diagonal, r² = (u² +
+//! v²)/ρ² and y the distance of the shaft's axis from the plane that the masters lay in (towards
+//! the camera),
 //!
 //! ```text
 //! f(u, v) = v·(1 + a·r²) + q·v²/ρ + g·u·v/ρ          what a perfect lens would have shown, px
 //! D = s·(1 + t·y)·[f(u, v_bottom) − f(u, v_top)]·χ + o
 //! ```
 //!
-//! a radial distortion, q and g a scale that changes with height and along the shaft (camera not square to the object,
-//! decentred lens: Brown's tangential terms, whose other parts cancel between two edges), t the telecentricity error, χ the
-//! chord factor of the axis' tilt, s the scale, o the offset of both edges together. Valid to first order in a, q, g:
-//! 1e-3 leaves 1e-6 of v.
+//! a radial distortion, q and g a scale that changes with height and along the shaft (camera not
+//! square to the object, decentred lens: Brown's tangential terms, whose other parts cancel between
+//! two edges), t the telecentricity error, χ the chord factor of the axis' tilt, s the scale, o the
+//! offset of both edges together. Valid to first order in a, q, g: 1e-3 leaves 1e-6 of v.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -52,7 +53,8 @@ impl LensLimits {
         within("lens.telecentricity_deg", self.telecentricity_deg, 0.0, 30.0, "0 to 30 degrees")
     }
 
-    /// Standard uncertainties of a, q, g, t before any master was seen: limit/√3; `half_diagonal_mm` on the object.
+    /// Standard uncertainties of a, q, g, t before any master was seen: limit/√3;
+    /// `half_diagonal_mm` on the object.
     pub fn u_parameters(&self, half_diagonal_mm: f64) -> [f64; 4] {
         let root = 3.0_f64.sqrt();
         let keystone = 1e-2 * self.keystone_percent / root;
@@ -65,8 +67,8 @@ impl LensLimits {
     }
 }
 
-/// Columns from the frame's centre that a row is the mean of: r² averages with their variance, which over a whole frame is
-/// worth more than a distortion itself at its middle.
+/// Columns from the frame's centre that a row is the mean of: r² averages with their variance,
+/// which over a whole frame is worth more than a distortion itself at its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColumnSpread {
     /// Their mean, px.
@@ -134,16 +136,18 @@ impl LensModel {
         self.ideal_mean(ColumnSpread::at(u), v)
     }
 
-    /// Mean of [`Self::ideal`] over columns where the mean row is v, px; for a row that hardly changes over them.
+    /// Mean of [`Self::ideal`] over columns where the mean row is v, px; for a row that hardly
+    /// changes over them.
     pub fn ideal_mean(&self, u: ColumnSpread, v: f64) -> f64 {
         let rho = self.half_diagonal_px;
         let r2 = (u.mean_px * u.mean_px + u.variance_px2 + v * v) / (rho * rho);
         v * (1.0 + self.radial * r2) + (self.keystone_across * v + self.keystone_along * u.mean_px) * v / rho
     }
 
-    /// A point (column, row) of the image as a perfect lens would have shown it, px: f across the shaft and the same along it,
-    /// f(v, u) with q and g in each other's place, which is what a camera that is not square to the object does to first order. A
-    /// decentred lens differs along the shaft by up to |q| + |g|.
+    /// A point (column, row) of the image as a perfect lens would have shown it, px: f across the
+    /// shaft and the same along it, f(v, u) with q and g in each other's place, which is what a
+    /// camera that is not square to the object does to first order. A decentred lens differs along
+    /// the shaft by up to |q| + |g|.
     pub fn ideal_point(&self, point_px: [f64; 2]) -> [f64; 2] {
         let (u, v) = (point_px[0] - self.centre_column_px, point_px[1] - self.centre_row_px);
         [self.centre_column_px + self.transposed().ideal(v, u), self.centre_row_px + self.ideal(u, v)]

@@ -102,7 +102,8 @@ pub struct MasterPrior {
     pub common: Option<CertificateShare>,
 }
 
-/// The part of a certificate's error that the certificates of one laboratory (one reference standard, one instrument) share.
+/// The part of a certificate's error that the certificates of one laboratory (one reference
+/// standard, one instrument) share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertificateShare {

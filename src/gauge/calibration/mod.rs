@@ -1,13 +1,15 @@
 //! Pixels to millimetres: calibration from frames of master pins at several heights.
 //!
-//! In: edges of certified masters, the conditions they were recorded under, limits of what the lens may be. Out: a
-//! [`Calibration`](crate::gauge::Calibration) (scale and edge offset) with [`SetupCalibration`] (distortion, keystone and telecentricity by
-//! least squares), every source of uncertainty kept apart, as a file of its own version.
+//! In: edges of certified masters, the conditions they were recorded under, limits of what the lens
+//! may be. Out: a [`Calibration`](crate::gauge::Calibration) (scale and edge offset) with
+//! [`SetupCalibration`] (distortion, keystone and telecentricity by least squares), every source of
+//! uncertainty kept apart, as a file of its own version.
 //!
-//! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`, `thermometer` and `finish` state
-//! what is known of a part and of masters, `unstated` what is taken where nothing is; `verification` is a check pin, `file_checks` refuses
-//! damaged files. One more parameter of the lens goes into `imaging_model` (its derivative with it); one more source of uncertainty is a
-//! part of `adjustment`'s covariance and a row of the budget.
+//! `observation` → `masters` → `adjustment` over the parameters of `imaging_model`; `conditions`,
+//! `thermometer` and `finish` state what is known of a part and of masters, `unstated` what is
+//! taken where nothing is; `verification` is a check pin, `file_checks` refuses damaged files. One
+//! more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
+//! of uncertainty is a part of `adjustment`'s covariance and a row of the budget.
 
 mod adjustment;
 pub(crate) mod axis_zero;
@@ -37,7 +39,7 @@ pub use masters::{
     CertificateShare, MasterCertificate, MasterFigure, MasterMeasurement, MasterPrior, shared_source,
 };
 pub use observation::{Observation, observe};
-pub use optical_setup::{SetupCalibration, BenchError, ReadWidth, Validity};
+pub use optical_setup::{BenchError, ReadWidth, SetupCalibration, Validity};
 pub use thermometer::Thermometer;
 pub use unstated::Unstated;
 pub use verification::{CheckPin, CheckResult};

@@ -5,7 +5,8 @@ use super::imaging_model::{ColumnSpread, LensModel};
 use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::column_means::ColumnMeans;
 
-/// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is quiet.
+/// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is
+/// quiet.
 const BLOCKS: usize = 6;
 
 /// Mean edges of a block of columns of one frame.

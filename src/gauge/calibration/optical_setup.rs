@@ -1,4 +1,5 @@
-//! What `calibrate` adds to scale and offset: the lens, every source's share, the sensor, validity and the check.
+//! What `calibrate` adds to scale and offset: the lens, every source's share, the sensor, validity
+//! and the check.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -79,7 +80,8 @@ pub enum BenchError {
     },
 }
 
-/// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or a fifth less.
+/// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or
+/// a fifth less.
 pub const FOCUS: f64 = 0.223;
 
 /// The optical setup behind a calibration.
@@ -98,7 +100,8 @@ pub struct SetupCalibration {
     pub parts: Vec<CovariancePart>,
     /// Blur of the masters' edges, px: what a part in focus shows.
     pub sigma_px: f64,
-    /// Growth of the blur with the distance y from the masters' plane, σ² = σ₀² + (c·y)², px/mm; 0 where all lay in it.
+    /// Growth of the blur with the distance y from the masters' plane, σ² = σ₀² + (c·y)², px/mm; 0
+    /// where all lay in it.
     #[serde(default)]
     pub defocus_px_per_mm: f64,
     /// √(χ²/ν) of the fit.
@@ -152,9 +155,10 @@ impl SetupCalibration {
         }
     }
 
-    /// The optical setup as it is seen by frames read column by column, for a vertical shaft: the lens transposed, the shares of q and g in each
-    /// other's place. What a decentred lens does differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]):
-    /// a share of its own. The flat field stays that of the sensor.
+    /// The optical setup as it is seen by frames read column by column, for a vertical shaft: the
+    /// lens transposed, the shares of q and g in each other's place. What a decentred lens does
+    /// differs along the other direction by up to |q| + |g| (see [`LensModel::ideal_point`]): a
+    /// share of its own. The flat field stays that of the sensor.
     #[must_use]
     pub fn transposed(&self) -> Self {
         const Q: usize = 3;

@@ -44,7 +44,8 @@ fn two() -> f64 {
 }
 
 impl CheckPin {
-    /// E_n = |x − X|/U(x − X): √(U_x² + U_X²) at one coverage factor, less what both certificates and masters share.
+    /// E_n = |x − X|/U(x − X): √(U_x² + U_X²) at one coverage factor, less what both certificates
+    /// and masters share.
     pub fn judge(&self) -> CheckResult {
         let error_mm = self.measured_mm - self.certificate.diameter_mm;
         let expanded_u_mm = self.coverage_factor * self.u_error_mm;

@@ -1,4 +1,5 @@
-//! The axis of a shaft along z: where it stands in the image plane, and what of it turns with the part.
+//! The axis of a shaft along z: where it stands in the image plane, and what of it turns with the
+//! part.
 //!
 //! The middle of both edges at z and spindle angle φ stands at
 //!
@@ -6,15 +7,19 @@
 //! m(z, φ) = x(z) + a(z)·cos φ − b(z)·sin φ      + odd lobes of the section, motion of the spindle
 //! ```
 //!
-//! x(z) stands still (sag, force, lie of the spindle in the field), (a, b) is the offset of the section's centre in the body (eccentricity,
-//! residual bow), a upwards and b towards the camera at φ = 0. At φ + 90° the silhouette shows of the body what faced the camera at
-//! φ: so both components of what turns are seen, and a silhouette's other plane is no secret for it. What stands still towards the
-//! camera moves no telecentric edge at any angle: it is not seen, unless from a second viewing direction ([`AxisLine::seen_from`]).
+//! x(z) stands still (sag, force, lie of the spindle in the field), (a, b) is the offset of the
+//! section's centre in the body (eccentricity, residual bow), a upwards and b towards the camera at
+//! φ = 0. At φ + 90° the silhouette shows of the body what faced the camera at φ: so both
+//! components of what turns are seen, and a silhouette's other plane is no secret for it. What
+//! stands still towards the camera moves no telecentric edge at any angle: it is not seen, unless
+//! from a second viewing direction ([`AxisLine::seen_from`]).
 //!
-//! Noise and levels move the middle by half of what they do to the width; a blur that is off moves both edges outwards and the middle
-//! not at all; scale errors take their share of the height over the optical axis alone. Over the angles the fit's residual, pooled over the
-//! stations, shows what else scatters (odd lobes, asynchronous spindle motion, vibration); where it exceeds the edges' own statement it counts.
-//! Lobes that run along the part are the same at every station: of what the stations leave alike, one station's freedom alone is known.
+//! Noise and levels move the middle by half of what they do to the width; a blur that is off moves
+//! both edges outwards and the middle not at all; scale errors take their share of the height over
+//! the optical axis alone. Over the angles the fit's residual, pooled over the stations, shows what
+//! else scatters (odd lobes, asynchronous spindle motion, vibration); where it exceeds the edges'
+//! own statement it counts. Lobes that run along the part are the same at every station: of what
+//! the stations leave alike, one station's freedom alone is known.
 
 use std::collections::BTreeMap;
 
@@ -31,12 +36,14 @@ use crate::profile::{Reading, Reason};
 
 /// Share of a station's columns that an angle needs.
 const LEAST_FILL: f64 = 0.3;
-/// Variance of x over that of one angle, at most, where turning part and still part are separated: angles that span less of the turn
-/// leave both mixed.
+/// Variance of x over that of one angle, at most, where turning part and still part are separated:
+/// angles that span less of the turn leave both mixed.
 const MOST_GAIN: f64 = 4.0;
-/// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good ones with three degrees of freedom).
+/// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good
+/// ones with three degrees of freedom).
 const FAR: f64 = 7.0;
-/// Share of a station's columns from which one frame carries it: a line is extrapolated over the rest.
+/// Share of a station's columns from which one frame carries it: a line is extrapolated over the
+/// rest.
 const WHOLE: f64 = 2.0 / 3.0;
 /// Bursts no farther apart than this share of a station stand at one place.
 const SAME_PLACE: f64 = 0.02;
@@ -70,7 +77,8 @@ impl TurningOffset {
         self.y_mm.atan2(self.x_mm).to_degrees()
     }
 
-    /// Radial run-out of the axis against the axis of rotation, mm: twice the amplitude (form apart).
+    /// Radial run-out of the axis against the axis of rotation, mm: twice the amplitude (form
+    /// apart).
     pub fn run_out_mm(&self) -> f64 {
         2.0 * self.amplitude_mm()
     }
@@ -87,9 +95,11 @@ impl TurningOffset {
 pub struct AxisStation {
     /// Middle of the station, mm.
     pub z_mm: f64,
-    /// Height of the axis over the optical axis, what stands still of it, mm; where `turning` is none, what turns is in it as it stood.
+    /// Height of the axis over the optical axis, what stands still of it, mm; where `turning` is
+    /// none, what turns is in it as it stood.
     pub x_mm: f64,
-    /// Standard uncertainty of the height by what scatters from angle to angle and station to station, mm.
+    /// Standard uncertainty of the height by what scatters from angle to angle and station to
+    /// station, mm.
     pub u_random_mm: f64,
     /// Standard uncertainty by what all stations share (scale, edge model), mm.
     pub u_common_mm: f64,
@@ -130,8 +140,9 @@ pub struct StillTowardsCamera {
 }
 
 impl AxisLine {
-    /// Departure of the height from the chord between the first and the last station, (z, departure, its random standard uncertainty),
-    /// mm: how the shaft bends in the image plane, wherever its supports stand.
+    /// Departure of the height from the chord between the first and the last station, (z,
+    /// departure, its random standard uncertainty), mm: how the shaft bends in the image plane,
+    /// wherever its supports stand.
     pub fn bend_mm(&self) -> Vec<(f64, f64, f64)> {
         let (Some(first), Some(last)) = (self.stations.first(), self.stations.last()) else {
             return Vec::new();
@@ -154,9 +165,10 @@ impl AxisLine {
         turning.max_by(|a, b| a.1.amplitude_mm().total_cmp(&b.1.amplitude_mm()))
     }
 
-    /// What stands still towards the camera, where a second camera sees the same shaft with its own upward direction turned by
-    /// `view_deg` from x towards y: x' = x·cos ψ + y·sin ψ. The two optical axes' distance along y stays in it as a constant.
-    /// Nothing where the directions are less than 10° apart, and for stations that one of both has not seen.
+    /// What stands still towards the camera, where a second camera sees the same shaft with its own
+    /// upward direction turned by `view_deg` from x towards y: x' = x·cos ψ + y·sin ψ. The two
+    /// optical axes' distance along y stays in it as a constant. Nothing where the directions are
+    /// less than 10° apart, and for stations that one of both has not seen.
     pub fn seen_from(&self, second: &Self, view_deg: f64) -> Vec<StillTowardsCamera> {
         let (sin, cos) = view_deg.to_radians().sin_cos();
         if sin.abs() < 10.0_f64.to_radians().sin() {
@@ -218,7 +230,8 @@ pub struct AxisAverager {
     sums: Vec<Vec<Burst>>,
 }
 
-/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums of a station by angle in microdegrees.
+/// Frames of different angles taken at one place of the carriage, or nearly so while it moves: sums
+/// of a station by angle in microdegrees.
 #[derive(Clone, Debug, Default)]
 struct Burst {
     angles: BTreeMap<i64, Sums>,
@@ -317,8 +330,9 @@ impl AxisAverager {
         }
     }
 
-    /// What the angles show of a station: the burst whose middle is nearest, where it carries the station, and those at its place. While
-    /// the tool cuts, every field sees an axis that is bent otherwise, and two of them would mix. Bursts that show parts are put together.
+    /// What the angles show of a station: the burst whose middle is nearest, where it carries the
+    /// station, and those at its place. While the tool cuts, every field sees an axis that is bent
+    /// otherwise, and two of them would mix. Bursts that show parts are put together.
     fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
         let least = WHOLE * self.station_mm / self.pitch_mm.max(1e-12);
         let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
@@ -367,7 +381,8 @@ impl AxisAverager {
         let n = good.len() as f64;
         let means: Vec<StationMean> = good.iter().map(|(_, s)| s.seen.mean()).collect();
         let noise = good.iter().zip(&means).map(|((_, s), m)| s.noise(m.gain)).sum::<f64>() / n;
-        // What was not seen of a sloping axis stands still or turns with the part as the axis does: angles do not average it.
+        // What was not seen of a sloping axis stands still or turns with the part as the axis does:
+        // angles do not average it.
         let rests: Vec<(f64, f64)> =
             good.iter().zip(&means).map(|((angle, _), m)| (*angle, m.rest)).collect();
         let unseen = harmonics(&rests);
@@ -402,7 +417,8 @@ impl AxisAverager {
 
 impl Fit {
     fn station(&self, z_mm: f64, pooled: Option<(f64, f64)>, u_scale: f64) -> AxisStation {
-        // What one station's freedom alone shows is widened as Student's t is, so that 2u covers what it should.
+        // What one station's freedom alone shows is widened as Student's t is, so that 2u covers
+        // what it should.
         let widened = few_freedom(self.freedom);
         let scatter = match pooled {
             Some((pooled, _)) if self.freedom > 0.0 && self.residual > FAR * pooled => {
@@ -424,7 +440,8 @@ impl Fit {
     }
 }
 
-/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow; the mean alone where they span too little.
+/// Still part and first harmonic, with as many odd harmonics beside them as the angles allow; the
+/// mean alone where they span too little.
 fn harmonics(middles: &[(f64, f64)]) -> Fit {
     let n = middles.len();
     let start = middles[0].1;
@@ -480,7 +497,8 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
     }
 }
 
-/// Variance of one angle's middle, mm², pooled over the stations without those far beyond the median; `None` without freedom.
+/// Variance of one angle's middle, mm², pooled over the stations without those far beyond the
+/// median; `None` without freedom.
 fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
     let mut all: Vec<(f64, f64)> =
         fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
@@ -494,9 +512,10 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
     (total > 0.0).then(|| sum / total)
 }
 
-/// Share of the pooled variance, mm², that all stations have in common: odd lobes run along a turned part, and the more stations show
-/// them the less is learnt. It is the variance of the mean of what the stations' fits leave angle by angle, less what independent scatter
-/// makes of such a mean.
+/// Share of the pooled variance, mm², that all stations have in common: odd lobes run along a
+/// turned part, and the more stations show them the less is learnt. It is the variance of the mean
+/// of what the stations' fits leave angle by angle, less what independent scatter makes of such a
+/// mean.
 fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Fit>, pooled: f64) -> f64 {
     let mut by_angle: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
     let (mut stations, mut freedom) = (0.0, 0.0);

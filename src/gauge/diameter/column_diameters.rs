@@ -1,4 +1,5 @@
-//! From both edges of a column to a diameter, corrected for the tilt of the axis in the image plane.
+//! From both edges of a column to a diameter, corrected for the tilt of the axis in the image
+//! plane.
 //!
 //! A column cuts a body of diameter D, whose axis is tilted by τ and whose flanks taper by the half
 //! angle α, along a chord w = D·cos τ/(cos²τ − sin²τ·tan²α); so D = w·(cos²τ − sin²τ·tan²α)/cos τ,
@@ -31,7 +32,8 @@ pub struct ColumnDiameters {
     pub width_px: Vec<f64>,
     /// Height of the middle between both edges above a fixed row of the frame, mm; NaN in a gap.
     pub middle_mm: Vec<f64>,
-    /// Standard uncertainty of that height by what columns and frames share but for the scale (edge model, rounding, blur), mm; NaN in a gap.
+    /// Standard uncertainty of that height by what columns and frames share but for the scale (edge
+    /// model, rounding, blur), mm; NaN in a gap.
     pub u_middle_common_mm: Vec<f64>,
 }
 
@@ -41,8 +43,8 @@ impl ColumnDiameters {
         meta.z_mm + (column as f64 - (self.readings.len() as f64 - 1.0) / 2.0) * self.pitch_mm
     }
 
-    /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's middle, reading). An
-    /// interval without a good column is a gap with its most frequent reason.
+    /// Means over intervals of about `step_mm` along z, for the record: (z of the interval's
+    /// middle, reading). An interval without a good column is a gap with its most frequent reason.
     pub fn record(&self, meta: &FrameMeta, step_mm: f64) -> Vec<(f64, Reading)> {
         let size = ((step_mm / self.pitch_mm).round() as usize).clamp(1, self.readings.len().max(1));
         (0..self.readings.len())
@@ -55,8 +57,8 @@ impl ColumnDiameters {
             .collect()
     }
 
-    /// Mean over columns; the shared part of the uncertainty does not shrink, which is right for spans up to `shared_length`
-    /// and cautious beyond.
+    /// Mean over columns; the shared part of the uncertainty does not shrink, which is right for
+    /// spans up to `shared_length` and cautious beyond.
     pub fn mean(&self, columns: std::ops::Range<usize>) -> Reading {
         let (mut n, mut d, mut own, mut shared, mut common) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for column in columns.clone() {
@@ -192,7 +194,8 @@ pub(crate) fn column_diameters(
 ) -> ColumnDiameters {
     let reader = Reader::new(calibration, conditions, AxisSlope::of(edges));
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
-    // All columns share the frame's blur; a stream takes it from every frame anew, so that frames average it.
+    // All columns share the frame's blur; a stream takes it from every frame anew, so that frames
+    // average it.
     let (u_blur_px, _) = u_blur_px(edges, &both);
     let u_position_px = calibration.u_position_px(&edges.figures);
     let scale = calibration.scale_mm_per_px * conditions.to_reference();
@@ -232,7 +235,8 @@ pub(crate) fn column_diameters(
         out.shared_mm.push(random(f64::from(top.u_shared_px), f64::from(bottom.u_shared_px)));
         out.width_px.push(width_px);
         out.middle_mm.push(reader.middle_mm(column, rows_px));
-        // The mean of two edges that are off by themselves is off by half of what their distance is.
+        // The mean of two edges that are off by themselves is off by half of what their distance
+        // is.
         out.u_middle_common_mm.push(0.5 * scale * repeated.sqrt().hypot(u_blur_px));
     }
     out

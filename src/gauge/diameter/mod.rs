@@ -1,11 +1,14 @@
-//! Millimetres: diameters of columns, stations along z, sections over a revolution, the axis, series of readings.
+//! Millimetres: diameters of columns, stations along z, sections over a revolution, the axis,
+//! series of readings.
 //!
-//! In: [`FrameEdges`](crate::gauge::FrameEdges) and a [`Calibration`](crate::gauge::Calibration). Out: [`ColumnDiameters`] of a frame;
-//! from the frames of a scan a [`DiameterProfile`](crate::profile::DiameterProfile) (`stations`), form and size (`sections`), the axis
-//! (`axis_line`); from successive readings their mean and scatter (`reading_series`, `reading_scatter`). All lengths are in mm, u apart
-//! by random and common.
+//! In: [`FrameEdges`](crate::gauge::FrameEdges) and a [`Calibration`](crate::gauge::Calibration).
+//! Out: [`ColumnDiameters`] of a frame; from the frames of a scan a
+//! [`DiameterProfile`](crate::profile::DiameterProfile) (`stations`), form and size (`sections`),
+//! the axis (`axis_line`); from successive readings their mean and scatter (`reading_series`,
+//! `reading_scatter`). All lengths are in mm, u apart by random and common.
 //!
-//! One more quantity of a scan is one more averager: `add` a frame's `ColumnDiameters`, `finish` to a result with reasons for its gaps.
+//! One more quantity of a scan is one more averager: `add` a frame's `ColumnDiameters`, `finish` to
+//! a result with reasons for its gaps.
 
 pub mod axis_line;
 pub(crate) mod column_diameters;

@@ -1,4 +1,5 @@
-//! Plausibility against what was measured before: earlier revolutions of the same part, and the pass before.
+//! Plausibility against what was measured before: earlier revolutions of the same part, and the
+//! pass before.
 //!
 //! A station is refused where it departs from what was expected by more than both
 //!
@@ -72,8 +73,9 @@ impl TurnHistory {
         Self { settings: *settings, stretch_mm, known: BTreeMap::new() }
     }
 
-    /// Compares a frame's diameters with those of the same angle in earlier revolutions. Stretches that jump become gaps
-    /// ([`Reason::Implausible`]); the others become the reference of the next revolution.
+    /// Compares a frame's diameters with those of the same angle in earlier revolutions. Stretches
+    /// that jump become gaps ([`Reason::Implausible`]); the others become the reference of the next
+    /// revolution.
     pub fn check(&mut self, meta: &FrameMeta, diameters: &mut ColumnDiameters) -> Vec<Jump> {
         let mut jumps = Vec::new();
         let angle = (meta.angle_deg.rem_euclid(180.0) * 1e6).round() as i64 % 180_000_000;
@@ -129,8 +131,9 @@ fn refuse(diameters: &mut ColumnDiameters, columns: std::ops::Range<usize>) {
     }
 }
 
-/// Compares a pass with the one before: `fall_mm` is by how much every station was commanded smaller. Stations that jump become
-/// gaps, unless more than a quarter of them do: then nothing is refused here, and the jumps are given with `false`.
+/// Compares a pass with the one before: `fall_mm` is by how much every station was commanded
+/// smaller. Stations that jump become gaps, unless more than a quarter of them do: then nothing is
+/// refused here, and the jumps are given with `false`.
 pub fn against_pass(
     settings: &PlausibilitySettings,
     before: &DiameterProfile,

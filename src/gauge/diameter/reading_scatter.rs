@@ -7,9 +7,10 @@
 //! n/n_eff = 1 + 2 Σ_k (1 − k/n) ρ_k        u²(mean) = s²·(n − 1)/n/(n_eff − 1)
 //! ```
 //!
-//! the second with the bias of s² under autocorrelation taken out; for n_eff = n it is s²/n. The sum runs up to the first ρ_k below 0
-//! (Geyer's initial sequence), and only where ρ₁ lies beyond what independent readings show by chance (Bartlett: 1.96/√n): of fewer than
-//! five readings nothing but their number is known.
+//! the second with the bias of s² under autocorrelation taken out; for n_eff = n it is s²/n. The
+//! sum runs up to the first ρ_k below 0 (Geyer's initial sequence), and only where ρ₁ lies beyond
+//! what independent readings show by chance (Bartlett: 1.96/√n): of fewer than five readings
+//! nothing but their number is known.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -37,7 +38,8 @@ pub struct ScatterTest {
 }
 
 impl ScatterTest {
-    /// Of (value, random standard uncertainty) about their weighted mean; `None` for fewer than two, or for a u that is not above 0.
+    /// Of (value, random standard uncertainty) about their weighted mean; `None` for fewer than
+    /// two, or for a u that is not above 0.
     pub fn of(readings: &[(f64, f64)]) -> Option<Self> {
         if readings.len() < 2 || !readings.iter().all(|(_, u)| *u > 0.0) {
             return None;
@@ -67,7 +69,8 @@ impl ScatterTest {
     }
 }
 
-/// Number of independent readings whose mean scatters as that of these, 1 ..= n: `departures` are from the mean, or from a value known.
+/// Number of independent readings whose mean scatters as that of these, 1 ..= n: `departures` are
+/// from the mean, or from a value known.
 pub fn effective_number(departures: &[f64]) -> f64 {
     let n = departures.len() as f64;
     let square: f64 = departures.iter().map(|d| d * d).sum();
@@ -85,7 +88,8 @@ pub fn effective_number(departures: &[f64]) -> f64 {
 /// Mean of successive readings with its uncertainty from their scatter and from their stated u.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeriesMean {
-    /// Mean, its random standard uncertainty (the larger one of stated and scattered) and the common one, which no mean makes smaller.
+    /// Mean, its random standard uncertainty (the larger one of stated and scattered) and the
+    /// common one, which no mean makes smaller.
     pub mean: Diameter,
     /// Experimental standard deviation of one reading, mm; 0 for a single one.
     pub sd_mm: f64,

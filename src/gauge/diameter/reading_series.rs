@@ -144,9 +144,11 @@ fn median(window: &[Diameter], newest: Diameter) -> Diameter {
 struct Recursion {
     /// The average with what the readings state.
     stated: Diameter,
-    /// Σ of the readings' squared weights: 1/n of a mean of n readings, weight/(2 − weight) in the end.
+    /// Σ of the readings' squared weights: 1/n of a mean of n readings, weight/(2 − weight) in the
+    /// end.
     squared_weights: f64,
-    /// Weighted mean of the squared departures, mm², biased by the factor 1 − Σ w² (West, Comm. ACM 22 (1979) 532).
+    /// Weighted mean of the squared departures, mm², biased by the factor 1 − Σ w² (West, Comm. ACM
+    /// 22 (1979) 532).
     square: f64,
     /// The same of products of neighbours.
     product: f64,
@@ -177,8 +179,10 @@ impl Recursion {
         }
     }
 
-    /// The average with the larger random uncertainty of stated and scattered. With an autocorrelation φ^k that independent readings do
-    /// not show by chance (1.96 standard deviations) the average's variance is (1 + kept·φ)/(1 − kept·φ) times that of independent ones.
+    /// The average with the larger random uncertainty of stated and scattered. With an
+    /// autocorrelation φ^k that independent readings do not show by chance (1.96 standard
+    /// deviations) the average's variance is (1 + kept·φ)/(1 − kept·φ) times that of independent
+    /// ones.
     fn average(&self) -> Diameter {
         let freedom = 1.0 - self.squared_weights;
         if !(freedom > 0.0 && self.square > 0.0) {
@@ -192,10 +196,12 @@ impl Recursion {
     }
 }
 
-/// Standard deviation of the median of n normal readings over that of their mean: 1, 1, 1.160, 1.092, 1.198, …, √(π/2).
+/// Standard deviation of the median of n normal readings over that of their mean: 1, 1, 1.160,
+/// 1.092, 1.198, …, √(π/2).
 ///
-/// n ≤ 7 tabulated (David & Nagaraja, Order Statistics); above, var ≈ π/2/(n + π/2 − 1) for odd n, within 1 %; an even n is
-/// taken as the odd one below it, at its own n, which overstates by 5 % at most.
+/// n ≤ 7 tabulated (David & Nagaraja, Order Statistics); above, var ≈ π/2/(n + π/2 − 1) for odd n,
+/// within 1 %; an even n is taken as the odd one below it, at its own n, which overstates by 5 % at
+/// most.
 fn median_penalty(n: usize) -> f64 {
     const SMALL: [f64; 8] = [1.0, 1.0, 1.0, 1.160_2, 1.092_2, 1.197_6, 1.135_1, 1.213_7];
     if let Some(small) = SMALL.get(n) {
@@ -266,7 +272,8 @@ impl RunningStatistics {
         self.sd() / (self.count.max(1) as f64).sqrt()
     }
 
-    /// Cp = (upper − lower)/6s with its interval from χ² (ISO 22514-2, normal and stable process: otherwise it is Pp).
+    /// Cp = (upper − lower)/6s with its interval from χ² (ISO 22514-2, normal and stable process:
+    /// otherwise it is Pp).
     ///
     /// # Errors
     /// Fewer than two different values; limits out of order; a confidence outside 0..1.
@@ -280,7 +287,8 @@ impl RunningStatistics {
         Ok(Capability { index, lower: end(0.5 - 0.5 * confidence), upper: end(0.5 + 0.5 * confidence) })
     }
 
-    /// Cpk = min(upper − mean, mean − lower)/3s with Bissell's interval, Cpk·[1 ± z·√(1/(9n·Cpk²) + 1/2(n−1))].
+    /// Cpk = min(upper − mean, mean − lower)/3s with Bissell's interval, Cpk·[1 ± z·√(1/(9n·Cpk²) +
+    /// 1/2(n−1))].
     ///
     /// # Errors
     /// As [`Self::cp`].
@@ -293,7 +301,8 @@ impl RunningStatistics {
         Ok(Capability { index, lower: index - half, upper: index + half })
     }
 
-    /// Whether the scatter is more than that of noise of a variance, at a risk of an error of the first kind (one-sided χ² test).
+    /// Whether the scatter is more than that of noise of a variance, at a risk of an error of the
+    /// first kind (one-sided χ² test).
     ///
     /// # Errors
     /// Fewer than two values; scatter that noise explains.
@@ -392,7 +401,8 @@ mod tests {
                     least = least.min(out.unwrap().u_random_mm);
                 }
                 let ratio = (square / u_square).sqrt();
-                // The larger one of two estimates is too large by up to 1.17 of three readings, by less of more.
+                // The larger one of two estimates is too large by up to 1.17 of three readings, by
+                // less of more.
                 let range = if scale > 1.0 { 0.92..1.03 } else { 0.84..1.025 };
                 assert!(range.contains(&ratio), "{averaging:?} {scale}: {ratio}");
                 if scale == 1.0 {

@@ -1,10 +1,11 @@
 //! Form and size of sections over a turn, from the frames of a scan.
 //!
-//! For every station the diameters and middles of its columns are averaged angle by angle; the angles either divide a whole turn
-//! evenly, or half a turn. Half a turn shows every tangent once: with the spindle's axis taken as still, bottom edges stand for the
-//! tops of the other half, h(φ + π) = m − bottom(φ), m the height of the axis, and the unknown m is in the u of the odd lobes. Either way odd
-//! lobes and odd spindle motion cannot be separated. Every u is at least what the readings scatter by that the form does not explain
-//! (`turn_scatter`).
+//! For every station the diameters and middles of its columns are averaged angle by angle; the
+//! angles either divide a whole turn evenly, or half a turn. Half a turn shows every tangent once:
+//! with the spindle's axis taken as still, bottom edges stand for the tops of the other half, h(φ +
+//! π) = m − bottom(φ), m the height of the axis, and the unknown m is in the u of the odd lobes.
+//! Either way odd lobes and odd spindle motion cannot be separated. Every u is at least what the
+//! readings scatter by that the form does not explain (`turn_scatter`).
 //!
 //! Everything here is the silhouette's: sizes and roundness of the section's convex hull.
 
@@ -65,7 +66,8 @@ pub struct SectionForm {
     pub half_turn: bool,
     /// Least-squares size GG of the hull, mm.
     pub gg_mm: f64,
-    /// Its random standard uncertainty, mm: the larger one of what the edges state and what the readings scatter by beyond the form.
+    /// Its random standard uncertainty, mm: the larger one of what the edges state and what the
+    /// readings scatter by beyond the form.
     pub u_gg_random_mm: f64,
     /// Minimum circumscribed size GN, mm.
     pub gn_mm: f64,
@@ -83,11 +85,14 @@ pub struct SectionForm {
     pub roundness_mm: [f64; 4],
     /// Gaussian filter, undulations per revolution.
     pub cutoff_upr: f64,
-    /// Standard uncertainty of one edge of a station at one angle, mm, stated or scattered, whichever is larger.
+    /// Standard uncertainty of one edge of a station at one angle, mm, stated or scattered,
+    /// whichever is larger.
     pub u_edge_mm: f64,
-    /// Standard uncertainty of the height of the spindle's axis, which half a turn must adjust, mm; it is in the u of the odd lobes.
+    /// Standard uncertainty of the height of the spindle's axis, which half a turn must adjust, mm;
+    /// it is in the u of the odd lobes.
     pub u_axis_mm: Option<f64>,
-    /// χ² of what the form does not explain against the edges' own statements; `None` from too few angles.
+    /// χ² of what the form does not explain against the edges' own statements; `None` from too few
+    /// angles.
     pub scatter: Option<ScatterTest>,
     /// Harmonics.
     pub harmonics: TurnHarmonics,
@@ -105,7 +110,8 @@ pub struct PartForm {
     pub total_run_out_mm: Option<f64>,
     /// Straightness of the line of centres (minimum zone, the worse of two planes), mm.
     pub axis_straightness_mm: Option<f64>,
-    /// Straightness of the straightest-seen flanks: the worst generatrix over all angles (minimum zone), mm.
+    /// Straightness of the straightest-seen flanks: the worst generatrix over all angles (minimum
+    /// zone), mm.
     pub generatrix_straightness_mm: Option<f64>,
     /// Cylindricity CYLt about the least-squares cylinder, mm.
     pub cylindricity_mm: Option<f64>,
@@ -120,7 +126,8 @@ pub struct PartForm {
 pub struct Envelope {
     /// Its diameter, mm.
     pub diameter_mm: f64,
-    /// Random standard uncertainty, mm: the tangents it rests on balance, so that none has more than half the weight, u(2R) ≤ √2·u(edge).
+    /// Random standard uncertainty, mm: the tangents it rests on balance, so that none has more
+    /// than half the weight, u(2R) ≤ √2·u(edge).
     pub u_random_mm: f64,
     /// Sections it was taken over.
     pub sections: usize,
@@ -267,7 +274,12 @@ fn turn_of(readings: &[[f64; 3]], u_edge_mm: f64) -> Result<(Turn, Option<f64>),
     }
 }
 
-fn section_form(z_mm: f64, turn: &Turn, seen: &SectionReadings, cutoff: Cutoff) -> Result<SectionForm, FormError> {
+fn section_form(
+    z_mm: f64,
+    turn: &Turn,
+    seen: &SectionReadings,
+    cutoff: Cutoff,
+) -> Result<SectionForm, FormError> {
     let half_turn = seen.u_axis_mm.is_some();
     let scattered_mm = seen.scatter.map_or(0.0, |s| s.sd_width_mm * std::f64::consts::FRAC_1_SQRT_2);
     let u_edge_mm = seen.stated_mm.max(scattered_mm);

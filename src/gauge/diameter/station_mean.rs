@@ -1,14 +1,17 @@
 //! The mean over a whole station from the columns that were seen of it.
 //!
-//! Fields that overlap show a part of a station twice, and a gap leaves a part out; on a taper the plain mean of the columns is then pulled
-//! by slope · (their centroid − the station's middle). A parabola through the columns is averaged over the whole station instead, a line where
-//! they do not carry one, their plain mean where they do not carry that. By how much the next better description differs from the one taken is
-//! what was not seen of the station: it is the same at every angle, so that angles do not average it.
+//! Fields that overlap show a part of a station twice, and a gap leaves a part out; on a taper the
+//! plain mean of the columns is then pulled by slope · (their centroid − the station's middle). A
+//! parabola through the columns is averaged over the whole station instead, a line where they do
+//! not carry one, their plain mean where they do not carry that. By how much the next better
+//! description differs from the one taken is what was not seen of the station: it is the same at
+//! every angle, so that angles do not average it.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Variance of a station's mean over that of its columns' plain mean, at most, by the slope and bend that are adjusted within it: half
-/// a station carries a line (exactly 4), two thirds a parabola.
+/// Variance of a station's mean over that of its columns' plain mean, at most, by the slope and
+/// bend that are adjusted within it: half a station carries a line (exactly 4), two thirds a
+/// parabola.
 const MOST_GAIN: f64 = 4.0;
 /// Fewest columns whose line says what was not seen.
 const LEAST_COLUMNS: f64 = 3.0;
@@ -27,7 +30,8 @@ pub(crate) struct StationColumns {
 pub(crate) struct StationMean {
     /// Mean over the station.
     pub(crate) mean: f64,
-    /// Variance of it over that of the columns' plain mean, by what each column has for itself; 1 at least.
+    /// Variance of it over that of the columns' plain mean, by what each column has for itself; 1
+    /// at least.
     pub(crate) gain: f64,
     /// Mean by the next better description less this one.
     pub(crate) rest: f64,
@@ -65,12 +69,14 @@ impl StationColumns {
             (None, Some(line)) => (line, parabola.filter(|_| known)),
             (None, None) => (plain, line.filter(|_| known)),
         };
-        // The descriptions are nested least squares: the variance of their difference is the difference of their variances.
+        // The descriptions are nested least squares: the variance of their difference is the
+        // difference of their variances.
         let (rest, rest_gain) = better.map_or((0.0, 0.0), |b| (b.0 - taken.0, (b.1 - taken.1).max(0.0)));
         StationMean { mean: taken.0, gain: taken.1.max(1.0), rest, rest_gain }
     }
 
-    /// Mean over the station of the least-squares polynomial of `terms` terms, and its variance over that of the plain mean.
+    /// Mean over the station of the least-squares polynomial of `terms` terms, and its variance
+    /// over that of the plain mean.
     fn fitted(&self, terms: usize) -> Option<(f64, f64)> {
         let n = self.powers[0];
         if n < terms as f64 {

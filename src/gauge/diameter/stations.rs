@@ -1,18 +1,19 @@
 //! From the frames of a scan to one diameter a station.
 //!
-//! Every column lies at z = z_frame + (column − c0)·p. For each spindle angle the columns of a station are averaged, over
-//! overlapping fields too, to its mean along z ([`StationColumns`]); over the angles φ_i a least-squares fit of
+//! Every column lies at z = z_frame + (column − c0)·p. For each spindle angle the columns of a
+//! station are averaged, over overlapping fields too, to its mean along z ([`StationColumns`]);
+//! over the angles φ_i a least-squares fit of
 //!
 //! ```text
 //! D_i = D + Σ_{k = 2, 4} a_k cos kφ_i + b_k sin kφ_i
 //! ```
 //!
-//! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface texture and noise; its
-//! variance is pooled over the stations of the scan, robustly, and gives u_random of the mean. Where a station scatters far more than
-//! the others and one angle alone explains it, by a diameter larger than the others, that angle
-//! shows contamination that turns with the part (a film, a
-//! smeared chip) and is left out: the same z is measured at other angles. Otherwise the station
-//! keeps its own, larger value.
+//! takes the even lobes out of the mean (odd ones hardly show in a width). What remains is surface
+//! texture and noise; its variance is pooled over the stations of the scan, robustly, and gives
+//! u_random of the mean. Where a station scatters far more than the others and one angle alone
+//! explains it, by a diameter larger than the others, that angle shows contamination that turns
+//! with the part (a film, a smeared chip) and is left out: the same z is measured at other angles.
+//! Otherwise the station keeps its own, larger value.
 
 use std::collections::BTreeMap;
 
@@ -50,8 +51,8 @@ impl AngleSums {
     }
 }
 
-/// Variance of a mean over `n` columns from the sums of their own and of their shared variances; what is shared falls off linearly over
-/// `length` columns and half of it again.
+/// Variance of a mean over `n` columns from the sums of their own and of their shared variances;
+/// what is shared falls off linearly over `length` columns and half of it again.
 pub(crate) fn variance_of_mean(n: f64, own: f64, shared: f64, length: f64) -> f64 {
     let span_over_reach = n / (1.5 * length.max(1.0));
     let correlation = if span_over_reach <= 1.0 {
@@ -71,7 +72,8 @@ pub struct StationAverager {
     /// Per station: sums by angle in microdegrees.
     sums: Vec<BTreeMap<i64, AngleSums>>,
     pitch_mm: f64,
-    /// Whether the frames are single readings of a line camera: how many a station has is the scan's affair.
+    /// Whether the frames are single readings of a line camera: how many a station has is the
+    /// scan's affair.
     readings: bool,
 }
 
@@ -110,7 +112,8 @@ struct AngleFit {
     noise: f64,
     /// Variance of the mean by what was not seen of the station at any angle, mm².
     rest: f64,
-    /// Variance of one angle by surface texture over that of a whole station: a part of it, carried on by a line, knows less.
+    /// Variance of one angle by surface texture over that of a whole station: a part of it, carried
+    /// on by a line, knows less.
     share: f64,
     common_mm: f64,
 }
@@ -193,7 +196,8 @@ impl StationAverager {
         let means: Vec<StationMean> = good.iter().map(|(_, s)| s.seen.mean()).collect();
         let each = || good.iter().map(|(_, s)| s).zip(&means);
         let noise = each().map(|(s, m)| s.noise(m)).sum::<f64>() / (n * n);
-        // What was not seen is the part's and not the angle's: its mean over the angles counts, less what noise makes of it.
+        // What was not seen is the part's and not the angle's: its mean over the angles counts,
+        // less what noise makes of it.
         let unseen = means.iter().map(|m| m.rest).sum::<f64>() / n;
         let by_noise = each().map(|(s, m)| s.rest_noise(m)).sum::<f64>() / (n * n);
         let rest = (unseen * unseen - by_noise).max(0.0);
@@ -207,7 +211,8 @@ impl StationAverager {
         Ok(AngleFit { lobes, noise, rest, share, common_mm })
     }
 
-    /// The fit without the one angle that lies above what the others say, where that explains the station's scatter.
+    /// The fit without the one angle that lies above what the others say, where that explains the
+    /// station's scatter.
     fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
         let mut best: Option<AngleFit> = None;
         for (angle, s) in self.angles(sums, None) {
@@ -227,7 +232,8 @@ impl StationAverager {
 /// Columns below which a frame is a reading of a line camera.
 const NARROW: usize = 16;
 
-/// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of good ones with three degrees of freedom).
+/// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of
+/// good ones with three degrees of freedom).
 const FAR: f64 = 7.0;
 
 fn radians(microdegrees: i64) -> f64 {
@@ -258,8 +264,9 @@ fn fit_lobes(angles: &[(f64, f64)]) -> LobeFit {
     LobeFit { mean_mm, gain: 1.0 / n as f64, residual: 0.0, freedom: 0.0, solution: vec![mean_mm] }
 }
 
-/// Variance of one angle, mm², pooled over the stations, and its degrees of freedom: those beyond seven times the median's estimate are left out (below 0.1 % of
-/// good ones with three degrees of freedom). `None` without freedom.
+/// Variance of one angle, mm², pooled over the stations, and its degrees of freedom: those beyond
+/// seven times the median's estimate are left out (below 0.1 % of good ones with three degrees of
+/// freedom). `None` without freedom.
 fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<(f64, f64)> {
     let mut all: Vec<(f64, f64)> =
         fits.map(|f| &f.lobes).filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
@@ -280,7 +287,8 @@ fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>
     let (one_angle, freedom) = match pooled {
         Some((pooled, _)) if fit.lobes.residual > FAR * pooled => (fit.lobes.residual, fit.lobes.freedom),
         Some(pooled) => pooled,
-        // One angle a station: what form and texture do to it is unknown, and so is its uncertainty.
+        // One angle a station: what form and texture do to it is unknown, and so is its
+        // uncertainty.
         None => return gap(Reason::TooFewColumns),
     };
     let scatter = fit.lobes.gain * one_angle * fit.share;
@@ -289,14 +297,16 @@ fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>
         u_random_mm: (scatter.max(fit.noise) + fit.rest).sqrt(),
         u_common_mm: fit.common_mm,
     };
-    // Welch-Satterthwaite (GUM G.4.1): of scatter alone the degrees of freedom are counted, noise is known.
+    // Welch-Satterthwaite (GUM G.4.1): of scatter alone the degrees of freedom are counted, noise
+    // is known.
     let freedom = (scatter >= fit.noise && scatter > 0.0)
         .then(|| freedom.max(1.0) * (diameter.u_mm().powi(2) / scatter).powi(2))
         .filter(|freedom| *freedom < MANY_FREEDOM);
     Station { z_mm, reading: Reading::Value(diameter), freedom }
 }
 
-/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95 %.
+/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95
+/// %.
 const MANY_FREEDOM: f64 = 1000.0;
 
 #[cfg(test)]
@@ -377,7 +387,8 @@ mod tests {
         }
     }
 
-    /// A field that ends inside stations, over another one, on a taper of 12 µm a station that bends: the mean is that of the whole station.
+    /// A field that ends inside stations, over another one, on a taper of 12 µm a station that
+    /// bends: the mean is that of the whole station.
     #[test]
     fn fields_that_overlap_do_not_pull_a_taper() {
         let mut rng = Pcg64::seed_from_u64(9);
@@ -403,8 +414,8 @@ mod tests {
         }
     }
 
-    /// The end of a taper is not seen by a third: its slope carries the mean there, and what a bend might do is in u. What is missing
-    /// at every angle alike is not averaged over the angles.
+    /// The end of a taper is not seen by a third: its slope carries the mean there, and what a bend
+    /// might do is in u. What is missing at every angle alike is not averaged over the angles.
     #[test]
     fn what_no_angle_shows_of_a_station_is_not_averaged_over_the_angles() {
         let taper = |z: f64| 25.0 + 2.4e-3 * z;

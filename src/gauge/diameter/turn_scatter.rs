@@ -7,10 +7,11 @@
 //! autocorrelated (drift over the revolution): it counts as [`effective_number`] readings, and χ²
 //! against the edges' uncertainties tests whether they scatter beyond u.
 //!
-//! Half a revolution has no opposite edges: with the spindle's axis taken as still at the height m, h(φ + π) = m − bottom(φ). An error of m is a
-//! square wave in h over the revolution, ± δm, whose harmonics are odd, 4δm/(πk): they are in the u of the odd lobes. Its least-squares
-//! adjustment together with K odd orders leaves u(m) = s·√((XᵀX)⁻¹₀₀), the more the more orders are adjusted: over half a revolution
-//! 1 = (4/π)·Σ sin(kφ)/k is itself a sum of odd lobes.
+//! Half a revolution has no opposite edges: with the spindle's axis taken as still at the height m,
+//! h(φ + π) = m − bottom(φ). An error of m is a square wave in h over the revolution, ± δm, whose
+//! harmonics are odd, 4δm/(πk): they are in the u of the odd lobes. Its least-squares adjustment
+//! together with K odd orders leaves u(m) = s·√((XᵀX)⁻¹₀₀), the more the more orders are adjusted:
+//! over half a revolution 1 = (4/π)·Σ sin(kφ)/k is itself a sum of odd lobes.
 
 use super::reading_scatter::{ScatterTest, effective_number};
 
@@ -28,7 +29,8 @@ pub(super) struct TurnScatter {
     pub(crate) test: Option<ScatterTest>,
 }
 
-/// Of a whole revolution: `widths_mm` at even angles, an even number; `u_width_mm` states one width.
+/// Of a whole revolution: `widths_mm` at even angles, an even number; `u_width_mm` states one
+/// width.
 pub(super) fn of_whole_turn(widths_mm: &[f64], u_width_mm: f64) -> TurnScatter {
     let pairs = widths_mm.len() / 2;
     let differences: Vec<f64> = (0..pairs).map(|i| widths_mm[i] - widths_mm[i + pairs]).collect();
@@ -70,10 +72,12 @@ fn scatter(variance: f64, freedom: f64, series: &[f64], u_width_mm: f64, n: f64)
     TurnScatter { sd_width_mm: variance.sqrt(), u_mean_mm: (variance * counted / n).sqrt(), test }
 }
 
-/// Height of the spindle's axis from the middles over half a revolution, and its standard uncertainty.
+/// Height of the spindle's axis from the middles over half a revolution, and its standard
+/// uncertainty.
 ///
-/// The middle is the axis plus odd harmonics of the revolution (eccentricity, odd lobes), whose mean over half a revolution is not zero: both are
-/// adjusted together, as many orders as a third of the angles allows. `middles` are (angle in degrees, height in mm), `u_middle_mm` states one;
+/// The middle is the axis plus odd harmonics of the revolution (eccentricity, odd lobes), whose
+/// mean over half a revolution is not zero: both are adjusted together, as many orders as a third
+/// of the angles allows. `middles` are (angle in degrees, height in mm), `u_middle_mm` states one;
 /// where they scatter more, that counts. `None` where they do not determine it.
 pub(super) fn axis_of_half_turn(middles: &[(f64, f64)], u_middle_mm: f64) -> Option<(f64, f64)> {
     let rows = middles.len();
@@ -141,7 +145,8 @@ mod tests {
         assert!(alarms <= 6, "{alarms} of 1200 at a false alarm of 0.1 %");
         // Stated too small by a factor of five: detected.
         assert!(of_whole_turn(&widths(72, TAU, 5.0 * sd, 0.0, &mut rng), sd).test.unwrap().beyond_u);
-        // A drift of 20 sd over the revolution: half of it between opposite readings, and the mean is off by no less than a fifth of it.
+        // A drift of 20 sd over the revolution: half of it between opposite readings, and the mean
+        // is off by no less than a fifth of it.
         let drifting = of_whole_turn(&widths(72, TAU, sd, 20.0 * sd, &mut rng), sd);
         assert!(drifting.test.unwrap().beyond_u && drifting.u_mean_mm > 3.0 * sd, "{drifting:?}");
         assert!(of_half_turn(&[1.0; 5], 50.0, sd).is_none());

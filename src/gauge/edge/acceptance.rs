@@ -11,7 +11,8 @@ const LEAST_VALID: usize = 8;
 const LEAST_COHERENT: f64 = 0.5;
 /// χ² ratio above which the noise cannot be what keeps the model from fitting.
 const LEAST_CHI2: f64 = 2.0;
-/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no edge-spread function fits a hard step to noise.
+/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no
+/// edge-spread function fits a hard step to noise.
 const SHARP_PX: f64 = 0.4;
 
 /// Largest step of a contour from one column to the next, px.
@@ -19,7 +20,8 @@ pub(crate) fn jump_px(settings: &GaugeSettings) -> f64 {
     settings.outlier_px + settings.max_slope
 }
 
-/// Accepts a frame with so many columns that have both edges; `contours`: neither line has a gap or a larger step than a contour has.
+/// Accepts a frame with so many columns that have both edges; `contours`: neither line has a gap or
+/// a larger step than a contour has.
 ///
 /// # Errors
 /// Too few columns, edges that lie on no contour, a residual that noise does not explain.

@@ -1,4 +1,5 @@
-//! Frames of one camera, whichever it is: an area camera's by themselves, a line camera's readings among those before them.
+//! Frames of one camera, whichever it is: an area camera's by themselves, a line camera's readings
+//! among those before them.
 
 use super::estimation::model_bias::ResidualAccumulator;
 use super::model::systematic_residual::SystematicResidual;
@@ -28,7 +29,8 @@ impl EdgeStream {
         Self { area: self.area.with_systematic_residual(reduced_chi2), ..self }
     }
 
-    /// Leaves a frame to the thread that it is given to: where whole frames are shared out, splitting them only costs.
+    /// Leaves a frame to the thread that it is given to: where whole frames are shared out,
+    /// splitting them only costs.
     #[must_use]
     pub(crate) fn unsplit(self) -> Self {
         Self { area: self.area.unsplit(), ..self }

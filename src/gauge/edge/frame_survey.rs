@@ -4,7 +4,8 @@ use super::rounded_frame::Rounding;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::noise::NoiseModel;
 
-/// Standard deviation of an edge by the area of its window's light, px, from which on windows are centred by their edges instead.
+/// Standard deviation of an edge by the area of its window's light, px, from which on windows are
+/// centred by their edges instead.
 const NOISY_AREA_PX: f64 = 0.05;
 
 /// What the frame says about itself.
@@ -18,8 +19,8 @@ pub(crate) struct FrameSurvey {
 }
 
 impl FrameSurvey {
-    /// Whether noise moves the windows that the area of their light is to centre; not under clipped light, whose fit begins where they
-    /// were centred.
+    /// Whether noise moves the windows that the area of their light is to centre; not under clipped
+    /// light, whose fit begins where they were centred.
     pub(crate) fn is_noisy(&self, width: usize) -> bool {
         let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
         self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX

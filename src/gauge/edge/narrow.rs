@@ -1,11 +1,15 @@
-//! Frames of fewer than sixteen columns: readings of a line camera, whose levels, noise and blur are pooled over the readings of a stream.
+//! Frames of fewer than sixteen columns: readings of a line camera, whose levels, noise and blur
+//! are pooled over the readings of a stream.
 //!
-//! One column shows both edges, and no more of levels, noise and blur than its own pixels. The last readings of a stream, side by side,
-//! are a picture with all that an area camera's columns show: differences of neighbouring readings carry temporal noise alone (a
-//! pixel's own response is the same in both), levels and blur are shared by all of them. A reading is therefore measured within the picture of
-//! itself and those before it. Neighbours there are neighbours in time, not along the part: an edge may lie anywhere from one reading
-//! to the next, so that neither slopes nor departures from neighbours are looked for. Before sixteen readings have come, those there are
-//! stand in the picture more than once, and the noise is that of neighbouring pixels of the light and of the shadow.
+//! One column shows both edges, and no more of levels, noise and blur than its own pixels. The last
+//! readings of a stream, side by side, are a picture with all that an area camera's columns show:
+//! differences of neighbouring readings carry temporal noise alone (a pixel's own response is the
+//! same in both), levels and blur are shared by all of them. A reading is therefore measured within
+//! the picture of itself and those before it. Neighbours there are neighbours in time, not along
+//! the part: an edge may lie anywhere from one reading to the next, so that neither slopes nor
+//! departures from neighbours are looked for. Before sixteen readings have come, those there are
+//! stand in the picture more than once, and the noise is that of neighbouring pixels of the light
+//! and of the shadow.
 
 use super::refusals::explain::refused;
 use super::stream::AreaStream;
@@ -16,7 +20,8 @@ use crate::gauge::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::profile::Reason;
 
-/// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise to 3 % from ten flat pixels each.
+/// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise
+/// to 3 % from ten flat pixels each.
 const POOLED: usize = 32;
 /// Columns of a picture from which levels and noise are estimated: of fewer, no level is pooled.
 const LEAST: usize = 16;
@@ -105,13 +110,16 @@ fn append<T: Copy>(lines: &mut Vec<T>, pixels: &[T], view: &FrameView<'_>) {
     }
 }
 
-/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is clipped or shows no noise to show by: of
-/// Gaussian noise of one count's standard deviation, two fifths stand at one value.
+/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is
+/// clipped or shows no noise to show by: of Gaussian noise of one count's standard deviation, two
+/// fifths stand at one value.
 const PILED: f64 = 0.6;
-/// Values at which more than two grey steps of noise would be seen in the other half of the line, counts.
+/// Values at which more than two grey steps of noise would be seen in the other half of the line,
+/// counts.
 const NOISY: f64 = 2.0;
 
-/// The largest grey value, or the smallest, where most pixels of its half stand at it while the other half is noisy.
+/// The largest grey value, or the smallest, where most pixels of its half stand at it while the
+/// other half is noisy.
 fn piled_up(values: &[f64]) -> Option<f64> {
     let (least, most) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
@@ -162,7 +170,8 @@ impl Narrow {
         self.count + columns > POOLED
     }
 
-    /// Measures the picture anew, from the search on; false where it does not hold just `columns` readings, or is refused.
+    /// Measures the picture anew, from the search on; false where it does not hold just `columns`
+    /// readings, or is refused.
     pub(crate) fn settle(&mut self, columns: usize) -> bool {
         if columns == 0 || columns != self.count {
             return false;
@@ -210,7 +219,8 @@ impl Narrow {
         self.measure_lines(self.count)
     }
 
-    /// Measures fewer readings than a picture needs: repeated, with the noise of neighbouring pixels.
+    /// Measures fewer readings than a picture needs: repeated, with the noise of neighbouring
+    /// pixels.
     fn few(&mut self) -> Result<(), FrameRefused> {
         let values = self.values();
         if let Some(level) = piled_up(&values) {
@@ -295,7 +305,8 @@ impl Narrow {
         }
     }
 
-    /// Adds what the readings just measured leave of the edge model, where no lesson has seen any of them.
+    /// Adds what the readings just measured leave of the edge model, where no lesson has seen any
+    /// of them.
     pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator) {
         if self.untaught >= self.count && self.count >= LEAST {
             self.untaught = 0;

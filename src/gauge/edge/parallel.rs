@@ -1,8 +1,9 @@
 //! Several streams that take the frames of one camera in turn.
 //!
-//! A frame takes a fifth of a millisecond: to split it between threads costs as much in waking them as it gains. Frames that lie in memory
-//! already are shared out whole instead. Which stream a frame goes to depends on its number alone, so that the results do not depend on the
-//! number of threads; a stream follows the part from each of its own frames to the next.
+//! A frame takes a fifth of a millisecond: to split it between threads costs as much in waking them
+//! as it gains. Frames that lie in memory already are shared out whole instead. Which stream a
+//! frame goes to depends on its number alone, so that the results do not depend on the number of
+//! threads; a stream follows the part from each of its own frames to the next.
 
 use std::num::NonZeroUsize;
 
@@ -34,8 +35,9 @@ impl Lanes {
         Self { lanes: (0..lanes.get()).map(|_| lane()).collect(), taken: 0 }
     }
 
-    /// Measures frames that follow those of the last call, on the threads of the pool that this is called in. Each result is lent to
-    /// `take` by the thread that measured it, with the frame's index in `frames`; within a lane in the frames' order.
+    /// Measures frames that follow those of the last call, on the threads of the pool that this is
+    /// called in. Each result is lent to `take` by the thread that measured it, with the frame's
+    /// index in `frames`; within a lane in the frames' order.
     pub fn measure(
         &mut self,
         frames: &[FrameView<'_>],

@@ -1,9 +1,12 @@
-//! Clipped rings: the shadow of an edge in coherent light without a lens, exposed beyond the end of the grey scale.
+//! Clipped rings: the shadow of an edge in coherent light without a lens, exposed beyond the end of
+//! the grey scale.
 //!
-//! Past an edge in a laser's light the grey values rise to 1.37 times the bright field, fall to 0.78 of it, rise to 1.20 and so on
-//! (Fresnel's half plane; Born & Wolf, 8.7.3). Where the crests are clipped, a window shorter than a crest shows a level that is none, and an
-//! edge placed by it lies tens of micrometres off with a small uncertainty. Two signs of it: a crest cut flat inside the windows of a pattern that
-//! is known, and, beside light that is clipped, light that falls and rises again.
+//! Past an edge in a laser's light the grey values rise to 1.37 times the bright field, fall to
+//! 0.78 of it, rise to 1.20 and so on (Fresnel's half plane; Born & Wolf, 8.7.3). Where the crests
+//! are clipped, a window shorter than a crest shows a level that is none, and an edge placed by it
+//! lies tens of micrometres off with a small uncertainty. Two signs of it: a crest cut flat inside
+//! the windows of a pattern that is known, and, beside light that is clipped, light that falls and
+//! rises again.
 
 use super::image::window_layout::half;
 use super::refusals::explain::refused;
@@ -17,26 +20,32 @@ use crate::profile::Reason;
 
 /// Columns looked at.
 const LOOKED_AT: usize = 64;
-/// Pixels beyond the windows in which rings are looked for: the first three of a pattern whose unit √(λz/2) is 100 px.
+/// Pixels beyond the windows in which rings are looked for: the first three of a pattern whose unit
+/// √(λz/2) is 100 px.
 const BEYOND: usize = 384;
-/// Share of the clipped contrast by which the light must fall and rise again: the first valley lies 0.59 of the bright field below the
-/// first crest and 0.42 below the second; light that a lamp leaves uneven does not rise again, and what a lens in partially coherent light
-/// leaves of rings is less.
+/// Share of the clipped contrast by which the light must fall and rise again: the first valley lies
+/// 0.59 of the bright field below the first crest and 0.42 below the second; light that a lamp
+/// leaves uneven does not rise again, and what a lens in partially coherent light leaves of rings
+/// is less.
 const SWING: f64 = 0.1;
-/// Light that falls deeper than this share of the clipped contrast is no valley between rings but another shadow: the first valley has 0.78 of
-/// the bright field, 0.57 of a scale that ends at the crest.
+/// Light that falls deeper than this share of the clipped contrast is no valley between rings but
+/// another shadow: the first valley has 0.78 of the bright field, 0.57 of a scale that ends at the
+/// crest.
 const DEEPEST: f64 = 0.35;
-/// Pixels in a row at the same largest grey value that make a crest cut flat, and share of the columns that show one.
+/// Pixels in a row at the same largest grey value that make a crest cut flat, and share of the
+/// columns that show one.
 const CUT: usize = 3;
 const MOST_COLUMNS: f64 = 0.75;
 
-/// Relative difference of widths of a ringed pattern below which windows serve both: a fifth of a radian at its farthest ring.
+/// Relative difference of widths of a ringed pattern below which windows serve both: a fifth of a
+/// radian at its farthest ring.
 const SAME_WIDTH: f64 = 2e-3;
-/// Factor of the contrast by which a row among rings must depart from its neighbours to be a stuck one, over that in even light: a narrow
-/// valley lies 0.6 of the contrast below its crests.
+/// Factor of the contrast by which a row among rings must depart from its neighbours to be a stuck
+/// one, over that in even light: a narrow valley lies 0.6 of the contrast below its crests.
 const RING_TO_RING: f32 = 4.0;
 
-/// Whether windows laid out for one width of a pattern do not serve another: flat ends that see rings see others then.
+/// Whether windows laid out for one width of a pattern do not serve another: flat ends that see
+/// rings see others then.
 pub(crate) fn differ(shape: &EdgeSpreadFunction, one: f64, other: f64) -> bool {
     shape.is_ringed() && (one / other).ln().abs() > SAME_WIDTH
 }
@@ -92,7 +101,8 @@ fn clipped_crest(windows: &Windows) -> Option<f32> {
     (all > 0 && cut as f64 >= MOST_COLUMNS * all as f64).then_some(level)
 }
 
-/// The grey value at which light beside the edges is clipped, where that light falls and rises again farther out.
+/// The grey value at which light beside the edges is clipped, where that light falls and rises
+/// again farther out.
 fn rings_beyond<T: Sample>(plane: &Plane<'_, T>, windows: &Windows, ends: Option<Ends>) -> Option<f32> {
     let high = ends.filter(|e| e.high.is_finite())?.high;
     let profile = mean_profile(plane, windows);
@@ -114,7 +124,8 @@ fn rings_beyond<T: Sample>(plane: &Plane<'_, T>, windows: &Windows, ends: Option
     None
 }
 
-/// Mean grey values outwards from the edges' own windows over the columns looked at, to the border of the field.
+/// Mean grey values outwards from the edges' own windows over the columns looked at, to the border
+/// of the field.
 fn mean_profile<T: Sample>(plane: &Plane<'_, T>, windows: &Windows) -> Vec<f64> {
     let (down, sign) = (windows.side == Side::Bottom, windows.side.sign());
     let ahead = (windows.width - half(windows.width)) as i32;

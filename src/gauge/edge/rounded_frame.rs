@@ -16,7 +16,8 @@ pub(crate) struct Rounding {
 }
 
 impl Rounding {
-    /// From the photon transfer given, else from the scatter of the grey values of both sides; `levels` are those of shadow and light.
+    /// From the photon transfer given, else from the scatter of the grey values of both sides;
+    /// `levels` are those of shadow and light.
     pub(crate) fn of(
         sides: &[SideState; 2],
         given: Option<NoiseModel>,

@@ -1,8 +1,9 @@
 //! A stream whose first readings of a line camera wait until there are enough to measure them by.
 //!
-//! A line camera's first reading shows levels, noise and width of the edge by its own pixels alone; a picture of thirty-two readings shows all of
-//! these to a fifth of that. Where nobody needs a reading at once (a scan, a master pin), the first ones wait until the picture is
-//! full, are measured anew in it, and count like those that follow. An area camera's frames wait for nothing.
+//! A line camera's first reading shows levels, noise and width of the edge by its own pixels alone;
+//! a picture of thirty-two readings shows all of these to a fifth of that. Where nobody needs a
+//! reading at once (a scan, a master pin), the first ones wait until the picture is full, are
+//! measured anew in it, and count like those that follow. An area camera's frames wait for nothing.
 
 use super::edge_stream::EdgeStream;
 use super::estimation::model_bias::ResidualAccumulator;
@@ -17,7 +18,8 @@ struct Waiting<T> {
     edges: FrameEdges,
 }
 
-/// A stream of frames that gives every frame's edges once they are settled, together with what belongs to the frame.
+/// A stream of frames that gives every frame's edges once they are settled, together with what
+/// belongs to the frame.
 #[derive(Clone, Debug)]
 pub struct SettledStream<T> {
     stream: EdgeStream,
@@ -37,8 +39,8 @@ impl<T> SettledStream<T> {
         Self { waits: false, ..Self::new(stream) }
     }
 
-    /// Measures a frame into `edges`, as a stream does, and gives what is settled: this frame, or, of a line camera, all that waited
-    /// once the picture of them is full.
+    /// Measures a frame into `edges`, as a stream does, and gives what is settled: this frame, or,
+    /// of a line camera, all that waited once the picture of them is full.
     ///
     /// # Errors
     /// As [`EdgeStream::measure`]; nothing is given then.
@@ -73,7 +75,8 @@ impl<T> SettledStream<T> {
         self.settle(&mut give);
     }
 
-    /// Measures the readings that wait in the picture of all of them, and gives them in their order.
+    /// Measures the readings that wait in the picture of all of them, and gives them in their
+    /// order.
     fn settle(&mut self, give: &mut impl FnMut(T, &FrameEdges)) {
         let waiting = std::mem::take(&mut self.waiting);
         let columns = waiting.iter().map(|w| w.edges.columns()).sum::<usize>();
@@ -94,7 +97,8 @@ impl<T> SettledStream<T> {
         self.stream.settings()
     }
 
-    /// As [`EdgeStream::teach`], for the frame measured last; of a line camera once for every picture of readings, so that no reading counts twice.
+    /// As [`EdgeStream::teach`], for the frame measured last; of a line camera once for every
+    /// picture of readings, so that no reading counts twice.
     pub fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         self.stream.accumulate(residuals, measured);
     }

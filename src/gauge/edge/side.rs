@@ -1,4 +1,5 @@
-//! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at the same time.
+//! One side of the shadow in one frame: windows, levels, blur, edges. Both sides are worked on at
+//! the same time.
 
 use super::estimation::censored_fit::side_fit::{self, ClippedStart};
 use super::estimation::side_survey::{GreyScaleLimits, SideSurvey};
@@ -30,7 +31,8 @@ use crate::profile::Reason;
 
 /// Differences looked at per level for the noise: its variance is then known to 3 %.
 const NOISE_SAMPLES: usize = 4096;
-/// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of itself.
+/// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of
+/// itself.
 const SAME_BLUR: f64 = 0.004;
 const SAME_RINGS: f64 = 1e-4;
 
@@ -123,7 +125,8 @@ impl SideState {
         true
     }
 
-    /// A first blur from wide windows on a few columns, and whether these see one edge alone; `None` where they do not fit the field.
+    /// A first blur from wide windows on a few columns, and whether these see one edge alone;
+    /// `None` where they do not fit the field.
     pub(crate) fn rough_blur<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -143,7 +146,8 @@ impl SideState {
         blur::rough(windows, &mut self.work.floats).map(|sigma| (sigma, alone))
     }
 
-    /// Reads all windows around `centres`; where they are only near, centres them and finds the slopes.
+    /// Reads all windows around `centres`; where they are only near, centres them and finds the
+    /// slopes.
     pub(crate) fn read_windows<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -157,9 +161,9 @@ impl SideState {
         self.work.laid_out = sigma;
         self.work.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
         self.work.outliers.reserve(plane.columns);
-        self.figures
-            .model_uncertainty_px
-            .reserve(plane.columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(self.figures.model_uncertainty_px.len()));
+        self.figures.model_uncertainty_px.reserve(
+            plane.columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(self.figures.model_uncertainty_px.len()),
+        );
         self.read_width(plane, window_width(&self.shape, sigma));
         let Some(max_slope) = centring else { return };
         slopes(&self.windows, &mut self.slope);
@@ -173,9 +177,10 @@ impl SideState {
         }
     }
 
-    /// Reads the windows anew around the edges in `line`. Where windows were centred by the area of their light, a pixel of noise far out
-    /// moved the window that it lies in, so that the flat ends, chosen after a look at them, are no fair sample of the levels. A fitted
-    /// edge owes nothing to the flat ends: centred on it they are.
+    /// Reads the windows anew around the edges in `line`. Where windows were centred by the area of
+    /// their light, a pixel of noise far out moved the window that it lies in, so that the flat
+    /// ends, chosen after a look at them, are no fair sample of the levels. A fitted edge owes
+    /// nothing to the flat ends: centred on it they are.
     pub(crate) fn recentre<T: Sample>(&mut self, plane: &Plane<'_, T>, line: &[Edge]) {
         for (centre, edge) in self.windows.centre.iter_mut().zip(line).filter(|(_, e)| e.is_usable()) {
             *centre = Ok((edge.row_px + 0.5).floor() as i32);
@@ -228,7 +233,13 @@ impl SideState {
     }
 
     /// Where the grey values of the side are clipped.
-    fn ends(&mut self, scale: GreyScaleLimits, levels: LevelSums, spread: [Spread; 2], least: f32) -> Option<Ends> {
+    fn ends(
+        &mut self,
+        scale: GreyScaleLimits,
+        levels: LevelSums,
+        spread: [Spread; 2],
+        least: f32,
+    ) -> Option<Ends> {
         use grey_ends::Level::{Dark, Light};
         let clear = |level, pool: &mut Vec<f32>| !grey_ends::may_end(&self.windows, level, pool);
         let mut floats = std::mem::take(&mut self.work.floats);
@@ -253,7 +264,8 @@ impl SideState {
         Ends::of(low, knee.or(high))
     }
 
-    /// Differences of neighbouring columns' flat pixels, thinned to about half of [`NOISE_SAMPLES`].
+    /// Differences of neighbouring columns' flat pixels, thinned to about half of
+    /// [`NOISE_SAMPLES`].
     fn collect_differences(&mut self, in_light: bool) {
         let (windows, out) = (&self.windows, &mut self.work.differences);
         let (columns, flat, width) = (windows.centre.len(), windows.flat, windows.width);
@@ -312,7 +324,8 @@ impl SideState {
         self.blur = self.refined_blur(noise, start, None);
     }
 
-    /// Takes the blur anew from the columns that were not refused: what shades an edge is blurred otherwise. False where it does not change.
+    /// Takes the blur anew from the columns that were not refused: what shades an edge is blurred
+    /// otherwise. False where it does not change.
     pub(crate) fn settle_blur(&mut self, noise: &NoiseModel, line: &[Edge]) -> bool {
         let looked_for = self.windows.centre.iter().zip(line).filter(|(centre, _)| centre.is_ok());
         let refused = looked_for.filter(|(_, edge)| !edge.is_usable()).count();
@@ -332,8 +345,8 @@ impl SideState {
     /// Gives the edges in `line`, just fitted, the frame's own blur.
     pub(crate) fn follow_blur(&mut self, noise: &NoiseModel, line: &mut [Edge]) -> Change {
         let (dark, light) = (self.dark.mean, self.light.mean);
-        let relative =
-            noise.variance(0.5 * (dark + light)) / (light - dark).powi(2) * self.figures.reduced_chi2.max(1.0);
+        let relative = noise.variance(0.5 * (dark + light)) / (light - dark).powi(2)
+            * self.figures.reduced_chi2.max(1.0);
         let index = self.table(self.blur.mean(), noise.kappa(dark, light), false);
         let (windows, table) = (&self.windows, &self.work.tables[index]);
         let is_ringed = self.shape.is_ringed();
@@ -401,7 +414,8 @@ impl SideState {
         }
     }
 
-    /// Fits a side whose light or shadow is clipped; gives the degrees of freedom to test residuals with.
+    /// Fits a side whose light or shadow is clipped; gives the degrees of freedom to test residuals
+    /// with.
     fn fit_clipped(
         &mut self,
         settings: &GaugeSettings,
@@ -485,7 +499,8 @@ impl SideState {
         freedom
     }
 
-    /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean light.
+    /// Level of the shadow that a quarter of the columns stays below, and the contrast to the mean
+    /// light.
     fn own_shadow(&mut self) -> (f32, f32) {
         self.work.floats.clear();
         let step = self.windows.dark.len().div_ceil(256).max(1);
@@ -522,8 +537,10 @@ impl SideState {
         if settings.rejection != Rejection::Off {
             residual_test::refuse_residuals(line, (chi2_ratio_limit(freedom, z) * scale) as f32);
         }
-        // After the test: of a frame without noise the residuals are the model's, and differ by more than noise would.
-        if self.shape.is_ringed() && self.figures.reduced_chi2 < residual_test::MOST_NOISE {
+        // Readings one after the other: neighbours of an area camera differ by noise and form
+        // alone.
+        let is_readings = self.kind.level_lines && self.shape.is_ringed();
+        if is_readings && self.figures.reduced_chi2 < residual_test::MOST_NOISE {
             residual_test::take_noise_back(line, self.figures.reduced_chi2);
             self.figures.reduced_chi2 = 1.0;
         }

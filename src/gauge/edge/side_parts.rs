@@ -1,5 +1,5 @@
-//! What a side of the silhouette carries beside its windows, levels and edge-spread function: figures of the frame, the kind of its columns,
-//! and memory.
+//! What a side of the silhouette carries beside its windows, levels and edge-spread function:
+//! figures of the frame, the kind of its columns, and memory.
 
 use super::estimation::side_survey::SideSurvey;
 use super::rejection::neighbour_test::OutlierScratch;
@@ -8,7 +8,8 @@ use crate::gauge::edge::estimation::levels::LevelPool;
 use crate::gauge::edge::estimation::scoring_table::Table;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 
-/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges need many tables.
+/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges
+/// need many tables.
 pub(super) const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
 
 /// What the frame states of the side beside its edges.
@@ -42,9 +43,11 @@ impl Default for SideFigures {
 /// What neighbouring columns are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnKind {
-    /// Whether neighbouring columns are readings one after the other: where their edges lie says nothing of a slope.
+    /// Whether neighbouring columns are readings one after the other: where their edges lie says
+    /// nothing of a slope.
     pub(crate) level_lines: bool,
-    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and are alike in every row as a stuck row's.
+    /// Whether columns are copies of one another: their grey values pile up wherever they lie, and
+    /// are alike in every row as a stuck row's.
     pub(crate) copies: bool,
 }
 

@@ -1,18 +1,19 @@
 //! The edge finder: from a frame to both edges of every column.
 //!
-//! Coarse search, or the last frame's edges where a stream goes on → windows → levels, noise and blur from the frame →
-//! maximum likelihood by tabulated scoring → residual and neighbourhood tests. What a stream carries from frame to frame
-//! is where the edges were, the blur and the tables; every carried thing is checked on the new frame (the blur follows it), and a frame
-//! that does not bear it out is measured anew from the coarse search.
+//! Coarse search, or the last frame's edges where a stream goes on → windows → levels, noise and
+//! blur from the frame → maximum likelihood by tabulated scoring → residual and neighbourhood
+//! tests. What a stream carries from frame to frame is where the edges were, the blur and the
+//! tables; every carried thing is checked on the new frame (the blur follows it), and a frame that
+//! does not bear it out is measured anew from the coarse search.
 
 use super::acceptance;
 use super::both_sides::both;
 use super::estimation::side_survey::GreyScaleLimits;
+use super::frame_survey::{FrameSurvey, Last};
 use super::model::systematic_residual::SystematicResidual;
 use super::refusals::explain::{self, no_levels, refused};
 use super::rings;
 use super::rounded_frame::Rounding;
-use super::frame_survey::{FrameSurvey, Last};
 use super::side::SideState;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
@@ -40,7 +41,8 @@ const LEAST_ROWS: usize = 24;
 pub(crate) const LEAST_COLUMNS: usize = 16;
 /// A followed frame must keep this fraction of the columns that the last one had.
 const LEAST_FOLLOWED: f64 = 0.98;
-/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full search's.
+/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full
+/// search's.
 const MOST_CHI2: f64 = 1.1;
 /// Times that the edge-spread function is learnt and fitted with.
 const LESSONS: usize = 3;
@@ -65,7 +67,8 @@ pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
     Ok(())
 }
 
-/// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and buffers between them.
+/// Finds edges in the frames of one area camera, of sixteen columns or more; keeps tables and
+/// buffers between them.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaStream {
     pub(crate) settings: GaugeSettings,
@@ -118,7 +121,8 @@ impl AreaStream {
         self
     }
 
-    /// Leaves a frame to the thread that it is given to: where whole frames are shared out, splitting them only costs.
+    /// Leaves a frame to the thread that it is given to: where whole frames are shared out,
+    /// splitting them only costs.
     #[must_use]
     pub(crate) fn unsplit(self) -> Self {
         Self { splits: false, ..self }
@@ -149,7 +153,8 @@ impl AreaStream {
     pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
         check(view)?;
         let sign = if self.settings.polarity == Polarity::DarkOnBright { 1.0 } else { -1.0 };
-        let scale = GreyScaleLimits { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
+        let scale =
+            GreyScaleLimits { floor: if view.format().full_scale().is_some() { 1.0 / 12.0 } else { 0.0 } };
         with_plane!(view, sign, plane => self.measure_plane(&plane, scale, out))
     }
 
@@ -172,7 +177,8 @@ impl AreaStream {
         Ok(())
     }
 
-    /// Measures around the last frame's edges, beginning with its blur; false where the frame does not bear them out.
+    /// Measures around the last frame's edges, beginning with its blur; false where the frame does
+    /// not bear them out.
     fn follow<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -192,7 +198,8 @@ impl AreaStream {
         }
         let valid = self.valid(out) as f64;
         let reduced_chi2 = self.reduced_chi2();
-        if valid < LEAST_FOLLOWED * last.valid as f64 || reduced_chi2 > MOST_CHI2 * last.reduced_chi2.max(1.0) {
+        if valid < LEAST_FOLLOWED * last.valid as f64 || reduced_chi2 > MOST_CHI2 * last.reduced_chi2.max(1.0)
+        {
             return false;
         }
         if self.accept_frame(out).is_err() {
@@ -206,7 +213,8 @@ impl AreaStream {
         true
     }
 
-    /// Gives the edges just fitted the frame's own blur; false where it is not near the last frame's.
+    /// Gives the edges just fitted the frame's own blur; false where it is not near the last
+    /// frame's.
     fn follow_blur(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) -> bool {
         for _ in 0..=MOST_REFITS {
             let [top, bottom] = &mut self.sides;
@@ -297,7 +305,8 @@ impl AreaStream {
         let mut survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
         let clear = self.leave_out_stuck(plane, scale, survey);
         survey = match clear {
-            // A stuck row within the wide windows of the first guess may have made that guess: narrow ones may be clear of it.
+            // A stuck row within the wide windows of the first guess may have made that guess:
+            // narrow ones may be clear of it.
             Err(_) if given.is_none() && sigma > USUAL_SIGMA_PX => {
                 sigma = USUAL_SIGMA_PX;
                 let survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
@@ -336,7 +345,8 @@ impl AreaStream {
         self.accept_frame(out).map(|()| true)
     }
 
-    /// Leaves out the windows that a stuck row of the sensor crosses; refuses the frame where those are most of a side's.
+    /// Leaves out the windows that a stuck row of the sensor crosses; refuses the frame where those
+    /// are most of a side's.
     fn leave_out_stuck<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -356,7 +366,8 @@ impl AreaStream {
         if any { self.survey(scale) } else { Ok(survey) }
     }
 
-    /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps the Gaussian.
+    /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps
+    /// the Gaussian.
     fn learn(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) {
         for _ in 0..LESSONS {
             let [top, bottom] = &mut self.sides;
@@ -391,7 +402,8 @@ impl AreaStream {
         Err(explain::too_near(needed, self.coarse.nearest_to_border(plane.rows)))
     }
 
-    /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is the steepest slope.
+    /// Reads all windows, then the noise. `centring`: the edges are only roughly known, and this is
+    /// the steepest slope.
     fn read_windows<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -496,7 +508,8 @@ impl AreaStream {
         both(splits, || refine(top, survey.ends[0]), || refine(bottom, survey.ends[1]));
     }
 
-    /// Takes the blur of both sides anew without what was refused; false where that changes nothing.
+    /// Takes the blur of both sides anew without what was refused; false where that changes
+    /// nothing.
     fn settle_blur(&mut self, survey: &FrameSurvey, out: &FrameEdges) -> bool {
         if self.settings.rejection == Rejection::Off {
             return false;

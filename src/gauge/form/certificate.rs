@@ -4,16 +4,17 @@ use glam::DVec2;
 
 /// Proof of optimality of a reference feature.
 ///
-/// The claim: no feature whose centre lies within `proven_within` of the one given has an objective better by more
-/// than `gap`. It is derived from first-order conditions and exact bounds of the second order, which are given where
-/// each certificate is computed.
+/// The claim: no feature whose centre lies within `proven_within` of the one given has an objective
+/// better by more than `gap`. It is derived from first-order conditions and exact bounds of the
+/// second order, which are given where each certificate is computed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Certificate {
     /// Indices of the points that determine the feature (touch it within `gap`).
     pub contacts: Vec<usize>,
     /// By how much the objective could still be improved, in the points' unit.
     pub gap: f64,
-    /// Radius around the centre in which the optimum is proven; infinite for a global proof, 0 for none.
+    /// Radius around the centre in which the optimum is proven; infinite for a global proof, 0 for
+    /// none.
     pub proven_within: f64,
 }
 
@@ -29,10 +30,11 @@ impl Certificate {
     }
 }
 
-/// Radius of the largest circle about the origin inside the convex hull of `vectors`; 0 if the origin is not inside.
+/// Radius of the largest circle about the origin inside the convex hull of `vectors`; 0 if the
+/// origin is not inside.
 ///
-/// By directions: the hull contains that circle exactly if in every direction some vector reaches at least ρ; the
-/// least reach is attained at a normal of a hull edge.
+/// By directions: the hull contains that circle exactly if in every direction some vector reaches
+/// at least ρ; the least reach is attained at a normal of a hull edge.
 pub(crate) fn origin_depth(vectors: &[DVec2]) -> f64 {
     let hull = convex_hull(vectors);
     if hull.len() < 3 {
@@ -41,7 +43,8 @@ pub(crate) fn origin_depth(vectors: &[DVec2]) -> f64 {
     let depth = (0..hull.len())
         .map(|k| {
             let (a, b) = (hull[k], hull[(k + 1) % hull.len()]);
-            // Counter-clockwise hull: the outward normal's distance to the origin is the cross product over the length.
+            // Counter-clockwise hull: the outward normal's distance to the origin is the cross
+            // product over the length.
             a.perp_dot(b) / (b - a).length().max(f64::MIN_POSITIVE)
         })
         .fold(f64::INFINITY, f64::min);

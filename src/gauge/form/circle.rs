@@ -40,7 +40,8 @@ pub struct CircleFit {
 }
 
 impl CircleFit {
-    /// Peak-to-valley deviation RONt, the width of the annulus about this centre that holds every point.
+    /// Peak-to-valley deviation RONt, the width of the annulus about this centre that holds every
+    /// point.
     pub fn peak_to_valley(&self) -> f64 {
         self.outer_radius - self.inner_radius
     }
@@ -67,7 +68,8 @@ pub(super) fn radii(points: &[DVec2], centre: DVec2) -> (f64, f64) {
     })
 }
 
-/// What counts as touching: distances in f64 are good to some 1e-16 of the radius and of the coordinates.
+/// What counts as touching: distances in f64 are good to some 1e-16 of the radius and of the
+/// coordinates.
 pub(super) fn touching(points: &[DVec2], centre: DVec2) -> f64 {
     let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     2e-13 * (reach + radii(points, centre).1)

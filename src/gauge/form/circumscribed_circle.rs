@@ -1,8 +1,9 @@
 //! Minimum circumscribed circle (MCCI, ISO 12181): the smallest that holds every point.
 //!
-//! Exchange: the smallest circle of at most three support points; the farthest point outside enters; the radius grows
-//! with every exchange, so that it ends at the exact optimum. The problem is convex: a circle that holds all points and
-//! whose centre lies in the convex hull of the points it touches is the smallest, everywhere.
+//! Exchange: the smallest circle of at most three support points; the farthest point outside
+//! enters; the radius grows with every exchange, so that it ends at the exact optimum. The problem
+//! is convex: a circle that holds all points and whose centre lies in the convex hull of the points
+//! it touches is the smallest, everywhere.
 
 use glam::DVec2;
 
@@ -87,8 +88,9 @@ pub(super) fn through(a: DVec2, b: DVec2, c: DVec2) -> Option<Circle> {
 
 /// Certifies that no circle with another centre is smaller.
 ///
-/// With contacts p_i at distance R, and some Σλ_i(p_i − c) = 0 (λ ≥ 0), every centre c + d has a contact at distance
-/// √(R² + |d|²) or more. If the nearest point of the contacts' hull lies ε from c, the gain is at most ε.
+/// With contacts p_i at distance R, and some Σλ_i(p_i − c) = 0 (λ ≥ 0), every centre c + d has a
+/// contact at distance √(R² + |d|²) or more. If the nearest point of the contacts' hull lies ε from
+/// c, the gain is at most ε.
 pub fn certify_circumscribed(points: &[DVec2], centre: DVec2) -> Certificate {
     let (_, outer) = radii(points, centre);
     let near = touching(points, centre);

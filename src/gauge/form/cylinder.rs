@@ -1,11 +1,12 @@
 //! Least-squares cylinder (LSCY, ISO 12180), axis near z.
 //!
-//! The axis passes (x0, y0, 0) in direction (a, b, 1)/s, s = √(1 + a² + b²). With q = p − (x0, y0, 0) and w the unit
-//! direction, the distance is r = |q − w(w·q)| and, u its unit vector,
-//! ∂r/∂x0 = −u_x, ∂r/∂a = −(w·q)·u_x/s, and the same in y. Gauss-Newton; it converges as (deviation/radius)^n.
-//! From silhouettes the cylinder is linear: the support function of a circle about c is exactly h = R + c·n, so
-//! h(z, α) = R + (x0 + a·z)·cos α + (y0 + b·z)·sin α; the tilt's cosine (½(a² + b²) of R) is left out there. The least circumscribed
-//! cylinder (ISO 14405-1, GN) is the least R with h ≤ of that everywhere, a linear programme.
+//! The axis passes (x0, y0, 0) in direction (a, b, 1)/s, s = √(1 + a² + b²). With q = p − (x0, y0,
+//! 0) and w the unit direction, the distance is r = |q − w(w·q)| and, u its unit vector, ∂r/∂x0 =
+//! −u_x, ∂r/∂a = −(w·q)·u_x/s, and the same in y. Gauss-Newton; it converges as
+//! (deviation/radius)^n. From silhouettes the cylinder is linear: the support function of a circle
+//! about c is exactly h = R + c·n, so h(z, α) = R + (x0 + a·z)·cos α + (y0 + b·z)·sin α; the tilt's
+//! cosine (½(a² + b²) of R) is left out there. The least circumscribed cylinder (ISO 14405-1, GN)
+//! is the least R with h ≤ of that everywhere, a linear programme.
 
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
@@ -86,7 +87,8 @@ fn extent(z: impl Iterator<Item = f64>) -> (f64, f64) {
     (0.5 * (low + high), 0.5 * (high - low))
 }
 
-/// Least-squares cylinder of points all around an axis near z (slopes up to about 0.2). At least five points.
+/// Least-squares cylinder of points all around an axis near z (slopes up to about 0.2). At least
+/// five points.
 ///
 /// # Errors
 /// Too few or non-finite points, points of one section only, no convergence.
@@ -145,8 +147,8 @@ fn gauss_newton_step(points: &[DVec3], cylinder: &Cylinder, half: f64) -> Option
     solve(&normal, &right)
 }
 
-/// Least-squares cylinder of support samples (z, α, h): position along the axis, direction of the tangent's normal in
-/// radians, distance of the tangent from the z axis. At least five samples.
+/// Least-squares cylinder of support samples (z, α, h): position along the axis, direction of the
+/// tangent's normal in radians, distance of the tangent from the z axis. At least five samples.
 ///
 /// # Errors
 /// Too few or non-finite samples; samples of one section or of too few directions.
@@ -185,8 +187,8 @@ pub fn silhouette_cylinder(samples: &[[f64; 3]]) -> Result<CylinderFit, FormErro
     Ok(parameters(cylinder, 0.0, samples.iter().map(|s| s[2] - mean - row(s).dot(&x))))
 }
 
-/// Least circumscribed cylinder of support samples (z, α, h), as [`silhouette_cylinder`] takes them: of the body whose silhouettes they are.
-/// What lies between the samples is not seen.
+/// Least circumscribed cylinder of support samples (z, α, h), as [`silhouette_cylinder`] takes
+/// them: of the body whose silhouettes they are. What lies between the samples is not seen.
 ///
 /// # Errors
 /// As [`silhouette_cylinder`]; rounding that defeats the linear programme.
@@ -231,7 +233,8 @@ mod circumscribed_tests {
         (0..21).flat_map(|z| (0..72).map(move |k| at(z, k))).map(|(z, a)| [z, a, h(z, a)]).collect()
     }
 
-    /// A tilted cylinder is its own; a bent one of sagitta s needs R + s/2; a cone its larger end; a bump on one side half its height.
+    /// A tilted cylinder is its own; a bent one of sagitta s needs R + s/2; a cone its larger end;
+    /// a bump on one side half its height.
     #[test]
     fn closed_forms_of_the_least_circumscribed_cylinder() {
         let tilted = |z: f64, a: f64| (3.0 + 0.01 * z) * a.cos() - (1.0 + 0.02 * z) * a.sin();
@@ -248,7 +251,8 @@ mod circumscribed_tests {
         assert!(bump > 12.5 && bump < 12.56, "{bump}");
     }
 
-    /// Everything lies inside, and no cylinder of a little less radius about a nearby axis holds it.
+    /// Everything lies inside, and no cylinder of a little less radius about a nearby axis holds
+    /// it.
     #[test]
     fn it_holds_every_sample_and_is_the_least() {
         use rand::{RngExt, SeedableRng};

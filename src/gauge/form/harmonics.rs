@@ -41,13 +41,14 @@ pub struct TurnHarmonics {
     pub mean_radius_mm: f64,
     /// Of the section's support function, k = 1, 2, ….
     pub section: Vec<Harmonic>,
-    /// Of the synchronous spindle motion across the line of sight, even k only; nothing of the part is in it.
+    /// Of the synchronous spindle motion across the line of sight, even k only; nothing of the part
+    /// is in it.
     pub even_spindle: Vec<Harmonic>,
 }
 
 impl TurnHarmonics {
-    /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a revolution: a square wave of that height, 4/(πk) of it at
-    /// order k.
+    /// Adds to the odd lobes what an axis known to `u_axis_mm` only makes of half a revolution: a
+    /// square wave of that height, 4/(πk) of it at order k.
     #[must_use]
     pub fn with_axis(mut self, u_axis_mm: f64) -> Self {
         for harmonic in self.section.iter_mut().filter(|h| h.lobes % 2 == 1) {
@@ -67,8 +68,9 @@ pub(super) fn spectrum(values: &[f64]) -> Vec<Complex<f64>> {
     (0..=n / 2).map(|k| buffer[k] * (scale(k) / n as f64)).collect()
 }
 
-/// Harmonics up to `max_lobes` (at most n/2 − 1) of a revolution whose single edges carry the random standard uncertainty
-/// `u_edge_mm`: each component's is u_edge/√n, since two edges contribute to it.
+/// Harmonics up to `max_lobes` (at most n/2 − 1) of a revolution whose single edges carry the
+/// random standard uncertainty `u_edge_mm`: each component's is u_edge/√n, since two edges
+/// contribute to it.
 pub fn harmonics(turn: &Turn, max_lobes: usize, u_edge_mm: f64) -> TurnHarmonics {
     let n = turn.len();
     let u_amplitude_mm = u_edge_mm / (n as f64).sqrt();

@@ -1,8 +1,10 @@
-//! Maximum inscribed circle (MICI, ISO 12181): the largest with no point inside, about a centre within the profile.
+//! Maximum inscribed circle (MICI, ISO 12181): the largest with no point inside, about a centre
+//! within the profile.
 //!
-//! From the least-squares centre, the distances are replaced by their tangents r_j − u_j·d, which never exceed them
-//! (the norm is convex), and the largest circle of the tangents is found by a linear programme; so every step grows
-//! the circle, and near the optimum, which three points determine, the error squares with each step.
+//! From the least-squares centre, the distances are replaced by their tangents r_j − u_j·d, which
+//! never exceed them (the norm is convex), and the largest circle of the tangents is found by a
+//! linear programme; so every step grows the circle, and near the optimum, which three points
+//! determine, the error squares with each step.
 
 use glam::DVec2;
 
@@ -12,7 +14,8 @@ use super::error::FormError;
 use super::least_squares_circle::least_squares_circle;
 use super::linear_program::{LinearProgram, Row};
 
-/// Largest circle around the least-squares centre with no point inside. At least three points all around.
+/// Largest circle around the least-squares centre with no point inside. At least three points all
+/// around.
 ///
 /// # Errors
 /// Too few, non-finite or degenerate points; an arc so short that the circle grows without bound.
@@ -67,8 +70,9 @@ fn best_step(points: &[DVec2], centre: DVec2, box_half: f64) -> Option<DVec2> {
 
 /// Certifies that no centre nearby has a larger circle without points inside.
 ///
-/// Exactly |p − c − d| ≤ r − u·d + |d|²/2r. If the hull of the contacts' directions holds a circle of radius ρ about
-/// the origin, some contact has u·d ≥ ρ|d|, and the circle about c + d is smaller for all |d| < 2rρ.
+/// Exactly |p − c − d| ≤ r − u·d + |d|²/2r. If the hull of the contacts' directions holds a circle
+/// of radius ρ about the origin, some contact has u·d ≥ ρ|d|, and the circle about c + d is smaller
+/// for all |d| < 2rρ.
 pub fn certify_inscribed(points: &[DVec2], centre: DVec2) -> Certificate {
     let (inner, _) = radii(points, centre);
     let near = touching(points, centre);

@@ -1,8 +1,8 @@
 //! Least-squares circle (LSCI, ISO 12181) of the geometric distances.
 //!
-//! Minimise S(c) = mean r² − (mean r)², r_i = |p_i − c|; the radius is mean r. With u_i the unit vectors from the
-//! centre, ½∇S = −mean r·u + mean r · mean u and
-//! ½∇²S = I − ḡḡᵀ − r̄·mean (I − uuᵀ)/r, ḡ = mean u. Newton's method from the algebraic (Kåsa) circle.
+//! Minimise S(c) = mean r² − (mean r)², r_i = |p_i − c|; the radius is mean r. With u_i the unit
+//! vectors from the centre, ½∇S = −mean r·u + mean r · mean u and ½∇²S = I − ḡḡᵀ − r̄·mean (I −
+//! uuᵀ)/r, ḡ = mean u. Newton's method from the algebraic (Kåsa) circle.
 
 use glam::DVec2;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -63,7 +63,8 @@ pub fn least_squares_circle(points: &[DVec2]) -> Result<LeastSquaresCircle, Form
     for _ in 0..100 {
         let at = local(&shifted, centre);
         let step = newton_step(&at).ok_or(FormError::Degenerate { feature })?;
-        // Steps of more than a third of the radius leave the region where the quadratic model means anything.
+        // Steps of more than a third of the radius leave the region where the quadratic model means
+        // anything.
         let length = step.norm();
         let scale = (at.mean_radius / (3.0 * length.max(f64::MIN_POSITIVE))).min(1.0);
         centre += DVec2::new(step.x, step.y) * scale;
@@ -119,7 +120,8 @@ fn algebraic_centre(points: &[DVec2]) -> Option<DVec2> {
     Some(DVec2::new(solution.x, solution.y) * (0.5 * scale))
 }
 
-/// Covariance of (x, y, radius) at unit variance of each radial deviation: (JᵀJ)⁻¹ with rows (u_x, u_y, 1).
+/// Covariance of (x, y, radius) at unit variance of each radial deviation: (JᵀJ)⁻¹ with rows (u_x,
+/// u_y, 1).
 fn covariance(points: &[DVec2], centre: DVec2) -> Option<Matrix3<f64>> {
     let mut normal = Matrix3::zeros();
     for p in points {
@@ -130,11 +132,12 @@ fn covariance(points: &[DVec2], centre: DVec2) -> Option<Matrix3<f64>> {
     normal.try_inverse()
 }
 
-/// Certifies that the sum of squares has its minimum at the centre, and how far around there is no other.
+/// Certifies that the sum of squares has its minimum at the centre, and how far around there is no
+/// other.
 ///
-/// The Hessian's smallest eigenvalue λ divided by a bound of the third derivative gives the ball in which S is convex:
-/// for |d| ≤ B = r_min/2, half the third derivative is at most 3/ρ + (2/√3)·(r̄ + B)/ρ², ρ = r_min − B. The gap is twice
-/// the Newton step that remains, a distance of the centre.
+/// The Hessian's smallest eigenvalue λ divided by a bound of the third derivative gives the ball in
+/// which S is convex: for |d| ≤ B = r_min/2, half the third derivative is at most 3/ρ + (2/√3)·(r̄
+/// + B)/ρ², ρ = r_min − B. The gap is twice the Newton step that remains, a distance of the centre.
 pub fn certify_least_squares(points: &[DVec2], centre: DVec2) -> Certificate {
     let at = local(points, centre);
     let (inner, _) = radii(points, centre);

@@ -1,8 +1,10 @@
-//! Straight lines: least squares (LSLI) and minimum zone (MZLI) after ISO 12780, distances square to the line.
+//! Straight lines: least squares (LSLI) and minimum zone (MZLI) after ISO 12780, distances square
+//! to the line.
 //!
-//! The least-squares line passes through the centroid along the larger principal axis of the points' scatter. The
-//! minimum zone has the least width of the convex hull: one of its borders lies on a hull edge (between two such
-//! directions the width is a chord times a sine and has no minimum inside), so all edges are tried.
+//! The least-squares line passes through the centroid along the larger principal axis of the
+//! points' scatter. The minimum zone has the least width of the convex hull: one of its borders
+//! lies on a hull edge (between two such directions the width is a chord times a sine and has no
+//! minimum inside), so all edges are tried.
 
 use glam::DVec2;
 
@@ -20,7 +22,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// Signed distance of a point, positive to the left of the direction (towards +y for a line along x).
+    /// Signed distance of a point, positive to the left of the direction (towards +y for a line
+    /// along x).
     pub fn deviation(&self, point: DVec2) -> f64 {
         self.direction.perp_dot(point - self.point)
     }
@@ -45,7 +48,8 @@ pub struct LineFit {
     pub highest: f64,
     /// Greatest deviation to the right, negative.
     pub lowest: f64,
-    /// Proof that it is the best; `proven_within` is an angle in radians, infinite when every direction is covered.
+    /// Proof that it is the best; `proven_within` is an angle in radians, infinite when every
+    /// direction is covered.
     pub certificate: Certificate,
 }
 
@@ -86,16 +90,16 @@ pub fn least_squares_line(points: &[DVec2]) -> Result<LineFit, FormError> {
     }
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     let line = Line::new(mean, DVec2::from_angle(angle));
-    // The sum of squares over all directions is a cosine with one minimum; its position is rounded by the scatter's
-    // relative rounding over the anisotropy.
+    // The sum of squares over all directions is a cosine with one minimum; its position is rounded
+    // by the scatter's relative rounding over the anisotropy.
     let span = points.iter().map(|p| p.distance(mean)).fold(0.0, f64::max);
     let gap = 4e-16 * points.len() as f64 * span * total / (2.0 * anisotropy);
     let certificate = Certificate { contacts: Vec::new(), gap, proven_within: f64::INFINITY };
     Ok(assemble(points, line, certificate))
 }
 
-/// The two parallel lines closest together that hold every point; the line returned is their middle. At least two
-/// points that do not coincide.
+/// The two parallel lines closest together that hold every point; the line returned is their
+/// middle. At least two points that do not coincide.
 ///
 /// # Errors
 /// Too few, non-finite or coinciding points.
@@ -130,9 +134,10 @@ pub fn minimum_zone_line(points: &[DVec2]) -> Result<LineFit, FormError> {
 
 /// Certifies that no other direction gives a narrower zone.
 ///
-/// With contacts a, b on one border and c on the other, their feet in the order a, c, b at distances s₁, s₂ along
-/// the line, turning it by δ makes the zone w·cos δ + s·|sin δ| wide at least, s the one of s₁, s₂ on the turn's
-/// side: wider for all |δ| < 2·atan(min(s₁, s₂)/w). At min(s₁, s₂) ≥ w that covers every direction.
+/// With contacts a, b on one border and c on the other, their feet in the order a, c, b at
+/// distances s₁, s₂ along the line, turning it by δ makes the zone w·cos δ + s·|sin δ| wide at
+/// least, s the one of s₁, s₂ on the turn's side: wider for all |δ| < 2·atan(min(s₁, s₂)/w). At
+/// min(s₁, s₂) ≥ w that covers every direction.
 pub fn certify_minimum_zone_line(points: &[DVec2], line: Line) -> Certificate {
     let zone = assemble(points, line, Certificate::default());
     let reach = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);

@@ -1,11 +1,12 @@
 //! Linear programmes in a few variables and many rows, by exchange.
 //!
-//! Minimise c·x subject to a_i·x ≥ b_i and lower ≤ x ≤ upper. The dual simplex method on K active rows: the vertex of
-//! the active rows is optimal for them; the row violated most enters, the one whose multiplier vanishes first leaves;
-//! every exchange raises the objective, so that it ends. This is Stiefel's exchange algorithm for Chebyshev
-//! approximation when the rows are |residual| ≤ t. Costs of zero are replaced by a tiny positive one (1e-9 of the
-//! largest), which makes the start strictly dual feasible and prevents cycling; the optimum is then within
-//! 1e-9 × (size of the box) of the true one, and callers shrink the box as they converge.
+//! Minimise c·x subject to a_i·x ≥ b_i and lower ≤ x ≤ upper. The dual simplex method on K active
+//! rows: the vertex of the active rows is optimal for them; the row violated most enters, the one
+//! whose multiplier vanishes first leaves; every exchange raises the objective, so that it ends.
+//! This is Stiefel's exchange algorithm for Chebyshev approximation when the rows are |residual| ≤
+//! t. Costs of zero are replaced by a tiny positive one (1e-9 of the largest), which makes the
+//! start strictly dual feasible and prevents cycling; the optimum is then within 1e-9 × (size of
+//! the box) of the true one, and callers shrink the box as they converge.
 
 /// One row: a·x ≥ b.
 #[derive(Clone, Copy, Debug)]
@@ -19,13 +20,15 @@ pub(crate) struct Row<const K: usize> {
 /// Minimise `cost`·x over the rows and the box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinearProgram<const K: usize> {
-    /// Cost of each variable, not negative: at the box's lower corner the programme is dual feasible.
+    /// Cost of each variable, not negative: at the box's lower corner the programme is dual
+    /// feasible.
     pub(crate) cost: [f64; K],
     /// Lower bounds.
     pub(crate) lower: [f64; K],
     /// Upper bounds.
     pub(crate) upper: [f64; K],
-    /// Violation of a row taken for rounding of its data. Above 0, or ties of many rows (a perfect circle) never settle.
+    /// Violation of a row taken for rounding of its data. Above 0, or ties of many rows (a perfect
+    /// circle) never settle.
     pub(crate) tolerance: f64,
 }
 

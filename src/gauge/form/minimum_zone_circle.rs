@@ -1,8 +1,10 @@
-//! Minimum zone circles (MZCI, ISO 12181): the two concentric circles closest together that hold every point.
+//! Minimum zone circles (MZCI, ISO 12181): the two concentric circles closest together that hold
+//! every point.
 //!
-//! Minimise F(c) = max_i r_i − min_j r_j. Linearised about a centre, that is the Chebyshev approximation of the
-//! distances by m + u·d, a linear programme; its steps converge quadratically, because the optimum is a vertex: two
-//! points outside and two inside, alternating. A step is taken only if it narrows the zone.
+//! Minimise F(c) = max_i r_i − min_j r_j. Linearised about a centre, that is the Chebyshev
+//! approximation of the distances by m + u·d, a linear programme; its steps converge quadratically,
+//! because the optimum is a vertex: two points outside and two inside, alternating. A step is taken
+//! only if it narrows the zone.
 
 use glam::DVec2;
 
@@ -12,8 +14,8 @@ use super::error::FormError;
 use super::least_squares_circle::least_squares_circle;
 use super::linear_program::{LinearProgram, Row};
 
-/// The pair of concentric circles with the least distance; the circle returned is their mean. At least four points
-/// all around.
+/// The pair of concentric circles with the least distance; the circle returned is their mean. At
+/// least four points all around.
 ///
 /// # Errors
 /// Too few, non-finite or degenerate points.
@@ -72,9 +74,9 @@ fn best_step(points: &[DVec2], centre: DVec2, box_half: f64) -> Option<DVec2> {
 
 /// Certifies that no centre nearby has a narrower zone.
 ///
-/// Exactly |p − c − d| ≥ r − u·d for the outer contacts and ≤ r − u·d + |d|²/2r for the inner ones. If the hull of
-/// the differences u_inner − u_outer holds a circle of radius ρ about the origin, the zone about c + d is wider
-/// for all |d| < 2·r_inner·ρ.
+/// Exactly |p − c − d| ≥ r − u·d for the outer contacts and ≤ r − u·d + |d|²/2r for the inner ones.
+/// If the hull of the differences u_inner − u_outer holds a circle of radius ρ about the origin,
+/// the zone about c + d is wider for all |d| < 2·r_inner·ρ.
 pub fn certify_minimum_zone(points: &[DVec2], centre: DVec2) -> Certificate {
     let (inner, outer) = radii(points, centre);
     let near = touching(points, centre);

@@ -1,12 +1,14 @@
 //! Form: reference circles, lines and cylinders, and the form of a section from the silhouettes of
 //! a revolution.
 //!
-//! Everything here is a pure function over points or readings; units are those of the input (mm or px), and a
-//! result in mm follows from points in mm. Reference features follow ISO 12181 (roundness), ISO 12780
-//! (straightness) and ISO 12180 (cylindricity); each minimax feature comes with a [`Certificate`] that is computed
-//! from the points and the answer alone, not by the solver. Sizes of a section by the same features (ISO 14405-1) are in [`size`].
+//! Everything here is a pure function over points or readings; units are those of the input (mm or
+//! px), and a result in mm follows from points in mm. Reference features follow ISO 12181
+//! (roundness), ISO 12780 (straightness) and ISO 12180 (cylindricity); each minimax feature comes
+//! with a [`Certificate`] that is computed from the points and the answer alone, not by the solver.
+//! Sizes of a section by the same features (ISO 14405-1) are in [`size`].
 //!
-//! One more feature is one more file: the fit, its certificate, and a test that spoils the answer and must be caught.
+//! One more feature is one more file: the fit, its certificate, and a test that spoils the answer
+//! and must be caught.
 
 mod certificate;
 mod circle;

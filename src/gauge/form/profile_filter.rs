@@ -1,8 +1,8 @@
 //! Gaussian profile filter (ISO 16610-21) for closed profiles.
 //!
-//! The weighting function s(x) = exp(−π(x/αλ_c)²)/(αλ_c), α = √(ln 2/π), passes an undulation of k per revolution with
-//! exp(−π(αk/k_c)²) = 2^(−(k/k_c)²): one half at the cutoff k_c. On a closed profile that product with the
-//! spectrum is exact, without end effects.
+//! The weighting function s(x) = exp(−π(x/αλ_c)²)/(αλ_c), α = √(ln 2/π), passes an undulation of k
+//! per revolution with exp(−π(αk/k_c)²) = 2^(−(k/k_c)²): one half at the cutoff k_c. On a closed
+//! profile that product with the spectrum is exact, without end effects.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -53,7 +53,8 @@ pub fn gaussian_transmission(lobes: f64, cutoff: Cutoff) -> f64 {
     (-(lobes / cutoff.0).powi(2)).exp2()
 }
 
-/// Low-pass filters one full revolution of evenly spaced values: undulations from 0 up to the cutoff remain.
+/// Low-pass filters one full revolution of evenly spaced values: undulations from 0 up to the
+/// cutoff remain.
 pub fn gaussian_closed(profile: &[f64], cutoff: Cutoff) -> Vec<f64> {
     let n = profile.len();
     if n == 0 {

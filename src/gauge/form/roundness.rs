@@ -45,7 +45,8 @@ pub struct Roundness {
     pub certificate: Certificate,
 }
 
-/// Roundness of a section's points about a reference circle. Filter the profile first (ISO 12181-2).
+/// Roundness of a section's points about a reference circle. Filter the profile first (ISO
+/// 12181-2).
 ///
 /// # Errors
 /// As the reference circle's own.
@@ -107,8 +108,8 @@ pub struct Straightness {
     pub certificate: Certificate,
 }
 
-/// Straightness of a profile (z, height), heights positive out of the material. Filter the profile first
-/// (ISO 12780-2).
+/// Straightness of a profile (z, height), heights positive out of the material. Filter the profile
+/// first (ISO 12780-2).
 ///
 /// # Errors
 /// As the reference line's own.

@@ -1,17 +1,17 @@
 //! From the support function, which silhouettes give, to the profile.
 //!
-//! A silhouette shows h(α) = max over the body of p·n(α): the distance of the tangent with normal n(α) = (cos α, sin α).
-//! h is not the polar radius: for r = R + a·cos kθ, h exceeds r by r'²/2R ≤ (ka)²/2R to leading order, and equals it
-//! only while k²a ≪ R ([`hull_limit`]). The tangents' envelope (the polar dual of 1/h) gives the boundary of the convex
-//! hull back exactly:
+//! A silhouette shows h(α) = max over the body of p·n(α): the distance of the tangent with normal
+//! n(α) = (cos α, sin α). h is not the polar radius: for r = R + a·cos kθ, h exceeds r by r'²/2R ≤
+//! (ka)²/2R to leading order, and equals it only while k²a ≪ R ([`hull_limit`]). The tangents'
+//! envelope (the polar dual of 1/h) gives the boundary of the convex hull back exactly:
 //!
 //! ```text
 //! p(α) = h·n + h'·n'        radius of curvature ϱ(α) = h + h''  (≥ 0 for a convex body)
 //! r = √(h² + h'²)           θ = α + atan(h'/h)
 //! ```
 //!
-//! Hollows between lobes with k²a > R stay unseen. The derivatives amplify noise by k and k², so the support function
-//! is low-pass filtered first, and ϱ < 0 is refused.
+//! Hollows between lobes with k²a > R stay unseen. The derivatives amplify noise by k and k², so
+//! the support function is low-pass filtered first, and ϱ < 0 is refused.
 
 use glam::DVec2;
 use rustfft::num_complex::Complex;
@@ -32,8 +32,9 @@ pub struct HullPoint {
     pub curvature_radius: f64,
 }
 
-/// How far support function and profile of one lobe pattern differ: k²a/R (convex only below about 1, and h ≈ r only
-/// far below), and the greatest excess (ka)²/2R of h over r to leading order, in the unit of `amplitude`.
+/// How far support function and profile of one lobe pattern differ: k²a/R (convex only below about
+/// 1, and h ≈ r only far below), and the greatest excess (ka)²/2R of h over r to leading order, in
+/// the unit of `amplitude`.
 pub fn hull_limit(lobes: f64, amplitude: f64, radius: f64) -> (f64, f64) {
     (lobes * lobes * amplitude / radius, (lobes * amplitude).powi(2) / (2.0 * radius))
 }
@@ -45,7 +46,8 @@ struct Series {
 }
 
 impl Series {
-    /// Interpolates even samples after the filter; without the Nyquist term, whose phase is unknown.
+    /// Interpolates even samples after the filter; without the Nyquist term, whose phase is
+    /// unknown.
     fn new(support: &[f64], cutoff: Cutoff) -> Self {
         let filtered = gaussian_closed(support, cutoff);
         let mean = filtered.iter().sum::<f64>() / filtered.len() as f64;
@@ -119,7 +121,8 @@ fn check(support: &[f64]) -> Result<(), FormError> {
 /// Boundary of the convex hull at the samples' own tangents, from h at n even angles α_i = i·2π/n.
 ///
 /// # Errors
-/// Too few, non-finite or non-positive samples; a support function that is not convex after the filter.
+/// Too few, non-finite or non-positive samples; a support function that is not convex after the
+/// filter.
 pub fn hull_from_support(support: &[f64], cutoff: Cutoff) -> Result<Vec<HullPoint>, FormError> {
     check(support)?;
     let series = Series::new(support, cutoff);

@@ -1,12 +1,15 @@
-//! Sizes of a section over a revolution: least squares (GG), minimum circumscribed (GN), maximum inscribed (GX).
+//! Sizes of a section over a revolution: least squares (GG), minimum circumscribed (GN), maximum
+//! inscribed (GX).
 //!
-//! ISO 14405-1 defines these for the section itself; a silhouette shows its convex hull only. GN of the hull is GN of
-//! the section (the smallest circle around a body is the smallest around its hull); GX and GG of the hull are not
-//! below those of the section, by no more than the depth of hollows that no tangent reaches.
+//! ISO 14405-1 defines these for the section itself; a silhouette shows its convex hull only. GN of
+//! the hull is GN of the section (the smallest circle around a body is the smallest around its
+//! hull); GX and GG of the hull are not below those of the section, by no more than the depth of
+//! hollows that no tangent reaches.
 //!
-//! GN and GX need no derivative of the support function h: a circle (c, R) holds the body exactly if
-//! h(α) ≤ R + c·n(α) in every direction, and lies within the hull if r ≤ h(α) − c·n(α), two linear programmes. GG is the
-//! least-squares circle of the hull's boundary, which does need it and so takes the filter's cutoff.
+//! GN and GX need no derivative of the support function h: a circle (c, R) holds the body exactly
+//! if h(α) ≤ R + c·n(α) in every direction, and lies within the hull if r ≤ h(α) − c·n(α), two
+//! linear programmes. GG is the least-squares circle of the hull's boundary, which does need it and
+//! so takes the filter's cutoff.
 
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -36,14 +39,15 @@ pub struct TurnSizes {
     pub min_caliper_mm: f64,
     /// Greatest caliper diameter.
     pub max_caliper_mm: f64,
-    /// Circles of GG, GN and GX about the spindle axis, x towards the camera image's up at spindle angle α = −φ.
+    /// Circles of GG, GN and GX about the spindle axis, x towards the camera image's up at spindle
+    /// angle α = −φ.
     pub circles: [Circle; 3],
 }
 
 /// Sizes of a revolution; `u_edge_mm` is the random standard uncertainty of one edge.
 ///
-/// GN and GX are extremes: noise widens GN and narrows GX by some standard uncertainties unless the turn is
-/// filtered, so both are taken from the support function after the same filter as GG.
+/// GN and GX are extremes: noise widens GN and narrows GX by some standard uncertainties unless the
+/// turn is filtered, so both are taken from the support function after the same filter as GG.
 ///
 /// # Errors
 /// A support function that is not convex after the filter.
@@ -93,8 +97,8 @@ pub fn inscribed(support: &[f64]) -> Result<Circle, FormError> {
     chebyshev_centre(support, -1.0, "maximum inscribed size")
 }
 
-/// min t subject to t ≥ side·(h − h̄ − c·n): the radius is h̄ + side·t. Repeated in a shrinking box around the centre
-/// found, so that the programme's tie-breaking cost vanishes.
+/// min t subject to t ≥ side·(h − h̄ − c·n): the radius is h̄ + side·t. Repeated in a shrinking box
+/// around the centre found, so that the programme's tie-breaking cost vanishes.
 fn chebyshev_centre(support: &[f64], side: f64, feature: &'static str) -> Result<Circle, FormError> {
     let n = support.len();
     if n < 8 {

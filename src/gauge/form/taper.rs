@@ -1,7 +1,8 @@
 //! Taper along a shaft: the weighted least-squares line of diameter over z.
 //!
-//! Rate of taper C = dD/dz (ISO 3040); cone angle 2·atan(C/2). Weights 1/u_random²; the common uncertainty is a shared
-//! offset of every diameter, which no slope feels, or a shared scale, which changes C by its own relative amount.
+//! Rate of taper C = dD/dz (ISO 3040); cone angle 2·atan(C/2). Weights 1/u_random²; the common
+//! uncertainty is a shared offset of every diameter, which no slope feels, or a shared scale, which
+//! changes C by its own relative amount.
 
 use crate::profile::DiameterProfile;
 

@@ -1,17 +1,18 @@
 //! One revolution of silhouettes at one z: the heights of both edges at every spindle angle.
 //!
 //! With c(φ) the spindle's motion across the line of sight and h the section's support function,
-//! top = c(φ) + h(φ) and bottom = c(φ) − h(φ+π). Their difference w(φ) = h(φ) + h(φ+π) holds the even lobes of h, free
-//! of c; their mean m(φ) = c(φ) + ½[h(φ) − h(φ+π)] holds the odd lobes with the odd part of c, and the even part of c
-//! by itself. So, with bars for the parts even and odd under φ → φ + π,
+//! top = c(φ) + h(φ) and bottom = c(φ) − h(φ+π). Their difference w(φ) = h(φ) + h(φ+π) holds the
+//! even lobes of h, free of c; their mean m(φ) = c(φ) + ½[h(φ) − h(φ+π)] holds the odd lobes with
+//! the odd part of c, and the even part of c by itself. So, with bars for the parts even and odd
+//! under φ → φ + π,
 //!
 //! ```text
 //! h(φ) = ½·w̄_even(φ) + m̄_odd(φ)      the section, odd lobes with odd spindle motion (and eccentricity at k = 1)
 //! s(φ) = m̄_even(φ)                   synchronous spindle motion of even order
 //! ```
 //!
-//! Averaging several revolutions removes only asynchronous motion. φ is the spindle angle: a lobe with its peak at φ_k stands
-//! at the body angle θ = −φ_k.
+//! Averaging several revolutions removes only asynchronous motion. φ is the spindle angle: a lobe
+//! with its peak at φ_k stands at the body angle θ = −φ_k.
 
 use super::error::FormError;
 
@@ -47,8 +48,8 @@ impl Turn {
         }
     }
 
-    /// A revolution from readings (angle in degrees, top, bottom) in any order, their angles an even division of a revolution to
-    /// 1e-3 of a division.
+    /// A revolution from readings (angle in degrees, top, bottom) in any order, their angles an
+    /// even division of a revolution to 1e-3 of a division.
     ///
     /// # Errors
     /// As [`Turn::even`], and for uneven angles.
@@ -106,8 +107,9 @@ impl Turn {
         self.top_mm.iter().zip(&self.bottom_mm).map(|(t, b)| 0.5 * (t + b)).collect()
     }
 
-    /// The section's support function h(φ) about the spindle axis, mm: even lobes free of spindle motion, odd ones
-    /// with it. The mean of the midline (where the axis stands in the image) is not part of it.
+    /// The section's support function h(φ) about the spindle axis, mm: even lobes free of spindle
+    /// motion, odd ones with it. The mean of the midline (where the axis stands in the image) is
+    /// not part of it.
     pub fn support_mm(&self) -> Vec<f64> {
         let (widths, midline) = (self.widths_mm(), self.midline_mm());
         let opposite = |i: usize| (i + self.len() / 2) % self.len();

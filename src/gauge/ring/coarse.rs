@@ -21,8 +21,8 @@ pub(super) struct Coarse {
     pub(super) inner: Option<Circle>,
 }
 
-/// Most directions that an outline is looked at in, and the arc between them, px: the farthest pixel of a narrower sector
-/// stands well inside the outline.
+/// Most directions that an outline is looked at in, and the arc between them, px: the farthest
+/// pixel of a narrower sector stands well inside the outline.
 const MOST_DIRECTIONS: usize = 360;
 const ARC_PX: f64 = 3.0;
 
@@ -33,8 +33,9 @@ struct Grey {
     columns: usize,
 }
 
-/// Finds the part: as the largest shadow of a frame with one level of light and one of shadow, else as the largest one that
-/// stands between light in its own rows and columns, whatever the light's level there.
+/// Finds the part: as the largest shadow of a frame with one level of light and one of shadow, else
+/// as the largest one that stands between light in its own rows and columns, whatever the light's
+/// level there.
 pub(super) fn find(view: &FrameView<'_>, settings: &RingSettings) -> Result<Coarse, RingError> {
     let grey = Grey::read(view, settings.bright_on_dark)?.without_stuck_lines();
     let whole_counts = !matches!(view.format(), crate::frame::PixelFormat::F32);
@@ -90,8 +91,8 @@ impl Grey {
         Self { values, rows: self.columns, columns: self.rows }
     }
 
-    /// Medians of three, down and across: hot and dead pixels and stuck rows and columns neither cut a part nor join it to
-    /// the border.
+    /// Medians of three, down and across: hot and dead pixels and stuck rows and columns neither
+    /// cut a part nor join it to the border.
     fn without_stuck_lines(mut self) -> Self {
         let mut above = Vec::new();
         median_down(&mut self.values, self.columns, &mut above);
@@ -111,12 +112,13 @@ impl Grey {
     }
 }
 
-/// Least contrast over the scatter of light and shadow: splitting pure Gaussian noise at its mean gives 1.87 times the two
-/// halves' scatter. And least contrast of whole counts.
+/// Least contrast over the scatter of light and shadow: splitting pure Gaussian noise at its mean
+/// gives 1.87 times the two halves' scatter. And least contrast of whole counts.
 const LEAST_CONTRAST: f64 = 2.5;
 const LEAST_COUNTS: f64 = 4.0;
 
-/// Middle between the means of the two classes that split the histogram best (iterative selection, Ridler & Calvard 1978).
+/// Middle between the means of the two classes that split the histogram best (iterative selection,
+/// Ridler & Calvard 1978).
 fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
     let line = |row: &[f32]| row.iter().step_by(2).map(|v| f64::from(*v)).collect::<Vec<f64>>();
     let values: Vec<f64> = grey.values.chunks_exact(grey.columns).step_by(2).flat_map(line).collect();
@@ -182,8 +184,8 @@ fn largest_inside(labels: &[u32], rows: usize, columns: usize) -> Shadows {
     }
 }
 
-/// Circles of the outline and the bore, from the farthest and nearest pixels in each direction, around a centre that is moved
-/// until the outline's first harmonic vanishes.
+/// Circles of the outline and the bore, from the farthest and nearest pixels in each direction,
+/// around a centre that is moved until the outline's first harmonic vanishes.
 fn outline(pixels: &[usize], columns: usize) -> Result<Option<Coarse>, RingError> {
     if pixels.len() < 100 {
         return Ok(None);

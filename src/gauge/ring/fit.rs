@@ -1,10 +1,11 @@
 //! Maximum likelihood of one whole edge: levels and blur pooled, one shift per caliper.
 //!
-//! Pixel i of caliper s reads m = B(x, y) + A(x, y)·E(d_i − δ_s; σ), B and A each a plane over the frame (a tilt of the
-//! light, across the edge too). Weighted Gauss-Newton on all parameters at once: the shifts are eliminated caliper by caliper
-//! (Schur complement), which leaves seven equations. Weights are 1/variance, the variance estimated from the residuals in
-//! shadow, mid-edge and light. Where light or shadow is clipped its pixels are censored, and two shape terms of the edge-spread function
-//! join the pooled parameters.
+//! Pixel i of caliper s reads m = B(x, y) + A(x, y)·E(d_i − δ_s; σ), B and A each a plane over the
+//! frame (a tilt of the light, across the edge too). Weighted Gauss-Newton on all parameters at
+//! once: the shifts are eliminated caliper by caliper (Schur complement), which leaves seven
+//! equations. Weights are 1/variance, the variance estimated from the residuals in shadow, mid-edge
+//! and light. Where light or shadow is clipped its pixels are censored, and two shape terms of the
+//! edge-spread function join the pooled parameters.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -32,7 +33,8 @@ const STRAY: f64 = 6.0;
 const MOST_STRAY: usize = 2;
 /// χ² of a caliper over the usual one above which it does not show an edge.
 const CHI2_GATE: f64 = 4.0;
-/// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the noise.
+/// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the
+/// noise.
 const LEAST_LEFT: f64 = 0.1;
 /// Change of a step below which the calipers of clipped light are tested, px and fractions of the
 /// contrast.
@@ -53,8 +55,9 @@ pub(super) struct Caliper {
     pub(super) reduced_chi2: f64,
     /// Whether it is usable.
     pub(super) good: bool,
-    /// Where the grey values of a caliper that is refused cross the middle of the levels, px towards the light: the outline
-    /// of a burr, which no model of one edge fits. `None` where they do not, and for a good caliper.
+    /// Where the grey values of a caliper that is refused cross the middle of the levels, px
+    /// towards the light: the outline of a burr, which no model of one edge fits. `None` where they
+    /// do not, and for a good caliper.
     pub(super) crossing: Option<f64>,
 }
 
@@ -65,7 +68,8 @@ pub(super) struct EdgeFit {
     pub(super) calipers: Vec<Caliper>,
     /// Blur, px.
     pub(super) sigma: f64,
-    /// Mean levels of shadow and light, counts; the light's may lie above full scale, where it is clipped.
+    /// Mean levels of shadow and light, counts; the light's may lie above full scale, where it is
+    /// clipped.
     pub(super) levels: (f64, f64),
     /// Standard uncertainty of the mean shift, pooled parameters free, px.
     pub(super) u_mean: f64,
@@ -115,7 +119,8 @@ struct State<const P: usize> {
     good: Vec<bool>,
     variance: Variance,
     least_variance: f64,
-    /// Where grey values are clipped, the contrast seen between the ends, and the shape terms; none where nothing is.
+    /// Where grey values are clipped, the contrast seen between the ends, and the shape terms; none
+    /// where nothing is.
     clipped: Option<Clipped>,
     /// Relative standard uncertainty of the noise in the light where it is clipped.
     noise_known_to: f64,
@@ -255,7 +260,8 @@ impl<const P: usize> State<P> {
         s
     }
 
-    /// One Gauss-Newton step; the change of the pooled parameters and of the mean caliper, px, or `None` if the equations are singular.
+    /// One Gauss-Newton step; the change of the pooled parameters and of the mean caliper, px, or
+    /// `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
         let sums: Vec<Sums<P>> =
             band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
@@ -289,8 +295,9 @@ impl<const P: usize> State<P> {
         Some((moved / f64::max(count, 1.0)).max(change[SIGMA].abs()).max(change[3].abs() / contrast))
     }
 
-    /// Noise from the residuals of the good calipers, robustly. A caliper has few pixels on the flank, and its own shift takes its share of
-    /// their squares: what is left of one is 1 − h of it, h = w·(∂m/∂δ)²/Σw·(∂m/∂δ)².
+    /// Noise from the residuals of the good calipers, robustly. A caliper has few pixels on the
+    /// flank, and its own shift takes its share of their squares: what is left of one is 1 − h of
+    /// it, h = w·(∂m/∂δ)²/Σw·(∂m/∂δ)².
     fn estimate_variance(&mut self, band: &Band) {
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
@@ -325,13 +332,15 @@ impl<const P: usize> State<P> {
         let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
         // Where the light is clipped the remaining pixels are those that read too low.
         let light = if counts[2] >= 100 && ends.high.is_infinite() { light } else { 2.0 * middle - dark };
-        // √(2/n) is known of the variance at mid-edge, twice of which stands in the light's; half of that of its root.
+        // √(2/n) is known of the variance at mid-edge, twice of which stands in the light's; half
+        // of that of its root.
         self.noise_known_to = (2.0 / counts[1].max(2) as f64).sqrt() * middle / light.max(0.5 * middle);
         self.variance = Variance([dark, middle, light.max(0.5 * middle)]);
     }
 
-    /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the shadow share, px: `lever` is the shift's
-    /// derivative by the pooled parameters. The edge itself passes through all phases.
+    /// Standard uncertainty of the mean shift by rounding that the whole of the light and of the
+    /// shadow share, px: `lever` is the shift's derivative by the pooled parameters. The edge
+    /// itself passes through all phases.
     fn u_rounding(&self, lever: &Vector<P>) -> f64 {
         if self.least_variance < 1.0 / 12.0 {
             return 0.0;
@@ -346,7 +355,8 @@ impl<const P: usize> State<P> {
         (repeated(dark) * by_dark * by_dark + repeated(light) * lever[3] * lever[3]).sqrt()
     }
 
-    /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the neighbours'.
+    /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the
+    /// neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
         let judged: Vec<(f64, f64)> = band
             .sectors
@@ -363,7 +373,8 @@ impl<const P: usize> State<P> {
         let usual =
             |f: fn(&(f64, f64)) -> f64| median(judged.iter().map(f).filter(|c| c.is_finite()).collect());
         let departure = departures(&self.shifts);
-        // Along a slope most calipers are their own neighbourhood's median: the departures' scatter alone would be 0.
+        // Along a slope most calipers are their own neighbourhood's median: the departures' scatter
+        // alone would be 0.
         let scale = (MEDIAN_TO_SD * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
         let level = usual(|j| j.0).max(1e-3) * CHI2_GATE;
         for k in 0..judged.len() {
@@ -377,7 +388,8 @@ impl<const P: usize> State<P> {
 const CROSSING_STEP: f64 = 0.5;
 
 impl<const P: usize> State<P> {
-    /// First crossing of the middle between the levels, from the shadow outwards, of the mean grey values over the distance.
+    /// First crossing of the middle between the levels, from the shadow outwards, of the mean grey
+    /// values over the distance.
     fn crossing(&self, pixels: &[EdgePixel]) -> Option<f64> {
         let reach = pixels.iter().map(|p| p.distance.abs()).fold(0.0, f64::max);
         let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / CROSSING_STEP) as usize + 1];

@@ -17,7 +17,8 @@ use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
 use crate::numerics::robust::median_of;
 
-/// Pixels beyond the band that the light's field is estimated from, and the share of its effect on the edge that stays uncertain.
+/// Pixels beyond the band that the light's field is estimated from, and the share of its effect on
+/// the edge that stays uncertain.
 const FIELD_PX: f64 = 16.0;
 const LEFT_OF_LIGHT: f64 = 0.1;
 
@@ -171,7 +172,8 @@ impl Side<'_> {
         points: &[DVec2],
         circle: Circle,
     ) -> Result<EdgeCircle, RingError> {
-        // The blurred edge of a disc stands nearer to its centre, whether the disc is the shadow or the bore's light.
+        // The blurred edge of a disc stands nearer to its centre, whether the disc is the shadow or
+        // the bore's light.
         let curvature = (fit.sigma * fit.sigma + 1.0 / 12.0) / (2.0 * circle.radius);
         let form = |e: FormError| self.error(e.to_string());
         let around = minimum_circumscribed_circle(points).map_err(form)?.circle.diameter();
@@ -214,9 +216,10 @@ impl Side<'_> {
         })
     }
 
-    /// Standard uncertainty of the mean radius by what the refused calipers would have shown, px: the good ones are a sample
-    /// of n_good out of n of a form of standard deviation s that neighbours share over half a wave at the roundness' cutoff,
-    /// u² = s²·(n/2k_c)/n_good·(1 − n_good/n).
+    /// Standard uncertainty of the mean radius by what the refused calipers would have shown, px:
+    /// the good ones are a sample of n_good out of n of a form of standard deviation s that
+    /// neighbours share over half a wave at the roundness' cutoff, u² = s²·(n/2k_c)/n_good·(1 −
+    /// n_good/n).
     fn u_form_sampling(&self, points: &[DVec2], circle: &Circle, calipers: usize) -> f64 {
         let (good, all) = (points.len() as f64, calipers as f64);
         let variance = points.iter().map(|p| circle.deviation(*p).powi(2)).sum::<f64>() / good;

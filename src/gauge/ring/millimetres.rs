@@ -1,11 +1,12 @@
-//! Rings in millimetres: by a bare scale, or by a calibration with its lens, conditions and every source's share.
+//! Rings in millimetres: by a bare scale, or by a calibration with its lens, conditions and every
+//! source's share.
 //!
 //! ```text
 //! D = s·(1 + t·y)·d' ± o        d'  diameter of the least-squares circle through the outline as a perfect lens shows it
 //! ```
 //!
-//! with + for an outline, − for a bore, o the offset of both edges together. u_common follows by the derivatives of D by the
-//! calibration's six parameters, those by the lens numerically.
+//! with + for an outline, − for a bore, o the offset of both edges together. u_common follows by
+//! the derivatives of D by the calibration's six parameters, those by the lens numerically.
 
 use super::result::{Concentricity, EdgeCircle, EdgeMillimetres, RingMeasurement};
 use glam::DVec2;
@@ -49,7 +50,8 @@ struct Mapping<'a> {
 }
 
 impl RingMeasurement {
-    /// Gives every length in mm at 20 °C by a calibration: scale, edge offset, distortion, keystone, telecentricity.
+    /// Gives every length in mm at 20 °C by a calibration: scale, edge offset, distortion,
+    /// keystone, telecentricity.
     ///
     /// # Errors
     /// Where the corrected outline gives no circle.
@@ -108,7 +110,8 @@ impl Mapping<'_> {
         Ok((figures, ideal.0))
     }
 
-    /// Standard uncertainty shared by all parts, mm, of an ideal diameter d, px, and the diameter at its temperature, mm.
+    /// Standard uncertainty shared by all parts, mm, of an ideal diameter d, px, and the diameter
+    /// at its temperature, mm.
     fn u_common_mm(&self, outline: &Outline, d: f64, at_t: f64) -> Result<f64, FormError> {
         let side = if outline.outer { 1.0 } else { -1.0 };
         let mut budget = Budget { diameter_mm: at_t, contributions: Vec::new() };
@@ -152,7 +155,8 @@ fn ideal_point(lens: Option<&LensModel>, point_px: [f64; 2]) -> DVec2 {
     lens.map_or(point_px, |l| l.ideal_point(point_px)).into()
 }
 
-/// Centre and radius of the least-squares circle of the trusted points as a perfect lens would show them, px.
+/// Centre and radius of the least-squares circle of the trusted points as a perfect lens would show
+/// them, px.
 fn ideal_circle(outline: &Outline, lens: Option<&LensModel>) -> Result<(DVec2, f64), FormError> {
     let points: Vec<DVec2> = (0..outline.seen.len())
         .filter(|k| outline.seen[*k] == PointOrigin::Fitted)

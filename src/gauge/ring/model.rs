@@ -1,8 +1,8 @@
 //! The Gaussian edge averaged over a square pixel that it crosses at any angle.
 //!
-//! A straight edge with normal at angle θ, blurred by σ: seen along its normal the pixel's square is the convolution of two
-//! boxes of widths a = |cos θ| and b = |sin θ|. With H'' = Φ(u/σ), that is H(u) = ½[(u² + σ²)·Φ + u·σ·φ], the pixel at
-//! distance d on the light's side reads
+//! A straight edge with normal at angle θ, blurred by σ: seen along its normal the pixel's square
+//! is the convolution of two boxes of widths a = |cos θ| and b = |sin θ|. With H'' = Φ(u/σ), that
+//! is H(u) = ½[(u² + σ²)·Φ + u·σ·φ], the pixel at distance d on the light's side reads
 //!
 //! ```text
 //! E(d) = [H(d + (a+b)/2) − H(d + (a−b)/2) − H(d − (a−b)/2) + H(d − (a+b)/2)]/(ab)
@@ -49,7 +49,8 @@ pub(super) fn square_edge(d: f64, cos: f64, sin: f64, sigma: f64) -> Sample {
     Sample { value: sum[2] / area, by_distance: sum[1] / area, by_sigma: sigma * sum[0] / area }
 }
 
-/// The same with one box of width a and blur s; the derivative is by the lens's own σ: dE/dσ = (σ/s)·dE/ds.
+/// The same with one box of width a and blur s; the derivative is by the lens's own σ: dE/dσ =
+/// (σ/s)·dE/ds.
 fn box_edge(d: f64, a: f64, s: f64, sigma: f64) -> Sample {
     let (up, down) = (integrals(d + 0.5 * a, s), integrals(d - 0.5 * a, s));
     let pdf = |u: f64| phi_pdf(u / s);

@@ -19,7 +19,8 @@ pub enum PointOrigin {
     Bridged,
 }
 
-/// Points of an edge around its circle, one a caliper, at angles (k + ½)·2π/n from the column axis towards the rows.
+/// Points of an edge around its circle, one a caliper, at angles (k + ½)·2π/n from the column axis
+/// towards the rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     /// Centre that the angles and radii count from: x the column, y the row, px.
@@ -172,7 +173,8 @@ mod tests {
         spike[500] = 0.5;
         let felt = mechanical_closing(&spike, arc, 1.0 / radius);
         assert_eq!((felt[500], felt[600]), (0.5, 0.0));
-        // Beside a spike of height p the ball hangs on it: felt is at most p − s²/2r, and nowhere below the profile.
+        // Beside a spike of height p the ball hangs on it: felt is at most p − s²/2r, and nowhere
+        // below the profile.
         assert!(felt[503] > 0.0 && felt.iter().zip(&spike).all(|(f, s)| f >= s));
         let mut groove = vec![0.0; n];
         groove[500] = -0.5;

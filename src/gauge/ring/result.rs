@@ -9,7 +9,8 @@ pub struct EdgeCircle {
     pub centre_px: [f64; 2],
     /// Least-squares diameter of the 50 % edge, curvature bias corrected, px.
     pub diameter_px: f64,
-    /// Its standard uncertainty from noise, levels, blur and the form that refused calipers hide, px.
+    /// Its standard uncertainty from noise, levels, blur and the form that refused calipers hide,
+    /// px.
     pub u_diameter_px: f64,
     /// Standard uncertainty of either coordinate of the centre, px.
     pub u_centre_px: f64,
@@ -44,7 +45,8 @@ pub struct EdgeCircle {
 /// Coaxiality of bore and outline.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Concentricity {
-    /// Diameter of the zone around the outline's centre that holds the bore's centre (ISO 1101): twice their distance, px.
+    /// Diameter of the zone around the outline's centre that holds the bore's centre (ISO 1101):
+    /// twice their distance, px.
     pub px: f64,
     /// Its standard uncertainty, px.
     pub u_px: f64,

@@ -44,9 +44,14 @@ impl Grey for f32 {
     }
 }
 
-/// Heals defects (row, column), sorted, of an image of so many columns. A line that is defective from end to end takes what its
-/// neighbours across the shaft show.
-pub(super) fn interpolate_defects<T: Grey>(pixels: &mut [T], columns: usize, defects: &[[u32; 2]], shaft: ShaftRuns) {
+/// Heals defects (row, column), sorted, of an image of so many columns. A line that is defective
+/// from end to end takes what its neighbours across the shaft show.
+pub(super) fn interpolate_defects<T: Grey>(
+    pixels: &mut [T],
+    columns: usize,
+    defects: &[[u32; 2]],
+    shaft: ShaftRuns,
+) {
     let rows = pixels.len() / columns.max(1);
     let turned = |places: &[[u32; 2]]| {
         let mut turned: Vec<[u32; 2]> = places.iter().map(|[a, b]| [*b, *a]).collect();
@@ -78,7 +83,8 @@ struct Lines {
 }
 
 impl Lines {
-    /// Interpolates runs of defects (line, place), sorted, between the good pixels at their ends; gives those of lines without any.
+    /// Interpolates runs of defects (line, place), sorted, between the good pixels at their ends;
+    /// gives those of lines without any.
     fn interpolate_defects<T: Grey>(&self, pixels: &mut [T], defects: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let mut left = Vec::new();
         for run in defects.chunk_by(|a, b| a[0] == b[0] && a[1] + 1 == b[1]) {

@@ -22,7 +22,8 @@ use crate::frame::{Frame, FrameView, PixelsMut};
 
 /// A pixel this many robust standard deviations off is defective.
 const DEFECT_SIGMAS: f64 = 8.0;
-/// Fall-off below which the light is not corrected: its gradient moves an edge by σ²·l'/l, well below 1e-3 px.
+/// Fall-off below which the light is not corrected: its gradient moves an edge by σ²·l'/l, well
+/// below 1e-3 px.
 const EVEN: f64 = 0.01;
 /// Least light that still shows a part, of the brightest.
 const DARKEST: f64 = 0.3;
@@ -53,7 +54,8 @@ pub struct FlatField {
     pub prnu_rel: f64,
     /// Pixel-to-pixel dark signal DSNU, counts.
     pub dsnu_counts: f64,
-    /// A response that is not linear, undone before all else; black, light and defects are those of linearised frames.
+    /// A response that is not linear, undone before all else; black, light and defects are those of
+    /// linearised frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub response: Option<Response>,
 }
@@ -123,7 +125,8 @@ struct Mean {
     values: Vec<f32>,
     /// Temporal variance of the mean, counts².
     variance: f64,
-    /// Share of the frames' pixels at full scale: in their mean a pixel that is clipped now and then lies below it.
+    /// Share of the frames' pixels at full scale: in their mean a pixel that is clipped now and
+    /// then lies below it.
     clipped: f64,
 }
 
@@ -188,7 +191,8 @@ impl FlatField {
     /// From two or more dark frames and two or more flat ones at one exposure.
     ///
     /// # Errors
-    /// Too few frames, sizes that differ, a flat field that is clipped, dark or not flat, a sensor with defects everywhere.
+    /// Too few frames, sizes that differ, a flat field that is clipped, dark or not flat, a sensor
+    /// with defects everywhere.
     pub fn new(dark: &[FrameView<'_>], flat: &[FrameView<'_>]) -> Result<Self, FlatFieldError> {
         let darks = Mean::of(dark, "dark")?;
         let flats = Mean::of(flat, "flat")?;
@@ -247,7 +251,8 @@ impl FlatField {
         Self { response, ..self }
     }
 
-    /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key, value, what would be right).
+    /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key,
+    /// value, what would be right).
     pub(crate) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
         let (low, high) = extremes(&self.light);
         let wrong =
@@ -287,7 +292,8 @@ impl FlatField {
         self.fall_off > EVEN
     }
 
-    /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other sizes stay as they are.
+    /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other
+    /// sizes stay as they are.
     #[must_use]
     pub fn corrected(&self, frame: Frame) -> Frame {
         self.corrected_along(frame, ShaftRuns::AlongRows)
@@ -350,7 +356,8 @@ fn extremes(light: &[f64; 6]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
 }
 
-/// Least-squares surface through a thinned frame above black; medians of small tiles keep dust and defects out.
+/// Least-squares surface through a thinned frame above black; medians of small tiles keep dust and
+/// defects out.
 fn surface(flats: &Mean, black: f64) -> [f64; 6] {
     let (tile_rows, tile_columns) = (flats.rows.div_ceil(GRID), flats.columns.div_ceil(GRID));
     let mut normal = DMatrix::<f64>::zeros(6, 6);
@@ -468,7 +475,8 @@ mod tests {
         assert!(view_is_full(&made().corrected(white)));
     }
 
-    /// Light one standard deviation below full scale: 15.9 % of the pixels are clipped in every frame, hardly one in their mean.
+    /// Light one standard deviation below full scale: 15.9 % of the pixels are clipped in every
+    /// frame, hardly one in their mean.
     #[test]
     fn light_that_clips_now_and_then_is_refused_however_many_frames_there_are() {
         let dark: Vec<Frame> = (0..2).map(|s| frame(s, |_, _| 64.0)).collect();

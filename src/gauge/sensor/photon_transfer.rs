@@ -1,4 +1,5 @@
-//! Photon transfer: the sensor's gain, noise, non-uniformity and linearity from pairs of frames (EMVA 1288, release 4.0).
+//! Photon transfer: the sensor's gain, noise, non-uniformity and linearity from pairs of frames
+//! (EMVA 1288, release 4.0).
 //!
 //! Two frames a, b of the same exposure separate the temporal from the fixed part:
 //!
@@ -10,9 +11,10 @@
 //! DSNU = s_dark/K     PRNU = √(s² − s²_dark)/(μ − μ_dark)    at the exposure next to half of saturation
 //! ```
 //!
-//! Unlike the standard's common high-pass filter, slow non-uniformity (the light's own) is taken off as a quadratic
-//! surface fitted to the mean image before s² is formed; σ² needs no such correction. Frames of 8 to 16 bit or f32;
-//! quantisation counts as 1/12 count² for integer formats, which holds for σ ≥ .5 count.
+//! Unlike the standard's common high-pass filter, slow non-uniformity (the light's own) is taken
+//! off as a quadratic surface fitted to the mean image before s² is formed; σ² needs no such
+//! correction. Frames of 8 to 16 bit or f32; quantisation counts as 1/12 count² for integer
+//! formats, which holds for σ ≥ .5 count.
 
 use thiserror::Error;
 
@@ -24,7 +26,8 @@ const LEAST_DIFFERENCE: f64 = 0.02;
 /// Two frames of the same scene and exposure.
 #[derive(Clone, Copy, Debug)]
 pub struct FramePair<'a> {
-    /// Exposure in any unit proportional to the photons: time at constant light, or photons per pixel.
+    /// Exposure in any unit proportional to the photons: time at constant light, or photons per
+    /// pixel.
     pub exposure: f64,
     /// First frame.
     pub first: FrameView<'a>,
@@ -43,7 +46,8 @@ pub struct PhotonTransfer {
     pub black_counts: f64,
     /// Temporal noise in the dark σ_y.dark, counts, quantisation included.
     pub dark_noise_counts: f64,
-    /// Read (dark temporal) noise σ_d, electrons, quantisation taken off; 0 if quantisation hides it.
+    /// Read (dark temporal) noise σ_d, electrons, quantisation taken off; 0 if quantisation hides
+    /// it.
     pub read_noise_electrons: f64,
     /// Dark signal non-uniformity DSNU, electrons.
     pub dsnu_electrons: f64,
@@ -53,7 +57,8 @@ pub struct PhotonTransfer {
     pub linearity_error: f64,
     /// Counts per unit of exposure.
     pub responsivity: f64,
-    /// Saturation capacity as far as the frames reach, electrons: the largest mean whose noise still grows.
+    /// Saturation capacity as far as the frames reach, electrons: the largest mean whose noise
+    /// still grows.
     pub saturation_electrons: f64,
     /// The points of the transfer curve, ascending.
     pub curve: Vec<TransferPoint>,
@@ -350,7 +355,8 @@ fn transfer_point(
     }
 }
 
-/// Slope of variance over signal through the dark point, weighted by 1/(variance of a variance) = n/2σ⁴, with its uncertainty.
+/// Slope of variance over signal through the dark point, weighted by 1/(variance of a variance) =
+/// n/2σ⁴, with its uncertainty.
 fn gain(curve: &[TransferPoint], dark: &PairStatistics, dark_pairs: f64) -> (f64, f64) {
     let (mut xy, mut xx) = (0.0, 0.0);
     let scatter = |p: &TransferPoint| {
@@ -373,8 +379,8 @@ fn prnu(curve: &[TransferPoint], dark: &PairStatistics, saturation: f64) -> f64 
     nearest.map_or(0.0, |p| (p.pattern_counts2 - dark.pattern).max(0.0).sqrt() / p.signal_counts)
 }
 
-/// Line through the signal over exposure with an offset, least squares of relative deviations over 5-95 % of saturation;
-/// gives slope and mean relative deviation.
+/// Line through the signal over exposure with an offset, least squares of relative deviations over
+/// 5-95 % of saturation; gives slope and mean relative deviation.
 fn linearity(curve: &[TransferPoint], saturation: f64) -> Result<(f64, f64), PhotonTransferError> {
     let points: Vec<(f64, f64)> = curve
         .iter()
@@ -392,7 +398,8 @@ fn linearity(curve: &[TransferPoint], saturation: f64) -> Result<(f64, f64), Pho
     Ok((slope, points.iter().map(deviation).sum::<f64>() / points.len().max(1) as f64))
 }
 
-/// Refuses fewer than three exposures that differ: a line through what is one point has the slope of its rounding.
+/// Refuses fewer than three exposures that differ: a line through what is one point has the slope
+/// of its rounding.
 fn check_different(exposures: &[f64], place: &'static str) -> Result<(), PhotonTransferError> {
     let mut sorted = exposures.to_vec();
     sorted.sort_by(f64::total_cmp);

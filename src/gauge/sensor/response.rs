@@ -1,5 +1,5 @@
-//! A sensor's response that is not linear, from flat fields at two exposures or more (EMVA 1288, release 4.0, section 6: mean over
-//! exposure), and its inverse.
+//! A sensor's response that is not linear, from flat fields at two exposures or more (EMVA 1288,
+//! release 4.0, section 6: mean over exposure), and its inverse.
 //!
 //! ```text
 //! y    = (m − black)/reference               signal of a grey value m, 1 at the reference
@@ -17,8 +17,9 @@ use serde::{Deserialize, Serialize};
 use crate::frame::{Buffer, Frame, FrameView};
 use crate::numerics::robust::median_of;
 
-/// Departure from a line, as a share of the reference, below which a response is linear: cameras state 1 % and less (EMVA 1288
-/// LE), and a lamp that drifts by 1 % between two exposures a factor of 1.5 apart feigns .9 %.
+/// Departure from a line, as a share of the reference, below which a response is linear: cameras
+/// state 1 % and less (EMVA 1288 LE), and a lamp that drifts by 1 % between two exposures a factor
+/// of 1.5 apart feigns .9 %.
 const LINEAR: f64 = 0.01;
 /// Least ratio of the largest to the smallest exposure in use (see [`LINEAR`]).
 const LEAST_RATIO: f64 = 1.5;
@@ -73,8 +74,9 @@ struct Exposure {
     signals: Vec<f64>,
 }
 
-/// The response of flat fields at several exposures (any unit in proportion to the light) above dark frames. `None` where it is
-/// linear, or where the exposures do not show it: fewer than two, or too close together.
+/// The response of flat fields at several exposures (any unit in proportion to the light) above
+/// dark frames. `None` where it is linear, or where the exposures do not show it: fewer than two,
+/// or too close together.
 ///
 /// # Errors
 /// Where signals are neither in proportion to the exposures nor on a curve of them.
@@ -195,7 +197,8 @@ impl Response {
         (size.powf(self.exponent) * (self.curvature * (size - 1.0)).exp()).copysign(signal)
     }
 
-    /// The frame in proportion to the light; black and the reference stay where they were, clipped pixels clipped.
+    /// The frame in proportion to the light; black and the reference stay where they were, clipped
+    /// pixels clipped.
     #[must_use]
     pub fn linearised(&self, frame: Frame) -> Frame {
         let view = frame.view();

@@ -1,4 +1,5 @@
-//! The uncertainty budget of a diameter (GUM clause 8 and annex H): one row a source, random and common apart.
+//! The uncertainty budget of a diameter (GUM clause 8 and annex H): one row a source, random and
+//! common apart.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -33,7 +34,8 @@ pub enum Shape {
     Normal,
     /// Rectangular: only limits are known.
     Rectangular,
-    /// Product of a factor that is known to a normal standard uncertainty and an error of which only limits are known.
+    /// Product of a factor that is known to a normal standard uncertainty and an error of which
+    /// only limits are known.
     Product {
         /// The factor's estimate over its root mean square, 0 to 1.
         known: f64,
@@ -111,7 +113,8 @@ impl Budget {
         self.sum(|_| true)
     }
 
-    /// Effective degrees of freedom (Welch-Satterthwaite, GUM G.4.1); infinite where nothing is of type A.
+    /// Effective degrees of freedom (Welch-Satterthwaite, GUM G.4.1); infinite where nothing is of
+    /// type A.
     pub fn effective_freedom(&self) -> f64 {
         let fourth: f64 =
             self.contributions.iter().filter_map(|c| c.freedom.map(|n| c.u_mm.powi(4) / n.max(1.0))).sum();
@@ -196,7 +199,8 @@ pub struct WidthReading {
     pub u_misfit_px: f64,
     /// Standard uncertainty of the width by light or shadow beyond the end of the grey scale, px.
     pub u_clipped_px: f64,
-    /// Standard uncertainty of the width by rounding that repeats in neighbouring columns and in every frame, px.
+    /// Standard uncertainty of the width by rounding that repeats in neighbouring columns and in
+    /// every frame, px.
     pub u_rounding_px: f64,
     /// Standard uncertainty of the width by the blur's, px.
     pub u_blur_px: f64,
@@ -243,7 +247,8 @@ impl WidthReading {
         let scale = calibration.scale_mm_per_px;
         let (width_px, by) = match &calibration.setup {
             Some(setup) => {
-                let columns = ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
+                let columns =
+                    ColumnSpread { mean_px: self.column_px, variance_px2: self.column_variance_px2 };
                 let (rows_px, chord, axis_y_mm) = (self.rows_px, self.chord, conditions.axis_y_mm);
                 let by = setup.diameter_by(scale, &ReadWidth { columns, rows_px, chord, axis_y_mm });
                 (by[0], Some(by))
@@ -402,7 +407,8 @@ mod tests {
         Contribution { source: "x".into(), input: String::new(), shape: Shape::Normal, share, freedom, u_mm }
     }
 
-    /// GUM H.1.6: the end-gauge comparison has u_c = 32 nm, 16 effective degrees of freedom, t₉₉ = 2.92.
+    /// GUM H.1.6: the end-gauge comparison has u_c = 32 nm, 16 effective degrees of freedom, t₉₉ =
+    /// 2.92.
     #[test]
     fn effective_freedom_is_that_of_the_end_gauge_example() {
         let mut budget = Budget { diameter_mm: 50.0, contributions: Vec::new() };

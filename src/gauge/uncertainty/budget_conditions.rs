@@ -1,4 +1,5 @@
-//! Rows of the conditions of use in a budget: temperature, expansion, place, finish and drift of a part.
+//! Rows of the conditions of use in a budget: temperature, expansion, place, finish and drift of a
+//! part.
 
 use crate::gauge::calibration::Conditions;
 use crate::gauge::calibration::gauge_calibration::Calibration;
@@ -18,7 +19,8 @@ pub(crate) struct Row {
     pub(crate) source: &'static str,
     /// Estimate or limits of the input, with its unit.
     pub(crate) input: String,
-    /// Where the limits are multiplied by a factor that is itself uncertain: its estimate over its root mean square.
+    /// Where the limits are multiplied by a factor that is itself uncertain: its estimate over its
+    /// root mean square.
     pub(crate) factor: Option<f64>,
     /// Standard uncertainty it gives the diameter, mm.
     pub(crate) u_mm: f64,

@@ -1,15 +1,17 @@
 //! Coverage of a budget: k and U for a probability.
 //!
-//! k is Student's t at the effective degrees of freedom (GUM G.3, G.4), as long as the sum of the rows is a normal's. A row of which only limits
-//! are known bounds its errors: where such rows are a good part of the variance, k·u would state more than the sum can be off with that
-//! probability, up to 2u = 1.15 half widths of a single rectangle. There k is that of the convolution of the rectangles with the rest
-//! (JCGM 101, 5.2 and 7.7, for the linear model), never above t:
+//! k is Student's t at the effective degrees of freedom (GUM G.3, G.4), as long as the sum of the
+//! rows is a normal's. A row of which only limits are known bounds its errors: where such rows are
+//! a good part of the variance, k·u would state more than the sum can be off with that probability,
+//! up to 2u = 1.15 half widths of a single rectangle. There k is that of the convolution of the
+//! rectangles with the rest (JCGM 101, 5.2 and 7.7, for the linear model), never above t:
 //!
 //! ```text
 //! P(|X| ≤ w) = ∫ g(r)·[Φ((w − r)/s) − Φ((−w − r)/s)] dr        g  density of the sum of the rectangles
 //! ```
 //!
-//! with s the standard uncertainty of the rest; from fewer than [`FEW`] degrees of freedom Student's t stands in place of Φ.
+//! with s the standard uncertainty of the rest; from fewer than [`FEW`] degrees of freedom
+//! Student's t stands in place of Φ.
 
 use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -18,7 +20,8 @@ use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
 use super::monte_carlo::Distribution;
 use crate::numerics::distributions::{phi_cdf, student};
 
-/// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of k.
+/// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of
+/// k.
 const LEAST_SHARE: f64 = 0.1;
 
 /// Cells of the rectangles' density.
@@ -51,14 +54,15 @@ impl Budget {
         }
     }
 
-    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom, to four decimals: 2 where there are many.
+    /// The coverage factor given, else that of [`PROBABILITY`] at the effective degrees of freedom,
+    /// to four decimals: 2 where there are many.
     pub fn factor_or(&self, given: Option<f64>) -> f64 {
         given.unwrap_or_else(|| (1e4 * self.coverage_factor(PROBABILITY)).round() / 1e4)
     }
 
-    /// Half width of the interval about the diameter that holds a probability when every row has its own distribution
-    /// (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with one dominant rectangular row it is narrower than k·u of
-    /// a normal.
+    /// Half width of the interval about the diameter that holds a probability when every row has
+    /// its own distribution (JCGM 101 for the linear model, [`DRAWS`] draws, always the same): with
+    /// one dominant rectangular row it is narrower than k·u of a normal.
     pub fn half_width_mm(&self, probability: f64) -> f64 {
         let mut random = Pcg64::new(0x6275_6467_6574, 1);
         let distributions: Vec<Distribution> =
@@ -70,7 +74,8 @@ impl Budget {
         *sums.select_nth_unstable_by(at, f64::total_cmp).1
     }
 
-    /// Half width by the convolution of the rectangular rows with the rest; `None` where they hardly make a difference.
+    /// Half width by the convolution of the rectangular rows with the rest; `None` where they
+    /// hardly make a difference.
     fn bounded_half_width(&self, probability: f64) -> Option<f64> {
         // A product whose factor is known to 5 % is the rectangle of its other factor.
         let rectangle =
@@ -145,7 +150,8 @@ struct Density {
 }
 
 impl Density {
-    /// Convolves one rectangle after the other, the largest first, through the integral of the density.
+    /// Convolves one rectangle after the other, the largest first, through the integral of the
+    /// density.
     fn of(halves: &[f64], reach: f64) -> Self {
         let mut sorted = halves.to_vec();
         sorted.sort_by(|a, b| b.total_cmp(a));
@@ -155,7 +161,8 @@ impl Density {
             .map(|k| (0.5 + 0.5 * border(k) / first.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
             .collect();
         for half in others {
-            // The integral of the integral, so that a rectangle narrower than a cell still widens the sum.
+            // The integral of the integral, so that a rectangle narrower than a cell still widens
+            // the sum.
             let mut twice = vec![0.0; CELLS + 1];
             for k in 0..CELLS {
                 twice[k + 1] = twice[k] + 0.5 * (integral[k] + integral[k + 1]);
@@ -201,7 +208,8 @@ mod tests {
         Budget { diameter_mm: 50.0, contributions }
     }
 
-    /// One rectangle of half width 1 covers p within p; two equal ones (a triangle of half base 2) within 2(1 − √(1 − p)).
+    /// One rectangle of half width 1 covers p within p; two equal ones (a triangle of half base 2)
+    /// within 2(1 − √(1 − p)).
     #[test]
     fn rectangles_do_not_make_u_exceed_their_bounds() {
         let p = PROBABILITY;
@@ -243,8 +251,8 @@ mod tests {
         assert!((known.factor_or(None) - 2.0).abs() < 1e-6 && known.to_table(None).contains("(k = 2 covers"));
     }
 
-    /// A factor known exactly leaves the rectangle of the limits, 0.95·√3·u; one around 0 has a normal's long tails in a rectangle:
-    /// P(|√3·u·R·Z| ≤ w) = ∫₀¹ erf(w/(√6·u·r)) dr by sums.
+    /// A factor known exactly leaves the rectangle of the limits, 0.95·√3·u; one around 0 has a
+    /// normal's long tails in a rectangle: P(|√3·u·R·Z| ≤ w) = ∫₀¹ erf(w/(√6·u·r)) dr by sums.
     #[test]
     fn a_product_is_drawn_as_one() {
         let half = |known| {

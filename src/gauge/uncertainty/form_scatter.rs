@@ -78,7 +78,8 @@ impl Scatter {
         Self::Blocks { blocks, tell_noise: used.len() >= FEW_COLUMNS }
     }
 
-    /// Standard uncertainty of the mean width beyond the noise' own, px, and its degrees of freedom.
+    /// Standard uncertainty of the mean width beyond the noise' own, px, and its degrees of
+    /// freedom.
     pub(crate) fn u_px(&self, lens: Option<&LensModel>, u_noise_px: f64) -> (f64, f64) {
         match self {
             Self::Known { u_px, freedom } => (*u_px, *freedom),
@@ -122,7 +123,8 @@ mod tests {
         }
     }
 
-    /// What a lens shows of a pin that a perfect one shows from row 137 to row 1908 and a taper, by bisection.
+    /// What a lens shows of a pin that a perfect one shows from row 137 to row 1908 and a taper, by
+    /// bisection.
     fn seen(lens: &LensModel, form_px: impl Fn(usize) -> f64) -> FrameEdges {
         let edge = |column: usize, ideal: f64| {
             let (mut low, mut high) = (0.0, 2400.0);

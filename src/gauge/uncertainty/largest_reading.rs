@@ -8,8 +8,8 @@ use crate::gauge::width::blur_sensitivity::u_blur_px;
 use crate::gauge::width::largest_caliper::{largest_caliper_over, largest_caliper_where};
 
 impl WidthReading {
-    /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as [`crate::gauge::largest_caliper`] finds it, behind the
-    /// lens of a calibration.
+    /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as
+    /// [`crate::gauge::largest_caliper`] finds it, behind the lens of a calibration.
     pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
         let largest = match &calibration.setup {
             Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
@@ -31,7 +31,8 @@ impl WidthReading {
         let middle = mean(&|c| 0.5 * (edges.top[c].row_px + edges.bottom[c].row_px));
         let own_u = largest.u_own_px.powi(2);
         let noise = match largest.end_on {
-            // Variance of a robust vertex over that of a mean; few columns scatter less than their noise by chance.
+            // Variance of a robust vertex over that of a mean; few columns scatter less than their
+            // noise by chance.
             true => {
                 let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
                 let noise = std::f64::consts::FRAC_PI_2 * own / n;
@@ -44,7 +45,8 @@ impl WidthReading {
         let misfit = mean(&|c| edges.model_variance(c)).min(shared);
         let clipped = edges.clipped_variance().min(shared - misfit);
         let rounding = edges.figures.rounding_variance().min(shared - misfit - clipped);
-        // A shaft's scatter is read from all of its columns' fourth differences, three to a degree of freedom.
+        // A shaft's scatter is read from all of its columns' fourth differences, three to a degree
+        // of freedom.
         let freedom = if largest.end_on { n - 1.0 } else { edges.valid() as f64 / 3.0 };
         Some(Self {
             column_px: largest.column_px,

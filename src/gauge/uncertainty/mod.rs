@@ -1,7 +1,8 @@
 //! The uncertainty of a diameter (GUM): one row a source, random and common apart.
 //!
-//! In: a width or diameter, its calibration and conditions. Out: a [`Budget`](budget::Budget) with k and U (`coverage`), the same by Monte
-//! Carlo (`monte_carlo`, JCGM 101), values as people read them (`stated`).
+//! In: a width or diameter, its calibration and conditions. Out: a [`Budget`](budget::Budget) with
+//! k and U (`coverage`), the same by Monte Carlo (`monte_carlo`, JCGM 101), values as people read
+//! them (`stated`).
 //!
 //! One more source is one more row: a `Contribution` with its sensitivity, distribution and degrees
 //! of freedom, made in `budget` (of a width) or in `budget_conditions` (of the conditions of use).

@@ -1,9 +1,11 @@
-//! Propagation of distributions by a Monte Carlo method (JCGM 101:2008), beside the GUM's law of propagation.
+//! Propagation of distributions by a Monte Carlo method (JCGM 101:2008), beside the GUM's law of
+//! propagation.
 //!
-//! A measurement model Y = f(X₁ … X_N) with independent inputs. Trials are drawn in blocks of fixed size, each with a stream
-//! of its own, so that the result depends on seed and number of trials alone. Coverage intervals: probabilistically
-//! symmetric and shortest (7.7). Validation of the GUM's result (8.1): with δ half a unit of the last significant digit of
-//! u(y), |y ± U − y_low,high| ≤ δ for both ends.
+//! A measurement model Y = f(X₁ … X_N) with independent inputs. Trials are drawn in blocks of fixed
+//! size, each with a stream of its own, so that the result depends on seed and number of trials
+//! alone. Coverage intervals: probabilistically symmetric and shortest (7.7). Validation of the
+//! GUM's result (8.1): with δ half a unit of the last significant digit of u(y), |y ± U −
+//! y_low,high| ≤ δ for both ends.
 
 use rand_distr::{Distribution as _, StandardNormal, StudentT, Uniform};
 use rand_pcg::Pcg64;
@@ -204,8 +206,9 @@ pub struct StopRule {
     pub most: usize,
 }
 
-/// The adaptive procedure (7.9): blocks are added until twice the standard deviation of the blocks' averages of y, u and
-/// both ends of the interval lies below the tolerance, or the most trials are made.
+/// The adaptive procedure (7.9): blocks are added until twice the standard deviation of the blocks'
+/// averages of y, u and both ends of the interval lies below the tolerance, or the most trials are
+/// made.
 pub fn monte_carlo_adaptive(
     inputs: &[Input],
     model: impl Fn(&[f64]) -> Option<f64> + Sync,
@@ -259,7 +262,8 @@ fn summarise(parts: Vec<Vec<f64>>, trials: usize, probability: f64) -> Option<Pr
     Some(Propagated { trials, y: base + mean, u, symmetric, shortest, failed, values })
 }
 
-/// Half a unit of the last of `digits` significant digits of u (JCGM 101, 7.9.2): u = c·10^l gives ½·10^l.
+/// Half a unit of the last of `digits` significant digits of u (JCGM 101, 7.9.2): u = c·10^l gives
+/// ½·10^l.
 pub fn numerical_tolerance(u: f64, digits: u32) -> f64 {
     let digits = f64::from(digits);
     // The digits are those of the rounded value: 0.0996 to two digits is 0.10.

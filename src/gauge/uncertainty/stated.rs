@@ -6,7 +6,8 @@ const DIGITS: i32 = 2;
 /// Decimals printed where no uncertainty determines how many are significant.
 const WITHOUT_U: i32 = 5;
 
-/// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996 is 0.10. Negative from 100 on.
+/// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996
+/// is 0.10. Negative from 100 on.
 pub fn decimals(u: f64) -> i32 {
     if !(u > 0.0 && u.is_finite()) {
         return WITHOUT_U;
@@ -27,7 +28,8 @@ pub fn rounded(value: f64, decimals: i32) -> String {
     }
 }
 
-/// A value and its uncertainty (standard or expanded), both to the place where the uncertainty has two significant digits.
+/// A value and its uncertainty (standard or expanded), both to the place where the uncertainty has
+/// two significant digits.
 ///
 /// ```
 /// use shadowgauge::gauge::stated::stated;

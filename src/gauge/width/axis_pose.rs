@@ -69,7 +69,8 @@ mod tests {
     #[test]
     fn chord_factor_is_that_of_a_tilted_cone() {
         let (tilt, taper, diameter) = (0.05_f64, 0.03_f64, 100.0_f64);
-        // Flanks: points q(s, ±) = s·a ± (D/2 + s·tan α)·n along the axis a = (cos τ, sin τ), normal n.
+        // Flanks: points q(s, ±) = s·a ± (D/2 + s·tan α)·n along the axis a = (cos τ, sin τ),
+        // normal n.
         let flank = |sign: f64| {
             // Solve x = 0 for s, then y.
             let s = sign * 0.5 * diameter * tilt.sin() / (tilt.cos() - sign * taper.tan() * tilt.sin());

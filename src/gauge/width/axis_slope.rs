@@ -1,8 +1,9 @@
 //! The slope of the axis in the image plane at every column of a frame.
 //!
-//! A straight part has one slope over the field, a bent one slopes otherwise at each end: D·τ²/2 at half a millimetre of sag over 150 mm is
-//! half a micrometre at Ø 8, and changes by as much over a field. The middles between both edges are taken for a polynomial of the fifth degree
-//! where it describes them to their own roughness, and for a line otherwise.
+//! A straight part has one slope over the field, a bent one slopes otherwise at each end: D·τ²/2 at
+//! half a millimetre of sag over 150 mm is half a micrometre at Ø 8, and changes by as much over a
+//! field. The middles between both edges are taken for a polynomial of the fifth degree where it
+//! describes them to their own roughness, and for a line otherwise.
 
 use nalgebra::SVector;
 
@@ -10,7 +11,8 @@ use super::axis_pose::Pose;
 use crate::gauge::edges::FrameEdges;
 use crate::numerics::normal_equations::NormalEquations;
 
-/// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of it, that of a cubic to 1 %.
+/// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of
+/// it, that of a cubic to 1 %.
 const TERMS: usize = 6;
 /// Fewest columns of a bent axis.
 const LEAST_COLUMNS: usize = 256;
@@ -79,7 +81,8 @@ impl Bent {
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let line = fitted(points, (middle, half), 2)?;
         let bent = fitted(points, (middle, half), TERMS)?;
-        // Second differences leave the slope out; the median of their size is √6·0.6745 of one's standard deviation.
+        // Second differences leave the slope out; the median of their size is √6·0.6745 of one's
+        // standard deviation.
         let mut bends: Vec<f64> = points.windows(3).map(|p| (p[2].1 - 2.0 * p[1].1 + p[0].1).abs()).collect();
         let at = bends.len() / 2;
         let rough = *bends.select_nth_unstable_by(at, f64::total_cmp).1 / 1.652;

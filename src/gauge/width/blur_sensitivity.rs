@@ -15,15 +15,15 @@ const LOOKED_AT: usize = 64;
 /// Pixels either side of the edge.
 const REACH: i32 = 24;
 
-/// Uncertainty of the blur at a column over that of its mean along the field: a line through the blocks' blurs is known there to
-/// √(1 + 12·t²), t from −½ to ½.
+/// Uncertainty of the blur at a column over that of its mean along the field: a line through the
+/// blocks' blurs is known there to √(1 + 12·t²), t from −½ to ½.
 pub(crate) fn trend_factor(column_px: f64, columns: usize) -> f64 {
     let t = (column_px + 0.5) / columns.max(1) as f64 - 0.5;
     (1.0 + 12.0 * t * t).sqrt()
 }
 
-/// Standard uncertainty of the mean width over some columns by the blurs of both edges, px, and the larger uncertainty of
-/// these blurs, px.
+/// Standard uncertainty of the mean width over some columns by the blurs of both edges, px, and the
+/// larger uncertainty of these blurs, px.
 pub(crate) fn u_blur_px(edges: &FrameEdges, used: &[usize]) -> (f64, f64) {
     let sides = [(0, &edges.top), (1, &edges.bottom)].map(|(side, line)| of_side(edges, side, line, used));
     let [a, b] = sides;
@@ -95,7 +95,8 @@ mod tests {
         let (level, u_sigma) = u_blur_px(&frame(|_| 20.25, [2.0; 2]), &all);
         let travelling = u_blur_px(&frame(|c| 20.0 + c as f64 / 256.0, [2.0; 2]), &all).0;
         assert!(level > 1e-6 && travelling < 0.05 * level, "{level} {travelling}");
-        // A hundredth of the contrast in noise, 256 columns: the blur is known to about a per mille of a pixel.
+        // A hundredth of the contrast in noise, 256 columns: the blur is known to about a per mille
+        // of a pixel.
         assert!((3e-4..3e-3).contains(&u_sigma), "{u_sigma}");
         let noisier = u_blur_px(&frame(|_| 20.25, [4.0; 2]), &all);
         assert!((noisier.0 / level - 2.0).abs() < 1e-9 && (noisier.1 / u_sigma - 2.0).abs() < 1e-9);

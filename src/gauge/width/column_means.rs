@@ -54,7 +54,8 @@ impl ColumnMeans {
     }
 }
 
-/// Mean width across the axis over a frame and its standard uncertainty, px; `None` without a usable column.
+/// Mean width across the axis over a frame and its standard uncertainty, px; `None` without a
+/// usable column.
 pub(crate) fn mean_width(edges: &FrameEdges) -> Option<(f64, f64)> {
     let factor = Pose::of(edges).chord_factor();
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();

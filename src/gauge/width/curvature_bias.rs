@@ -1,7 +1,8 @@
 //! The bias of a curved edge.
 //!
-//! Blur averages a curved edge along its tangent: y(x) becomes y + ½·y''·(σ² + W²/12), σ the blur and W = 1 px the column's
-//! width; with slope y' the blur's share along the column is y''·cos²β. A dark disc's edge moves towards its centre, by (σ² + 1/12)/2R.
+//! Blur averages a curved edge along its tangent: y(x) becomes y + ½·y''·(σ² + W²/12), σ the blur
+//! and W = 1 px the column's width; with slope y' the blur's share along the column is y''·cos²β. A
+//! dark disc's edge moves towards its centre, by (σ² + 1/12)/2R.
 
 use crate::gauge::edges::Edge;
 

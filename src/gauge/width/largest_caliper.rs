@@ -1,8 +1,11 @@
-//! The largest caliper diameter of a frame, without the upward bias that the largest of many noisy widths has.
+//! The largest caliper diameter of a frame, without the upward bias that the largest of many noisy
+//! widths has.
 //!
-//! A round part seen end-on has widths w² = D² − 4·(c − c0)²: w² is a parabola over the columns, exactly for a circle and
-//! an ellipse. It is fitted robustly around the widest place and its vertex is D. A shaft has no such vertex; there the largest of all
-//! stretches of columns down to a least width stands for it (`stretch`), and where crests face roots the distance of the two tangents.
+//! A round part seen end-on has widths w² = D² − 4·(c − c0)²: w² is a parabola over the columns,
+//! exactly for a circle and an ellipse. It is fitted robustly around the widest place and its
+//! vertex is D. A shaft has no such vertex; there the largest of all stretches of columns down to a
+//! least width stands for it (`stretch`), and where crests face roots the distance of the two
+//! tangents.
 
 use super::axis_slope::AxisSlope;
 use super::curvature_bias::bias_per_curvature;
@@ -17,7 +20,8 @@ use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 const APART: f64 = 2.0;
 /// −d²(w²)/dc²/2 of a circle is 4; between these it is taken for a round part seen end-on.
 const ROUND: (f64, f64) = (2.0, 8.0);
-/// Half width of the vertex fit, as a fraction of the diameter: 12 % either side, 7 % of the radius deep.
+/// Half width of the vertex fit, as a fraction of the diameter: 12 % either side, 7 % of the radius
+/// deep.
 const VERTEX_FRACTION: f64 = 0.12;
 
 /// The largest caliper diameter of a frame.
@@ -82,7 +86,8 @@ pub(crate) fn largest_caliper_where(
         (None, None, Some(crests)) => of_shaft(&crests, true),
         (None, None, None) => return None,
     };
-    // A disc's width is that along the column, whatever its pose; its edges are curved. A shaft's is that square to its axis.
+    // A disc's width is that along the column, whatever its pose; its edges are curved. A shaft's
+    // is that square to its axis.
     let (factor, bias) = match largest.end_on {
         true => (1.0, end_on_bias(edges, largest.diameter_px)),
         false => (AxisSlope::of(edges).factor(largest.column_px.max(0.0) as usize), 0.0),
@@ -96,7 +101,8 @@ pub(crate) fn largest_caliper_where(
     })
 }
 
-/// Columns below which a frame is a few readings of a line camera: they show no stretch that could be the largest.
+/// Columns below which a frame is a few readings of a line camera: they show no stretch that could
+/// be the largest.
 const READINGS: usize = 16;
 
 /// The mean width of a few readings; `None` where none has both edges.
@@ -174,7 +180,8 @@ fn shared_u_px(edges: &FrameEdges) -> f64 {
     (sum / count.max(1.0)).sqrt()
 }
 
-/// Vertex of the robust parabola through w² around `centre`; `None` where the part is not round or its vertex not seen.
+/// Vertex of the robust parabola through w² around `centre`; `None` where the part is not round or
+/// its vertex not seen.
 fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCaliper> {
     let reach = VERTEX_FRACTION * widest;
     let mut centre = centre;
@@ -221,7 +228,8 @@ fn near_first(near: &[(f64, f64)], centre: f64, reach: f64, side: f64) -> usize 
     end.map_or(0, |p| (centre + p.0 * reach).round().max(0.0) as usize)
 }
 
-/// Parabola by least squares with Tukey's weights; gives the coefficients and the standard uncertainty at the middle.
+/// Parabola by least squares with Tukey's weights; gives the coefficients and the standard
+/// uncertainty at the middle.
 fn robust_parabola(points: &[(f64, f64)]) -> Option<(nalgebra::Vector3<f64>, f64)> {
     let mut weights = vec![1.0; points.len()];
     let mut last = None;
@@ -277,7 +285,8 @@ mod tests {
         assert!((found.diameter_px - unbiased_px).abs() < 1e-6, "{}", found.diameter_px);
     }
 
-    /// Where the lens swells the field's right end, the part is largest where it is, not where its image is.
+    /// Where the lens swells the field's right end, the part is largest where it is, not where its
+    /// image is.
     #[test]
     fn the_place_is_the_parts_the_width_the_images() {
         let image = |c: f64| 500.0 + 0.02 * c;

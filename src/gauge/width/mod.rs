@@ -1,11 +1,14 @@
 //! Pixels: from two lines of edges to widths, corrected for the pose of the axis, curvature and
 //! blur.
 //!
-//! In: [`FrameEdges`](crate::gauge::FrameEdges). Out: widths and middles in px: per column, as means over columns (`column_means`), or the
-//! largest caliper diameter of the frame (`largest_caliper`, over the stretches of `stretch`). Factors for slope (`axis_pose`,
-//! `axis_slope`), the bias of a curved flank (`curvature_bias`) and the share of the blur's uncertainty (`blur_sensitivity`).
+//! In: [`FrameEdges`](crate::gauge::FrameEdges). Out: widths and middles in px: per column, as
+//! means over columns (`column_means`), or the largest caliper diameter of the frame
+//! (`largest_caliper`, over the stretches of `stretch`). Factors for slope (`axis_pose`,
+//! `axis_slope`), the bias of a curved flank (`curvature_bias`) and the share of the blur's
+//! uncertainty (`blur_sensitivity`).
 //!
-//! One more width is one more file: a function of `FrameEdges` that gives px with u. Nothing here has millimetres.
+//! One more width is one more file: a function of `FrameEdges` that gives px with u. Nothing here
+//! has millimetres.
 
 pub(crate) mod axis_pose;
 pub(crate) mod axis_slope;

@@ -1,10 +1,12 @@
-//! Convex outlines in the plane of the tool, (Z, radius), and whether a moving one meets one at rest.
+//! Convex outlines in the plane of the tool, (Z, radius), and whether a moving one meets one at
+//! rest.
 //!
-//! A convex outline that moves straight from a to b sweeps the convex hull of its two end positions. Two convex outlines
-//! are apart exactly where the normal of one of their edges separates them (Ericson, Real-Time Collision Detection,
-//! Morgan Kaufmann 2005, 5.2.1).
+//! A convex outline that moves straight from a to b sweeps the convex hull of its two end
+//! positions. Two convex outlines are apart exactly where the normal of one of their edges
+//! separates them (Ericson, Real-Time Collision Detection, Morgan Kaufmann 2005, 5.2.1).
 
-/// Outlines that overlap by less than this only touch, mm: above rounding, far below a control's increment.
+/// Outlines that overlap by less than this only touch, mm: above rounding, far below a control's
+/// increment.
 const TOUCH_MM: f64 = 1e-7;
 
 /// A convex polygon, anticlockwise.

@@ -1,5 +1,5 @@
-//! Words and expressions of a block: numbers, `#` variables, brackets, the operators and functions of custom macro B and
-//! of LinuxCNC.
+//! Words and expressions of a block: numbers, `#` variables, brackets, the operators and functions
+//! of custom macro B and of LinuxCNC.
 
 use std::collections::HashMap;
 
@@ -46,7 +46,8 @@ impl<'a> Reader<'a> {
         Some(letter)
     }
 
-    /// A number, a variable or a bracket, with its sign; and whether it was written as a whole number.
+    /// A number, a variable or a bracket, with its sign; and whether it was written as a whole
+    /// number.
     pub(super) fn value(&mut self) -> Result<(f64, bool), String> {
         if self.takes("-") {
             return self.value().map(|(v, whole)| (-v, whole));

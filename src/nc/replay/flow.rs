@@ -33,7 +33,8 @@ impl Program {
         Ok(program)
     }
 
-    /// The line after `from` that satisfies `wanted` at the same depth of `o` words with the same label.
+    /// The line after `from` that satisfies `wanted` at the same depth of `o` words with the same
+    /// label.
     pub(super) fn after(&self, from: usize, label: u32, wanted: &[&str]) -> Option<usize> {
         let is = |line: &Line| o_word(&line.text).is_some_and(|(l, rest)| l == label && starts(rest, wanted));
         (from + 1..self.lines.len()).find(|&i| is(&self.lines[i]))

@@ -1,9 +1,11 @@
 //! Runs a program block by block, as its control would, and lists what happens.
 //!
-//! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC) G10 G18 G21 G28 G40 G43
-//! G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO,
-//! WHILE DO END, and LinuxCNC's `o` words. Everything else is refused: what is not understood cannot be shown to be safe.
-//! Positions are those of the programmed point of the nose, with the wear offset in force (X a diameter).
+//! The subset of G code that this crate emits, in the three dialects: G00 G01 G07 G08 (LinuxCNC)
+//! G10 G18 G21 G28 G40 G43 G49 G50 G65 H99 G80 G90 G95 G96 G97 G99, probing by G31 or G38.2 with
+//! G94 or G98, M02-M06 M30 and one M code that measures, T, `#` variables, IF THEN, IF GOTO, WHILE
+//! DO END, and LinuxCNC's `o` words. Everything else is refused: what is not understood cannot be
+//! shown to be safe. Positions are those of the programmed point of the nose, with the wear offset
+//! in force (X a diameter).
 
 use super::expression::{Reader, Variables};
 use super::flow::{Program, leading, o_word};
@@ -352,7 +354,8 @@ impl<'a> Interpreter<'a> {
         Ok(words)
     }
 
-    /// A block of words, in the order in which controls take them: settings, tool, spindle, motion, stop.
+    /// A block of words, in the order in which controls take them: settings, tool, spindle, motion,
+    /// stop.
     fn obey(&mut self, line: usize, words: &Words) -> Result<Next, String> {
         let mut motion_only = true;
         for &g in &words.g {

@@ -10,7 +10,8 @@ use crate::nc::machine::{ChangePosition, Travel};
 use crate::nc::probe::QUALIFIED;
 use crate::nc::settings::NcSettings;
 
-/// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of diameter.
+/// Deviation from the commanded diameter that is rounding or an interpolation between knots, mm of
+/// diameter.
 const DEPTH_TOLERANCE_MM: f64 = 0.005;
 /// Positions that are the same, mm.
 const SAME_MM: f64 = 1e-6;
@@ -79,7 +80,8 @@ pub fn check(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize, NcEr
     from(text, working_space, &starts)
 }
 
-/// Replays `text` from the change position alone: enough where another replay of the same text has begun everywhere.
+/// Replays `text` from the change position alone: enough where another replay of the same text has
+/// begun everywhere.
 ///
 /// # Errors
 /// As [`check`].
@@ -87,7 +89,8 @@ pub fn check_once(text: &str, working_space: &WorkingSpace<'_>) -> Result<usize,
     from(text, working_space, &[(working_space.at_change(), false)])
 }
 
-/// Replays `text` from the change position: it must keep clear of everything until it stops with an alarm.
+/// Replays `text` from the change position: it must keep clear of everything until it stops with an
+/// alarm.
 ///
 /// # Errors
 /// As [`check`]; a program that runs to its end.
@@ -159,8 +162,8 @@ impl WorkingSpace<'_> {
         Point { x: self.change.x_mm, z: self.change.z_mm }
     }
 
-    /// Start positions that are clear of every solid: a lattice over the room between chuck and change position, and
-    /// places just beside the corners of the solids.
+    /// Start positions that are clear of every solid: a lattice over the room between chuck and
+    /// change position, and places just beside the corners of the solids.
     pub fn starts(&self) -> Vec<Point> {
         self.starts_of(&self.tool)
     }

@@ -1,14 +1,17 @@
 //! Replays a finished program among the solids of the machine, before it is handed out.
 //!
-//! The text is read again by an [interpreter](interpreter) that shares nothing with the emitter, from every start position
-//! of a lattice and of the solids' corners that is clear; each move sweeps the nose's outline (and the holder's box, where
-//! it is stated) through the plane of the tool. A program passes where
+//! The text is read again by an [interpreter](interpreter) that shares nothing with the emitter,
+//! from every start position of a lattice and of the solids' corners that is clear; each move
+//! sweeps the nose's outline (and the holder's box, where it is stated) through the plane of the
+//! tool. A program passes where
 //!
-//! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the travel,
-//! - no rapid comes closer to the stock than half the clearance, and none moves X and Z together below the change position,
+//! - no move touches chuck, jaws, centre, quill, steady rest or parked gauge head, or leaves the
+//!   travel,
+//! - no rapid comes closer to the stock than half the clearance, and none moves X and Z together
+//!   below the change position,
 //! - the tool is changed, and the part measured, at the change position alone,
-//! - the probe goes down to the part in probing moves alone, radially and with the spindle standing still, and neither its
-//!   ball nor its body touches anything else, even where no touch stops it,
+//! - the probe goes down to the part in probing moves alone, radially and with the spindle standing
+//!   still, and neither its ball nor its body touches anything else, even where no touch stops it,
 //! - no feed cuts below the commanded diameter,
 //! - feeds at the commanded diameter cover the part from the stated end of the cut to its end face.
 
@@ -23,6 +26,6 @@ mod touch;
 
 pub use convex::Convex;
 pub use interpreter::{Control, Deed, Event, Fault, Point};
-pub use judge::{CommandedCut, WorkingSpace, Solid, check, check_once, must_alarm};
+pub use judge::{CommandedCut, Solid, WorkingSpace, check, check_once, must_alarm};
 pub use run::{run, variables};
 pub use surface::Surface;

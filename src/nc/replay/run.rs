@@ -14,7 +14,8 @@ pub fn run(text: &str, control: &Control<'_>) -> Result<Vec<Event>, Fault> {
     Ok(Interpreter::new(&program, control).run()?.0)
 }
 
-/// Runs a program from one start position and returns what it leaves in its variables, by their numbers.
+/// Runs a program from one start position and returns what it leaves in its variables, by their
+/// numbers.
 ///
 /// # Errors
 /// As [`run`].

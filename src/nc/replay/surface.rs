@@ -7,9 +7,11 @@ pub struct Surface {
     pub before: Vec<(f64, f64)>,
     /// (Z, mm) after it.
     pub after: Vec<(f64, f64)>,
-    /// Indicated run-out: the touch lies by its cosine share of the spindle's angle further out, mm of diameter.
+    /// Indicated run-out: the touch lies by its cosine share of the spindle's angle further out, mm
+    /// of diameter.
     pub run_out_mm: f64,
-    /// What the touches scatter by, one after the other and from the first again, mm of diameter; none where it is empty.
+    /// What the touches scatter by, one after the other and from the first again, mm of diameter;
+    /// none where it is empty.
     pub scatter_mm: Vec<f64>,
 }
 

@@ -73,7 +73,8 @@ impl Interpreter<'_> {
         let from = self.at;
         self.at.x = touch.max(target.x);
         self.happens(line, Deed::Probe { from, to: self.at, target, angle_deg });
-        // a position without G00 or G01 after it would move on in LinuxCNC, and depend on the control elsewhere
+        // a position without G00 or G01 after it would move on in LinuxCNC, and depend on the
+        // control elsewhere
         self.modal.motion = None;
         let linuxcnc = self.control.dialect == Dialect::Linuxcnc;
         if touch < target.x && linuxcnc {

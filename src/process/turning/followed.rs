@@ -1,4 +1,5 @@
-//! The shaft at an instant: bent by its weight, the tailstock, the chuck, and by the force where the tool stands.
+//! The shaft at an instant: bent by its weight, the tailstock, the chuck, and by the force where
+//! the tool stands.
 
 use super::super::beam::Supports;
 use super::super::bending::{BendingSettings, ForceAt, HeldShaft, axis_at, sum_of_lines};
@@ -10,11 +11,12 @@ use super::{ProcessError, TurningProcess};
 use crate::plan::PassPlan;
 use crate::shaft::{AxisKnot, ProfileKnot, Shaft};
 
-/// Places of the tool at which the axis is solved for the half-cut shaft; between them the line is straight, off by 1/3200 of
-/// the sag.
+/// Places of the tool at which the axis is solved for the half-cut shaft; between them the line is
+/// straight, off by 1/3200 of the sag.
 const PLACES: usize = 20;
 
-/// A pass as it is being cut, to be looked at with the tool anywhere; the workpiece is as before it.
+/// A pass as it is being cut, to be looked at with the tool anywhere; the workpiece is as before
+/// it.
 #[derive(Clone, Debug)]
 pub struct FollowedPass {
     process: TurningProcess,
@@ -65,7 +67,8 @@ impl TurningProcess {
         }
     }
 
-    /// Axis under the tool, wherever it stands, without its force: the shaft cut behind it, at `cut` mm, and as it was ahead.
+    /// Axis under the tool, wherever it stands, without its force: the shaft cut behind it, at
+    /// `cut` mm, and as it was ahead.
     pub(super) fn axis_at_tool(&self, cut: &[f64]) -> Vec<AxisKnot> {
         let supports = self.settings.support.supports();
         let (before, after) = (elements(&self.diameter_mm), elements(cut));
@@ -151,7 +154,8 @@ impl FollowedPass {
         self.law.components(a + node.fract() * (b - a))
     }
 
-    /// The shaft while the tool stands at `tool_z_mm`: cut behind it, bent by its force, as warm as it is then.
+    /// The shaft while the tool stands at `tool_z_mm`: cut behind it, bent by its force, as warm as
+    /// it is then.
     pub fn at(&self, tool_z_mm: f64) -> Shaft {
         let process = &self.process;
         let bending = &process.settings.bending;
@@ -170,8 +174,8 @@ impl FollowedPass {
         grown(shaft, process.growth(process.rise_k(share)))
     }
 
-    /// What bends the axis, each by itself, with the tool at `tool_z_mm`, or clear after the pass. All are linear in their loads, the
-    /// thrust being the same for all: they add up to the axis.
+    /// What bends the axis, each by itself, with the tool at `tool_z_mm`, or clear after the pass.
+    /// All are linear in their loads, the thrust being the same for all: they add up to the axis.
     pub fn contributions(&self, tool_z_mm: Option<f64>) -> Contributions {
         let process = &self.process;
         let supports = process.settings.support.supports();

@@ -1,8 +1,9 @@
 //! Films that adhere to the shaft and turn with it: what they add to the silhouette.
 //!
-//! A film is a bump of the radius, t·cos²(πu/2)·cos²(πv/2) with u, v the places along and around it in units of its half
-//! extents. A liquid film is no obstacle to light by itself, but it bends grazing rays out of the beam: at the
-//! silhouette it counts as opaque. The support function is taken exactly, max over θ of (R + film)·cos(θ + φ).
+//! A film is a bump of the radius, t·cos²(πu/2)·cos²(πv/2) with u, v the places along and around it
+//! in units of its half extents. A liquid film is no obstacle to light by itself, but it bends
+//! grazing rays out of the beam: at the silhouette it counts as opaque. The support function is
+//! taken exactly, max over θ of (R + film)·cos(θ + φ).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -16,7 +17,8 @@ use crate::render::error::RenderError;
 
 const FILM_STREAM: u64 = 0x66_696c_6d73;
 
-/// Steps over the facing arc and of the search for the highest point: a maximum found to 1e-7 of the film's thickness.
+/// Steps over the facing arc and of the search for the highest point: a maximum found to 1e-7 of
+/// the film's thickness.
 const STEPS: usize = 32;
 const GOLDEN_STEPS: usize = 24;
 
@@ -59,7 +61,8 @@ impl AdheringFilms {
         Self { films }
     }
 
-    /// Draws the films of a shaft of mean radius `radius_mm` over `z_mm`; the same seed gives the same films.
+    /// Draws the films of a shaft of mean radius `radius_mm` over `z_mm`; the same seed gives the
+    /// same films.
     ///
     /// # Errors
     /// Refuses settings outside their ranges and more than a hundred thousand films.
@@ -110,8 +113,9 @@ impl AdheringFilms {
         Self { films: self.films.iter().filter(reaches).copied().collect() }
     }
 
-    /// How far the films raise the tangent at the top (direction x) over that of the clean circle of `radius_mm`, mm, at
-    /// spindle angle `angle_deg`. The bottom edge is the top edge at `angle_deg + 180`.
+    /// How far the films raise the tangent at the top (direction x) over that of the clean circle
+    /// of `radius_mm`, mm, at spindle angle `angle_deg`. The bottom edge is the top edge at
+    /// `angle_deg + 180`.
     pub fn rise_mm(&self, radius_mm: f64, z_mm: f64, angle_deg: f64) -> f64 {
         let thickest: f64 = self
             .films

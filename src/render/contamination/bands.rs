@@ -1,9 +1,10 @@
-//! Contamination laid over bands of tiles while they stand in the cache, then packed: no map of the field in f32.
+//! Contamination laid over bands of tiles while they stand in the cache, then packed: no map of the
+//! field in f32.
 
 use rayon::prelude::*;
 
 use super::shading::Layers;
-use super::tiles::{TransmissionRequest, Band, TILE};
+use super::tiles::{Band, TILE, TransmissionRequest};
 use crate::render::kernel::light_map::{LightMap, Lines};
 use multiversion::multiversion;
 
@@ -96,9 +97,14 @@ impl CachedTiles {
     }
 }
 
-/// Lays the layers, one after the other, on top of what is kept, and packs the factors of every band that is seen. Bands are independent:
-/// the result does not depend on the number of threads.
-pub(super) fn shade_packed(kept: Option<&CachedTiles>, layers: &[Layers<'_>], request: &TransmissionRequest, out: &mut LightMap) {
+/// Lays the layers, one after the other, on top of what is kept, and packs the factors of every
+/// band that is seen. Bands are independent: the result does not depend on the number of threads.
+pub(super) fn shade_packed(
+    kept: Option<&CachedTiles>,
+    layers: &[Layers<'_>],
+    request: &TransmissionRequest,
+    out: &mut LightMap,
+) {
     let [rows, columns] = request.size;
     out.prepare(rows, columns, request.with_mask);
     if rows == 0 || columns == 0 {

@@ -1,4 +1,5 @@
-//! Contamination as the optical setup has it: one window for all frames, new air for each, films wherever the shaft is looked at.
+//! Contamination as the optical setup has it: one window for all frames, new air for each, films
+//! wherever the shaft is looked at.
 
 use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -12,7 +13,8 @@ use super::tiles::TransmissionRequest;
 use crate::render::error::RenderError;
 use crate::render::kernel::light_map::LightMap;
 
-/// Films are drawn in pieces of the shaft of this length, each with a seed of its own, mm: any field sees the same ones.
+/// Films are drawn in pieces of the shaft of this length, each with a seed of its own, mm: any
+/// field sees the same ones.
 const PIECE_MM: f64 = 10.0;
 
 /// A rise counts where it changes a pixel by the mask's threshold: Δ ≈ rise/(σ√2π) of the light.
@@ -71,8 +73,8 @@ impl ContaminationModel {
         !self.settings.is_clear()
     }
 
-    /// What window and air leave of the light of frame `frame_id` over the pixels asked for, from (`row`, `column`) of the
-    /// sensor on. Hand it back with [`Self::recycle`].
+    /// What window and air leave of the light of frame `frame_id` over the pixels asked for, from
+    /// (`row`, `column`) of the sensor on. Hand it back with [`Self::recycle`].
     ///
     /// # Errors
     /// Refuses more than a hundred thousand things of a kind.

@@ -29,15 +29,17 @@ pub struct FieldGeometry {
     pub columns: usize,
     /// Size of a pixel on the object, µm.
     pub pixel_um: f64,
-    /// Effective numerical aperture, the smaller one of lens and light: blurs what lies out of focus.
+    /// Effective numerical aperture, the smaller one of lens and light: blurs what lies out of
+    /// focus.
     pub effective_na: f64,
     /// Standard deviation of the blur in focus, µm on the object.
     pub sigma_um: f64,
 }
 
 impl FieldGeometry {
-    /// Radius of the disc of confusion at `distance_mm` from the plane of focus, in pixels; the blur in focus is taken
-    /// as a disc of the same variance (2σ), the pixel's own area as one of 1/√3.
+    /// Radius of the disc of confusion at `distance_mm` from the plane of focus, in pixels; the
+    /// blur in focus is taken as a disc of the same variance (2σ), the pixel's own area as one of
+    /// 1/√3.
     fn blur_px(&self, distance_mm: f64) -> f64 {
         let defocus = distance_mm * 1e3 * self.effective_na / self.pixel_um;
         (defocus.powi(2) + (2.0 * self.sigma_um / self.pixel_um).powi(2) + 1.0 / 3.0).sqrt()
@@ -107,7 +109,8 @@ impl ContaminationField {
     /// Draws what lies on the window.
     ///
     /// # Errors
-    /// Refuses settings outside their ranges and more than a hundred thousand things of a kind, naming the key.
+    /// Refuses settings outside their ranges and more than a hundred thousand things of a kind,
+    /// naming the key.
     pub fn new(settings: &Contamination, geometry: FieldGeometry, seed: u64) -> Result<Self, RenderError> {
         settings.check()?;
         let mut field = Self { settings: settings.clone(), geometry, seed, window: Vec::new() };
@@ -162,7 +165,8 @@ impl ContaminationField {
     pub(super) fn air(&self, frame_id: u64) -> Result<Vec<(u8, Shade)>, RenderError> {
         let (s, g) = (&self.settings, &self.geometry);
         let angle = s.acceptance_half_angle_deg.to_radians();
-        // Frames are apart by an odd multiple of the golden ratio, so that none repeats another's seed.
+        // Frames are apart by an odd multiple of the golden ratio, so that none repeats another's
+        // seed.
         let key = frame_id.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut draw = self.draw_with(self.seed ^ AIR_STREAM ^ key)?;
         let mut shades = Vec::new();
@@ -207,7 +211,8 @@ impl ContaminationField {
             .collect()
     }
 
-    /// The window's shades over a map whose first pixel is (`row0`, `column0`): the same for a stream.
+    /// The window's shades over a map whose first pixel is (`row0`, `column0`): the same for a
+    /// stream.
     pub(super) fn window_layers(&self, row0: usize, column0: usize) -> Layers<'_> {
         Layers::new(&self.window, 1.0, [row0, column0])
     }
@@ -217,7 +222,8 @@ impl ContaminationField {
         Layers::new(air, (-self.settings.mist.haze_depth).exp() as f32, [row0, column0])
     }
 
-    /// Window and air of a frame on a clean map of `[rows, columns]`, its first pixel at `[row0, column0]`.
+    /// Window and air of a frame on a clean map of `[rows, columns]`, its first pixel at `[row0,
+    /// column0]`.
     ///
     /// # Errors
     /// Refuses more than a hundred thousand things of a kind.

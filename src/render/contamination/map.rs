@@ -1,6 +1,7 @@
 //! The transmission over a window of the sensor, and what touches each pixel.
 //!
-//! Only tiles that something touches are ever written, cleared or need to be read: a clean tile is 1 throughout.
+//! Only tiles that something touches are ever written, cleared or need to be read: a clean tile is
+//! 1 throughout.
 
 use rayon::prelude::*;
 
@@ -60,8 +61,8 @@ impl TransmissionMap {
         &self.touched
     }
 
-    /// Multiplies by the factors of all layers, in their order. Bands of tiles are independent: the result does not
-    /// depend on the number of threads.
+    /// Multiplies by the factors of all layers, in their order. Bands of tiles are independent: the
+    /// result does not depend on the number of threads.
     pub(super) fn shade(&mut self, layers: &Layers<'_>) {
         let (columns, across) = (self.columns, self.tile_columns());
         if columns == 0 {

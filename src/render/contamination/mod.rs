@@ -6,15 +6,17 @@
 //! ([`AdheringFilms`]). The first two are a transmission 0..1.. that multiplies the light of every
 //! pixel ([`TransmissionMap`]); the [`mask`] of every pixel states what touches it.
 //!
-//! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus is folded with the
-//! disc of confusion of radius b = |y|·NA, so that its shade grows and pales. Numbers are Poisson, sizes lognormal, places
-//! uniform; all drawn by seed. Multiplying the finished image is exact where a shade is smooth over the width of the edge
-//! spread; a sharp one that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
+//! Telecentric and geometric: an opaque disc of radius a at the distance y from the plane of focus
+//! is folded with the disc of confusion of radius b = |y|·NA, so that its shade grows and pales.
+//! Numbers are Poisson, sizes lognormal, places uniform; all drawn by seed. Multiplying the
+//! finished image is exact where a shade is smooth over the width of the edge spread; a sharp one
+//! that crosses the shaft's edge in the plane of focus is blurred by itself, not with the edge.
 //!
-//! In: the `[contamination]` table (`settings`) and the field's geometry. Out: [`ContaminationModel`], which
-//! gives the packed factors of a frame and the films near a field. `field` draws, `shading` lays
-//! shades over a band of `tiles`, `bands` packs them, `map` holds them unpacked, with what touches
-//! each pixel. A new kind is a table in `settings`, its draw in `field` and its shade in `shading`.
+//! In: the `[contamination]` table (`settings`) and the field's geometry. Out:
+//! [`ContaminationModel`], which gives the packed factors of a frame and the films near a field.
+//! `field` draws, `shading` lays shades over a band of `tiles`, `bands` packs them, `map` holds
+//! them unpacked, with what touches each pixel. A new kind is a table in `settings`, its draw in
+//! `field` and its shade in `shading`.
 
 mod adhering_films;
 mod bands;
@@ -29,7 +31,7 @@ pub mod shapes;
 mod tiles;
 
 pub use adhering_films::{AdheringFilms, Film};
-pub use contamination::{Rise, RisenEdge, ContaminationModel, mark_rise};
+pub use contamination::{ContaminationModel, Rise, RisenEdge, mark_rise};
 pub use field::{ContaminationField, FieldGeometry};
 pub use map::TransmissionMap;
 pub use settings::{

@@ -1,4 +1,5 @@
-//! What a user sets about contamination: the `[contamination]` table. Everything is clean by default.
+//! What a user sets about contamination: the `[contamination]` table. Everything is clean by
+//! default.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

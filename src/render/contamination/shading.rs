@@ -1,5 +1,5 @@
-//! Lays shades over the pixels: row by row, tabulated where a shade is round. The optical depths of clouds are summed up
-//! before one exponential is taken.
+//! Lays shades over the pixels: row by row, tabulated where a shade is round. The optical depths of
+//! clouds are summed up before one exponential is taken.
 
 use multiversion::multiversion;
 
@@ -10,7 +10,8 @@ use super::tiles::{Band, TILE};
 /// Reach of a cloud, standard deviations: its edge takes away less than 1e-5 at τ = 1.
 pub(super) const CLOUD_REACH: f64 = 4.8;
 
-/// Entries of a round shade's table a pixel; linear between them, which errs by less than 1e-3 at a sharp border.
+/// Entries of a round shade's table a pixel; linear between them, which errs by less than 1e-3 at a
+/// sharp border.
 const PER_PIXEL: f64 = 8.0;
 
 /// Depth for which five terms of the exponential's series do in f32.
@@ -38,7 +39,8 @@ pub(super) struct Layers<'a> {
 }
 
 impl<'a> Layers<'a> {
-    /// Shades over a map whose first pixel is `first` on the sensor, in a haze that leaves so much of the light.
+    /// Shades over a map whose first pixel is `first` on the sensor, in a haze that leaves so much
+    /// of the light.
     pub(super) fn new(shades: &'a [(u8, Shade)], haze: f32, first: [usize; 2]) -> Self {
         let first = [first[0] as f64, first[1] as f64];
         let ready = shades.iter().map(|(kind, shade)| Ready::new(*kind, shade, first));
@@ -202,7 +204,8 @@ fn hull(points: &[[f64; 2]], margin: f64) -> ([f64; 2], [f64; 2]) {
 }
 
 impl Ready<'_> {
-    /// Factors of a row's pixels from `column` on, all within its extent and the map; a cloud's come from [`mist`].
+    /// Factors of a row's pixels from `column` on, all within its extent and the map; a cloud's
+    /// come from [`mist`].
     #[inline(always)]
     fn fill(&self, row: i64, column: i64, out: &mut [f32]) {
         let (y, x) = (row as f64 + self.first[0], column as f64 + self.first[1]);
@@ -240,8 +243,8 @@ impl Ready<'_> {
     }
 }
 
-/// Multiplies by exp(-depth), every depth at most `deepest`: five terms at a depth halved until it is shallow, then squared as
-/// often.
+/// Multiplies by exp(-depth), every depth at most `deepest`: five terms at a depth halved until it
+/// is shallow, then squared as often.
 #[inline(always)]
 fn attenuate(deepest: f64, depths: &mut [f32], out: &mut [f32]) {
     let halvings = (deepest / SHALLOW).log2().ceil().clamp(0.0, 20.0) as i32;

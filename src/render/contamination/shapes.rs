@@ -1,10 +1,12 @@
-//! Shades that defocus leaves of discs, lines and polygons: each folded with the uniform disc of confusion.
+//! Shades that defocus leaves of discs, lines and polygons: each folded with the uniform disc of
+//! confusion.
 //!
 //! Distances in any one unit. `blur` is the radius b of the disc of confusion.
 
 use std::f64::consts::PI;
 
-/// Share of the disc of confusion about a point `r` from the middle of a disc of `radius` that this disc covers.
+/// Share of the disc of confusion about a point `r` from the middle of a disc of `radius` that this
+/// disc covers.
 ///
 /// Area common to two circles, divided by πb²: the exact shade of a disc out of focus.
 pub fn disc(r: f64, radius: f64, blur: f64) -> f64 {
@@ -25,7 +27,8 @@ pub fn disc(r: f64, radius: f64, blur: f64) -> f64 {
     (segment(radius, blur) + segment(blur, radius)) / (PI * blur * blur)
 }
 
-/// Share of the disc of confusion that lies inside a straight border at the signed distance `inside`.
+/// Share of the disc of confusion that lies inside a straight border at the signed distance
+/// `inside`.
 pub fn half_plane(inside: f64, blur: f64) -> f64 {
     if blur == 0.0 || inside.abs() >= blur {
         return f64::from(u8::from(inside > 0.0));
@@ -58,15 +61,16 @@ pub fn into_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> f64 {
     nearest.sqrt() * if inside { 1.0 } else { -1.0 }
 }
 
-/// Largest distance from the middle of a ball of `radius` and index n at which a parallel ray is turned by no more than
-/// `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left side rises).
+/// Largest distance from the middle of a ball of `radius` and index n at which a parallel ray is
+/// turned by no more than `angle_rad`: 2(asin(h/a) - asin(h/na)) = angle, by bisection (the left
+/// side rises).
 pub fn clear_radius_of_ball(radius: f64, index: f64, angle_rad: f64) -> f64 {
     let turned = |h: f64| 2.0 * (h.asin() - (h / index).asin());
     radius * largest(turned, angle_rad)
 }
 
-/// The same for a spherical cap on a window, wetted radius `radius` and contact angle φ, flat side towards the light:
-/// the cap's radius is a/sin φ, the ray turns by asin(n sin i) - i.
+/// The same for a spherical cap on a window, wetted radius `radius` and contact angle φ, flat side
+/// towards the light: the cap's radius is a/sin φ, the ray turns by asin(n sin i) - i.
 pub fn clear_radius_of_cap(radius: f64, contact_rad: f64, index: f64, angle_rad: f64) -> f64 {
     let turned = |h: f64| {
         let sin = h * contact_rad.sin();

@@ -1,4 +1,5 @@
-//! Tiles of the sensor, the bands they make, and what is asked for of a window: the way between layers and maps.
+//! Tiles of the sensor, the bands they make, and what is asked for of a window: the way between
+//! layers and maps.
 
 use std::ops::Range;
 

@@ -1,7 +1,9 @@
-//! Contours as on a drawing: corners with chamfers and radii, turned into a profile of straight pieces.
+//! Contours as on a drawing: corners with chamfers and radii, turned into a profile of straight
+//! pieces.
 //!
-//! At a corner between the directions d1 and d2 with the turn φ a chamfer c cuts c off both lines; an arc of radius r touches
-//! them r·tan(φ/2) from the corner and is divided into chords whose sagitta r(1 - cos(δ/2)) stays below 1 nm.
+//! At a corner between the directions d1 and d2 with the turn φ a chamfer c cuts c off both lines;
+//! an arc of radius r touches them r·tan(φ/2) from the corner and is divided into chords whose
+//! sagitta r(1 - cos(δ/2)) stays below 1 nm.
 
 use std::io::Read;
 
@@ -18,7 +20,8 @@ const MOST_CHORDS: f64 = 20_000.0;
 
 const KEY: &str = "shaft.contour";
 
-/// Reads `z_mm,diameter_mm[,chamfer_mm,radius_mm]` lines; a header line or none, lines that start with `#` skipped.
+/// Reads `z_mm,diameter_mm[,chamfer_mm,radius_mm]` lines; a header line or none, lines that start
+/// with `#` skipped.
 ///
 /// # Errors
 /// Names the line and what would be right.
@@ -62,7 +65,8 @@ pub fn read_contour(from: impl Read) -> Result<Vec<ContourPoint>, RenderError> {
 /// The profile of a contour.
 ///
 /// # Errors
-/// Refuses contours that turn back in z, chamfers and radii that do not fit their lines, values out of range.
+/// Refuses contours that turn back in z, chamfers and radii that do not fit their lines, values out
+/// of range.
 pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, RenderError> {
     for (i, p) in points.iter().enumerate() {
         within("shaft.contour.z_mm", p.z_mm, -1e6, 1e6)?;
@@ -103,7 +107,8 @@ pub fn contour_knots(points: &[ContourPoint]) -> Result<Vec<ProfileKnot>, Render
     Ok(knots.into_iter().map(|k: DVec2| ProfileKnot { z_mm: k.x, radius_mm: k.y }).collect())
 }
 
-/// Directions of the lines before and behind a corner; none where they have no length or the corner is an end.
+/// Directions of the lines before and behind a corner; none where they have no length or the corner
+/// is an end.
 fn directions(corners: &[DVec2], i: usize) -> Option<(DVec2, DVec2)> {
     let before = (corners[i] - *corners.get(i.checked_sub(1)?)?).try_normalize()?;
     let behind = (*corners.get(i + 1)? - corners[i]).try_normalize()?;

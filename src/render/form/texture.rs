@@ -1,9 +1,10 @@
 //! Roughness and waviness by seed.
 //!
-//! The texture is a Gaussian random field with a Gaussian autocorrelation exp(-(Δz/l_z)² - (Δθ/l_θ)²), drawn on a
-//! grid of four nodes a correlation length and bilinear between them; white noise is convolved with
-//! exp(-2(Δ/l)²) in each direction (the kernel whose self-convolution is that autocorrelation) and scaled to the rms. Any
-//! other spectrum S(f) along z is laid on by Fourier transform: white noise times √S, periodic over twice the length.
+//! The texture is a Gaussian random field with a Gaussian autocorrelation exp(-(Δz/l_z)² -
+//! (Δθ/l_θ)²), drawn on a grid of four nodes a correlation length and bilinear between them; white
+//! noise is convolved with exp(-2(Δ/l)²) in each direction (the kernel whose self-convolution is
+//! that autocorrelation) and scaled to the rms. Any other spectrum S(f) along z is laid on by
+//! Fourier transform: white noise times √S, periodic over twice the length.
 
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -15,10 +16,12 @@ use rustfft::num_complex::Complex;
 use crate::render::error::{RenderError, within};
 use crate::shaft::{SurfaceTexture, TextureForm, TextureSpectrum};
 
-/// Grid nodes a correlation length: a bilinear grid of four keeps 97 % of the field's variance between the nodes.
+/// Grid nodes a correlation length: a bilinear grid of four keeps 97 % of the field's variance
+/// between the nodes.
 const NODES_PER_LENGTH: f64 = 4.0;
 
-/// Grid nodes a correlation length of an exponential autocorrelation, whose density falls as f^-2 only, and a shortest wave.
+/// Grid nodes a correlation length of an exponential autocorrelation, whose density falls as f^-2
+/// only, and a shortest wave.
 const EXPONENTIAL_NODES: f64 = 10.0;
 const NODES_PER_WAVE: f64 = 4.0;
 

@@ -100,7 +100,8 @@ fn take(
 /// Whether any driver was opened by this process.
 static OPENED: AtomicBool = AtomicBool::new(false);
 
-/// Whether this process has opened a graphics driver: its libraries' destructors are not safe to run at exit.
+/// Whether this process has opened a graphics driver: its libraries' destructors are not safe to
+/// run at exit.
 pub fn was_opened() -> bool {
     OPENED.load(Ordering::Relaxed)
 }

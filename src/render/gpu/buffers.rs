@@ -71,7 +71,8 @@ fn lit_rows(job: &Job<'_>) -> [std::ops::Range<u32>; 2] {
     [0..from, from + p.dark.steps * FILL_ROWS..p.size.rows]
 }
 
-/// The bind-group layout: uniforms (parameters, quadrature, short tables), read-only buffers, the image.
+/// The bind-group layout: uniforms (parameters, quadrature, short tables), read-only buffers, the
+/// image.
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry = |binding: u32| wgpu::BindGroupLayoutEntry {
         binding,

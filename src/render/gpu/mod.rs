@@ -50,8 +50,8 @@ pub struct Gpu {
 /// What the kernels are compiled for, in the order of [`OVERRIDES`].
 type Variant = [u32; 8];
 
-/// The shader's names for it: pixels a word, fixed pattern, overlapping bands, uneven light, stacked tables, profiles,
-/// nodes over a pixel, whether the edge-spread tables lie in a uniform.
+/// The shader's names for it: pixels a word, fixed pattern, overlapping bands, uneven light,
+/// stacked tables, profiles, nodes over a pixel, whether the edge-spread tables lie in a uniform.
 const OVERRIDES: [&str; 8] = [
     "pixels_per_word",
     "with_pattern",
@@ -121,7 +121,8 @@ impl Gpu {
 
     fn on(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let info = adapter.get_info();
-        // A processor's memory is the device's memory: reading the image in place saves a copy of it.
+        // A processor's memory is the device's memory: reading the image in place saves a copy of
+        // it.
         let unified = matches!(info.device_type, wgpu::DeviceType::Cpu | wgpu::DeviceType::IntegratedGpu);
         let mappable = unified && adapter.features().contains(wgpu::Features::MAPPABLE_PRIMARY_BUFFERS);
         let features =

@@ -1,8 +1,9 @@
 //! From the silhouette to what the kernel needs of every column.
 //!
-//! A pixel sees the edge through its own area and the blur, K = box ∗ g_σ along the row. To second order a curved or
-//! rough edge e(x) looks like a straight one at the K-weighted mean of e, widened by the K-weighted variance about
-//! the tangent: for a straight edge that is σ²/cos²β + (1 + tan²β)/12 in rows, exactly. Truth stays e itself.
+//! A pixel sees the edge through its own area and the blur, K = box ∗ g_σ along the row. To second
+//! order a curved or rough edge e(x) looks like a straight one at the K-weighted mean of e, widened
+//! by the K-weighted variance about the tangent: for a straight edge that is σ²/cos²β + (1 +
+//! tan²β)/12 in rows, exactly. Truth stays e itself.
 //!
 //! Positions go to the kernel as integer + fraction: f32 rows would lose 1e-4 px above row 2048.
 
@@ -23,7 +24,8 @@ pub struct ColumnEdges {
     pub bottom_px: f64,
 }
 
-/// One edge of one column as the kernel reads it: u = sign·(((row - whole) - part)·across) and its slope's share.
+/// One edge of one column as the kernel reads it: u = sign·(((row - whole) - part)·across) and its
+/// slope's share.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Edge {
@@ -35,7 +37,8 @@ pub struct Edge {
     pub across: f32,
     /// ±sin β / scale with the opposite sign: units of the table a column.
     pub along: f32,
-    /// Edge-spread table; from [`PROFILE`] on the place of the edge's own profile, counted in f32 from the first table.
+    /// Edge-spread table; from [`PROFILE`] on the place of the edge's own profile, counted in f32
+    /// from the first table.
     pub table: u32,
     /// Share of the next table; of a profile its rows, the first of which is `whole`.
     pub blend: f32,
@@ -148,8 +151,8 @@ pub struct Depth {
     pub radius_mm: f64,
 }
 
-/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either end; `depth` of every
-/// column, or empty where all are in focus.
+/// Kernel columns of `edges`, which reach [`RowBlur::reach`] columns beyond the frame at either
+/// end; `depth` of every column, or empty where all are in focus.
 pub fn kernel_columns(edges: &[ColumnEdges], depth: &[Depth], blur: &RowBlur, esf: &EsfTable) -> Vec<Column> {
     let count = edges.len().saturating_sub(2 * blur.reach());
     let mut columns: Vec<Column> = vec![bytemuck::Zeroable::zeroed(); count];
@@ -199,18 +202,20 @@ pub fn steepest(columns: &[Column]) -> f64 {
     tan / tan.hypot(1.0)
 }
 
-/// Largest error of the light where the pixel's square is folded into the table, share of full intensity.
+/// Largest error of the light where the pixel's square is folded into the table, share of full
+/// intensity.
 const FOLDED_ERROR: f64 = 1e-6;
 
 /// Steepest |sin β| for which it is.
 const FOLDED_SIN: f64 = 0.1;
 
-/// The table with the pixel folded in, where all edges are so level and of so even a blur that it errs by less than 1e-6; fits the
-/// edges' scales to it.
+/// The table with the pixel folded in, where all edges are so level and of so even a blur that it
+/// errs by less than 1e-6; fits the edges' scales to it.
 ///
-/// The square has the variance 1/12 across an edge of any slope. Its fourth cumulant is -(cos⁴β + sin⁴β)/120 where the table has
-/// -1/120: with |F⁗| ≤ .55/σ⁴ the light errs by .55 sin²β/(1440 σ⁴). An edge of another blur s than the table's σ gets the
-/// scale of the same variance, (s² + 1/12)/(σ² + 1/12), whose box is too wide: .55·2(s² - σ²)/(2880 σ⁶).
+/// The square has the variance 1/12 across an edge of any slope. Its fourth cumulant is -(cos⁴β +
+/// sin⁴β)/120 where the table has -1/120: with |F⁗| ≤ .55/σ⁴ the light errs by .55 sin²β/(1440 σ⁴).
+/// An edge of another blur s than the table's σ gets the scale of the same variance, (s² +
+/// 1/12)/(σ² + 1/12), whose box is too wide: .55·2(s² - σ²)/(2880 σ⁶).
 pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a EsfTable> {
     let s0 = esf.scale_px;
     let sharp = esf.sharp_px;
@@ -239,10 +244,12 @@ pub fn fold_pixel<'a>(esf: &'a EsfTable, columns: &mut [Column]) -> Option<&'a E
     Some(folded)
 }
 
-/// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a band.
+/// Rows that the edges can touch: first rows a group of `group` columns for both edges, and rows a
+/// band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
-    /// First row of the upper and the lower band of every group, in rows of the frame (may be negative).
+    /// First row of the upper and the lower band of every group, in rows of the frame (may be
+    /// negative).
     pub start: Vec<[i32; 2]>,
     /// Rows of every band.
     pub rows: u32,

@@ -1,7 +1,8 @@
-//! CPU twin of `shaders/shadowgraph.wgsl`, blocks of pixels: a frame, rows and blocks of a row in the shader's order.
+//! CPU twin of `shaders/shadowgraph.wgsl`, blocks of pixels: a frame, rows and blocks of a row in
+//! the shader's order.
 //!
-//! Rust never fuses or reorders floating-point operations, so SSE2, AVX2 and AVX-512 give the same bits; the wider
-//! ones are chosen at run time.
+//! Rust never fuses or reorders floating-point operations, so SSE2, AVX2 and AVX-512 give the same
+//! bits; the wider ones are chosen at run time.
 
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -11,7 +12,7 @@ use super::job::Job;
 use super::light_map::LightMap;
 use super::params::Params;
 use super::shadowgraph::{
-    Pixel, field_light, fixed_pattern, hash, row_key, sample, sensor_row, noise_polynomial, standard_normal,
+    Pixel, field_light, fixed_pattern, hash, noise_polynomial, row_key, sample, sensor_row, standard_normal,
 };
 
 /// Columns treated together: their counts stay in the first-level cache.
@@ -108,7 +109,8 @@ fn field_factors<const N: usize>(job: &Job<'_>, at: At, factors: &mut [f32; N]) 
     clear_light(job, map, at, &mut factors[..count]);
 }
 
-/// Multiplies by what contamination leaves of the light; cells that nothing touches are passed over.
+/// Multiplies by what contamination leaves of the light; cells that nothing touches are passed
+/// over.
 #[inline(always)]
 fn clear_light(job: &Job<'_>, map: &LightMap, at: At, factors: &mut [f32]) {
     let (row, count) = (at.row as usize, factors.len());
@@ -159,8 +161,8 @@ fn fill_block(job: &Job<'_>, place: Place<'_>, at: At, z: &[f32; BLOCK], counts:
     }
 }
 
-/// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds light only where the two bands
-/// overlap.
+/// Overwrites the counts of a cell's pixels that one of its edges touches; the other edge adds
+/// light only where the two bands overlap.
 #[inline(always)]
 fn edge_pixels(job: &Job<'_>, edge: CellSide<'_>, at: At, z: &[f32; CELL], counts: &mut [f32; CELL]) {
     let CellSide { cells, side } = edge;
@@ -230,7 +232,8 @@ impl BlockExtent {
         extent
     }
 
-    /// Whether the whole block lies in the light (`true`) or in the shadow in this row, where it does either.
+    /// Whether the whole block lies in the light (`true`) or in the shadow in this row, where it
+    /// does either.
     fn even(&self, row: i32) -> Option<bool> {
         if row <= self.top.0 || row >= self.bottom.1 {
             return Some(true);
@@ -287,7 +290,8 @@ fn fill_edges(job: &Job<'_>, cells: &[[EdgeCell; 2]], at: At, z: &[f32; BLOCK], 
     let (z, _) = z.as_chunks::<CELL>();
     let (counts, _) = counts.as_chunks_mut::<CELL>();
     for (i, ((cells, z), counts)) in cells.iter().zip(z).zip(counts).enumerate() {
-        // What both sides share is moved before their loop: it must not be worked out where no edge is.
+        // What both sides share is moved before their loop: it must not be worked out where no edge
+        // is.
         if !cells.iter().any(|c| c.touches(at.row)) {
             continue;
         }

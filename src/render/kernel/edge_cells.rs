@@ -1,7 +1,8 @@
-//! Light past an edge over a cell of neighbouring columns in one row: [`super::shadowgraph`]'s `transmitted` in lanes.
+//! Light past an edge over a cell of neighbouring columns in one row: [`super::shadowgraph`]'s
+//! `transmitted` in lanes.
 //!
-//! The arithmetic of every lane is the kernel's own, in the kernel's order, so that lanes change no bit. Only the table's
-//! look-up stays a load a pixel; what comes before and after it vectorises.
+//! The arithmetic of every lane is the kernel's own, in the kernel's order, so that lanes change no
+//! bit. Only the table's look-up stays a load a pixel; what comes before and after it vectorises.
 
 use super::column_edges::{Edge, PROFILE};
 use super::job::Job;
@@ -67,7 +68,8 @@ impl EdgeCell {
         (row.wrapping_sub(self.start[lane]) as u32) < band_rows
     }
 
-    /// Share of the light that the pixels of a row get past the edges of the columns from `first` on.
+    /// Share of the light that the pixels of a row get past the edges of the columns from `first`
+    /// on.
     #[inline(always)]
     pub(crate) fn light(&self, job: &Job<'_>, at: (usize, usize), row: i32, out: &mut [f32; CELL]) {
         *out = [0.0; CELL];

@@ -25,6 +25,7 @@ pub struct Job<'a> {
     pub quadrature: Vec<Node>,
     /// Whether edges lie between two tables.
     pub stacked: bool,
-    /// Light down the columns whose edges are no straight lines, four rows an element; edges index it behind `esf`.
+    /// Light down the columns whose edges are no straight lines, four rows an element; edges index
+    /// it behind `esf`.
     pub profiles: Vec<[f32; 4]>,
 }

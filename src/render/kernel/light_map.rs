@@ -1,11 +1,13 @@
 //! Light that is not even, as the kernel reads it.
 //!
-//! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges let pass, `field` the
-//! vignetting and the gradient of the backlight ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what
-//! contamination leaves. Stray light in the shadow is uniform over the field and stays as it is.
+//! A pixel's mean grey value is `shadow + contrast · light · field · clear`: `light` what the edges
+//! let pass, `field` the vignetting and the gradient of the backlight
+//! ([`FieldLight`](crate::render::lens::FieldLight)), `clear` what contamination leaves. Stray
+//! light in the shadow is uniform over the field and stays as it is.
 //!
-//! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by 1.5e-5 of the light. Cells of
-//! 32 pixels of a row that nothing touches are known, written once and read by no one.
+//! Contamination comes as 16-bit factors, two to a 32-bit word, 2¹⁵ for clear light: they err by
+//! 1.5e-5 of the light. Cells of 32 pixels of a row that nothing touches are known, written once
+//! and read by no one.
 
 /// The 16-bit factor of clear light.
 pub const CLEAR: f32 = 32_768.0;
@@ -49,7 +51,8 @@ impl LightMap {
         self
     }
 
-    /// Makes room for a window, keeping the allocations: what a map of the same size holds stays known.
+    /// Makes room for a window, keeping the allocations: what a map of the same size holds stays
+    /// known.
     pub(crate) fn prepare(&mut self, rows: usize, columns: usize, with_mask: bool) {
         let (words, cells) = (rows * columns.div_ceil(2), rows * columns.div_ceil(CELL));
         if (self.words.len(), self.touched.len(), self.columns) != (words, cells, columns) {
@@ -107,7 +110,8 @@ fn factor(value: f32) -> u32 {
     floor_to_u32((value * CLEAR + 0.5).clamp(0.0, 65_535.0))
 }
 
-/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a conversion that saturates does not.
+/// Integer part of a number from 0 to 2²²: adding 2²³ rounds it, which vectorises where a
+/// conversion that saturates does not.
 #[inline(always)]
 pub(crate) fn floor_to_u32(x: f32) -> u32 {
     let rounded = x + 8_388_608.0;

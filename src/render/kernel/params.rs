@@ -6,8 +6,8 @@ use crate::frame::PixelFormat;
 /// Rows that an invocation of the kernel `fill` writes, as in the shader.
 pub const FILL_ROWS: u32 = 16;
 
-/// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: groups follow each other as its
-/// members do (`tests/render_shaders.rs` compares every offset).
+/// Uniforms of `shaders/shadowgraph.wgsl`, which names the same bytes one by one: groups follow
+/// each other as its members do (`tests/render_shaders.rs` compares every offset).
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Params {
@@ -111,7 +111,8 @@ pub struct SignalParams {
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct LightParams {
-    /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it as well.
+    /// 0 where the light is even, 1 where it varies over the field, 2 where contamination dims it
+    /// as well.
     pub kind: u32,
     /// 32-bit words a row of the contamination's factors.
     pub words: u32,
@@ -236,7 +237,8 @@ pub struct Window {
     pub columns: u32,
 }
 
-/// The windows of a frame: one, or two of the same columns, the second one's rows beneath the first one's.
+/// The windows of a frame: one, or two of the same columns, the second one's rows beneath the first
+/// one's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Windows {
     /// The upper one.
@@ -279,9 +281,15 @@ pub struct FrameKeys {
 }
 
 impl Params {
-    /// Uniforms of a frame with even light; bands, quadrature, light and the noise of flat pixels are
-    /// filled in from their tables.
-    pub fn new(windows: Windows, format: PixelFormat, levels: &GreyLevels, noise: bool, keys: FrameKeys) -> Self {
+    /// Uniforms of a frame with even light; bands, quadrature, light and the noise of flat pixels
+    /// are filled in from their tables.
+    pub fn new(
+        windows: Windows,
+        format: PixelFormat,
+        levels: &GreyLevels,
+        noise: bool,
+        keys: FrameKeys,
+    ) -> Self {
         let window = windows.frame();
         let ceiling = levels.black + levels.full_well_e / levels.electrons_per_count;
         // A signal this far beyond any scale is clipped by it; f32 counts stay exact.
@@ -327,7 +335,8 @@ impl Params {
         }
     }
 
-    /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light to work out.
+    /// Leaves whole steps of rows in the shadow to a kernel of their own, where others have light
+    /// to work out.
     pub fn set_dark(&mut self, rows: &std::ops::Range<i32>) {
         let step = |row: i32| row.clamp(0, self.size.rows as i32) as u32;
         let (from, to) = (step(rows.start).div_ceil(FILL_ROWS), step(rows.end) / FILL_ROWS);

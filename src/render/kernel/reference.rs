@@ -8,7 +8,8 @@
 //! B(u) = G(u + 1/2) - G(u - 1/2),  G(u) = u Φ(u/σ) + σ φ(u/σ)   box ∗ Gaussian step down the column
 //! ```
 //!
-//! The integral is a trapezoidal sum at σ/4: for smooth edges its error falls as exp(-2π²·16). Φ is libm's erf.
+//! The integral is a trapezoidal sum at σ/4: for smooth edges its error falls as exp(-2π²·16). Φ is
+//! libm's erf.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -29,12 +30,14 @@ pub struct GaussianReference {
 }
 
 impl GaussianReference {
-    /// Grey values of a frame, row-major; `edges(x)` gives the rows of both edges at a fractional column.
+    /// Grey values of a frame, row-major; `edges(x)` gives the rows of both edges at a fractional
+    /// column.
     pub fn frame(&self, rows: usize, columns: usize, edges: impl Fn(f64) -> [f64; 2]) -> Vec<f64> {
         self.lit_frame(rows, columns, edges, |_, _| 1.0)
     }
 
-    /// [`Self::frame`] where the light is not even: `factor(row, column)` multiplies the light above the shadow.
+    /// [`Self::frame`] where the light is not even: `factor(row, column)` multiplies the light
+    /// above the shadow.
     pub fn lit_frame(
         &self,
         rows: usize,
@@ -46,8 +49,8 @@ impl GaussianReference {
         self.integrated([rows, columns], |_| offsets.clone(), edges, factor)
     }
 
-    /// [`Self::frame`] for edges with corners: Simpson's rule at σ/8 between the columns given, ascending, at which `edges` may
-    /// jump or bend.
+    /// [`Self::frame`] for edges with corners: Simpson's rule at σ/8 between the columns given,
+    /// ascending, at which `edges` may jump or bend.
     pub fn frame_between(
         &self,
         rows: usize,
@@ -64,7 +67,8 @@ impl GaussianReference {
         self.integrated([rows, columns], nodes, edges, |_, _| 1.0)
     }
 
-    /// [`Self::frame`] at another step of the trapezoidal sum, px: a bend of the edge errs with its square, a jump with it.
+    /// [`Self::frame`] at another step of the trapezoidal sum, px: a bend of the edge errs with its
+    /// square, a jump with it.
     pub fn frame_at(
         &self,
         rows: usize,
@@ -132,8 +136,9 @@ impl GaussianReference {
     }
 }
 
-/// Straight edges of any family: F over the distance to the line, integrated over the pixel's square by the closed form
-/// in the table's second integral ([`EdgeSpread::over_pixel`]); the kernels take nodes over the pixel instead.
+/// Straight edges of any family: F over the distance to the line, integrated over the pixel's
+/// square by the closed form in the table's second integral ([`EdgeSpread::over_pixel`]); the
+/// kernels take nodes over the pixel instead.
 #[derive(Clone, Copy, Debug)]
 pub struct StraightReference<'a> {
     /// The edge spread.
@@ -143,7 +148,8 @@ pub struct StraightReference<'a> {
 }
 
 impl StraightReference<'_> {
-    /// Light on a pixel whose centre lies `above_px` rows above an edge of slope tan β = `slope`, light above the edge.
+    /// Light on a pixel whose centre lies `above_px` rows above an edge of slope tan β = `slope`,
+    /// light above the edge.
     pub fn light(&self, above_px: f64, slope: f64) -> f64 {
         let distance_um = above_px / slope.hypot(1.0) * self.pixel_um;
         self.esf.over_pixel(distance_um, self.pixel_um, slope.atan())

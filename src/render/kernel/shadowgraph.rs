@@ -1,5 +1,5 @@
-//! CPU twin of `shaders/shadowgraph.wgsl`, the functions of one pixel: same names, same order, same arithmetic in f32.
-//! [`super::cpu`] goes over the pixels of a frame.
+//! CPU twin of `shaders/shadowgraph.wgsl`, the functions of one pixel: same names, same order, same
+//! arithmetic in f32. [`super::cpu`] goes over the pixels of a frame.
 
 use super::column_edges::{Edge, PROFILE};
 use super::job::Job;
@@ -31,7 +31,8 @@ pub(super) fn hash(key: [u32; 2], column: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is bent.
+/// A standard normal deviate from 32 bits: two 16-bit numbers add up to a triangular one, which is
+/// bent.
 #[inline(always)]
 pub fn standard_normal(bits: u32) -> f32 {
     let [p0, p1, p2, p3, p4] = NUMERATOR;
@@ -71,7 +72,8 @@ pub(super) fn sample(k: [f32; 4], z: f32) -> f32 {
     k[0] + z * (k[1] + z * (k[2] + z * k[3]))
 }
 
-/// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same in every frame.
+/// What the sensor's fixed pattern adds to a mean grey value: gain, offset and hot pixels, the same
+/// in every frame.
 #[inline(always)]
 pub(super) fn fixed_pattern(params: &Params, mean: f32, key: [u32; 2], column: u32) -> f32 {
     let a = hash(key, column);
@@ -104,8 +106,8 @@ fn edge_spread(params: &Params, esf: &[[f32; 4]], u: f32, table: u32) -> f32 {
     c[0] + t * (c[1] + t * (c[2] + t * c[3]))
 }
 
-/// Share of the light of a pixel past an edge that is no straight line: read from the edge's own profile down the column,
-/// which lies behind the tables, four rows a vector.
+/// Share of the light of a pixel past an edge that is no straight line: read from the edge's own
+/// profile down the column, which lies behind the tables, four rows a vector.
 #[inline(always)]
 fn profile(job: &Job<'_>, edge: &Edge, row: i32) -> f32 {
     let i = row - edge.whole;

@@ -6,8 +6,9 @@
 //! I = ∫∫ F(d(x + ξ, y + η)) dξ dη over ξ, η in ±1/2,   d = ((e - y) - η) cos β + ξ sin β
 //! ```
 //!
-//! with F over the perpendicular distance d into the light, so that one table serves every slope. The integral is a
-//! Gauss-Legendre product whose order follows from the blur; its error stays below 1e-6 of the contrast.
+//! with F over the perpendicular distance d into the light, so that one table serves every slope.
+//! The integral is a Gauss-Legendre product whose order follows from the blur; its error stays
+//! below 1e-6 of the contrast.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -34,7 +35,8 @@ const TOLERANCE: f64 = 1e-6;
 /// Nodes of a defocused disc.
 const DISC_NODES: usize = 24;
 
-/// Radii whose reflections share a table differ by a factor of at most this; the strip is as much too wide.
+/// Radii whose reflections share a table differ by a factor of at most this; the strip is as much
+/// too wide.
 const RADIUS_RATIO: f64 = 1.01;
 
 /// Most segments of all tables together: 16 MiB.
@@ -82,7 +84,8 @@ pub struct EsfTable {
     pub scale_px: f64,
     /// Standard deviation of a Gaussian about as wide, px.
     pub blur_px: f64,
-    /// Standard deviation of a Gaussian about as sharp, px: what the quadrature over a pixel has to resolve.
+    /// Standard deviation of a Gaussian about as sharp, px: what the quadrature over a pixel has to
+    /// resolve.
     pub sharp_px: f64,
     /// Whether extra blur just widens the scale (true for the Gaussian only).
     pub widens: bool,
@@ -96,7 +99,8 @@ pub struct EsfTable {
 #[derive(Clone, Debug, PartialEq)]
 struct Origin {
     focus: Focus,
-    /// Radii of reflecting surfaces that have tables of their own, ascending; empty without reflection.
+    /// Radii of reflecting surfaces that have tables of their own, ascending; empty without
+    /// reflection.
     radii_mm: Vec<f64>,
     /// The tables in f64, µm on the object; empty for the plain Gaussian.
     sources: Arc<[EdgeSpread]>,
@@ -114,7 +118,8 @@ impl PartialEq for Folded {
     }
 }
 
-/// Tables already made for an optical setup: a partially coherent one takes tenths of a second, and every pose of a part asks for it.
+/// Tables already made for an optical setup: a partially coherent one takes tenths of a second, and
+/// every pose of a part asks for it.
 #[derive(Clone, Debug, Default)]
 pub struct TableCache(Arc<Mutex<Vec<Kept>>>);
 
@@ -173,7 +178,8 @@ pub struct TablePlace {
 }
 
 impl EsfTable {
-    /// Tabulates the edge spread of `esf` (the true one of the family in `optics`) over all that `extent` asks for.
+    /// Tabulates the edge spread of `esf` (the true one of the family in `optics`) over all that
+    /// `extent` asks for.
     ///
     /// # Errors
     /// Refuses families whose values are out of range or whose tables would grow too large.
@@ -192,8 +198,8 @@ impl EsfTable {
         Self::from_tables(Origin { focus, radii_mm, sources, pixel_mm: extent.pixel_mm })
     }
 
-    /// The tables with a pixel's height folded in: what a pixel gets past an edge along its rows, so that one place of a table
-    /// replaces the quadrature. `None` where they cannot be had.
+    /// The tables with a pixel's height folded in: what a pixel gets past an edge along its rows,
+    /// so that one place of a table replaces the quadrature. `None` where they cannot be had.
     pub fn over_pixel(&self) -> Option<&Self> {
         let made = || {
             let origin = &self.origin;
@@ -292,8 +298,9 @@ impl EsfTable {
         self.origin.radii_mm.len() > 1
     }
 
-    /// Table and scale of an edge whose axis lies `y_mm` before the plane of focus (towards the camera), on a surface of
-    /// mean radius `radius_mm`; `extra_px2` widens the scale of the Gaussian.
+    /// Table and scale of an edge whose axis lies `y_mm` before the plane of focus (towards the
+    /// camera), on a surface of mean radius `radius_mm`; `extra_px2` widens the scale of the
+    /// Gaussian.
     pub fn place(&self, y_mm: f64, radius_mm: f64, extra_px2: f64) -> TablePlace {
         let scale = |variance: f64| (self.scale_px * self.scale_px + variance).sqrt();
         match self.origin.focus {
@@ -327,7 +334,8 @@ impl EsfTable {
         }
     }
 
-    /// Light at a distance (px) into the light of an edge of the table given, in f64: for profiles, figures and tests.
+    /// Light at a distance (px) into the light of an edge of the table given, in f64: for profiles,
+    /// figures and tests.
     pub fn light(&self, at: &TablePlace, distance_px: f64) -> f64 {
         let u = distance_px / at.scale_px;
         let one = |table: u32| match self.origin.sources.get(table as usize) {
@@ -358,7 +366,8 @@ impl EsfTable {
         &self.origin.sources
     }
 
-    /// The first table at a distance into the light, px, as the kernel holds it: for figures and tests.
+    /// The first table at a distance into the light, px, as the kernel holds it: for figures and
+    /// tests.
     pub fn at_px(&self, distance_px: f64) -> f64 {
         let count = self.per_table as usize;
         let place = ((distance_px / self.scale_px + f64::from(self.reach)) * f64::from(self.per_unit))

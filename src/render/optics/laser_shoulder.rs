@@ -1,13 +1,15 @@
 //! Shoulders in laser light: the amplitudes of the half planes multiply.
 //!
-//! Behind an outline of level pieces e_j between the columns c_j a point source of one colour leaves
+//! Behind an outline of level pieces e_j between the columns c_j a point source of one colour
+//! leaves
 //!
 //! ```text
 //! U(x, y) = Σ_j [H(x - c_j) - H(x - c_{j+1})] · H(e_j - y),   I = |U|²,   H(v) = ((½ + C) + i(½ + S))·(1 - i)/2
 //! ```
 //!
-//! exactly (Kirchhoff's integral separates). The average over line, source and pixel is taken where it is known well, in the
-//! straight edges' own table F, and by three nodes each for what the corner adds to it:
+//! exactly (Kirchhoff's integral separates). The average over line, source and pixel is taken where
+//! it is known well, in the straight edges' own table F, and by three nodes each for what the
+//! corner adds to it:
 //!
 //! ```text
 //! I = Σ_j p_j F(e_j - y) + ⟨|U|² - Σ_j p_j |H(e_j - y)|²⟩,   p_j(x) a soft partition of the columns
@@ -20,7 +22,8 @@ use super::edge_spread::fresnel_integrals::fresnel;
 use super::edge_spread::gaussian::gaussian;
 use super::esf_table::{EsfTable, TablePlace};
 
-/// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the amplitude there.
+/// Distance from a shoulder, in √(λz/2), up to which columns see it: its rings have 2 % of the
+/// amplitude there.
 pub(crate) const SEEN_UNITS: f64 = 10.0;
 
 /// Shoulders farther away than this, in √(λz/2), are left out.
@@ -32,7 +35,8 @@ const SOFT_UNITS: f64 = 0.25;
 /// Full width at half maximum over the standard deviation of a Gaussian line.
 const FWHM: f64 = 2.354_820_045;
 
-/// Knots a unit of the table of H, and its reach; linear between them H errs by (1/512)²/8·120 = 6e-5 at its end.
+/// Knots a unit of the table of H, and its reach; linear between them H errs by (1/512)²/8·120 =
+/// 6e-5 at its end.
 const KNOTS: f64 = 512.0;
 const REACH: f64 = 40.0;
 

@@ -1,4 +1,5 @@
-//! Light down the columns whose edges are no straight lines within the blur: corners, threads, and edges in motion.
+//! Light down the columns whose edges are no straight lines within the blur: corners, threads, and
+//! edges in motion.
 //!
 //! Gaussian blur separates, so for light above an edge e(x) of any shape pixel (x, y) reads exactly
 //!
@@ -6,13 +7,16 @@
 //! I(x, y) = ∫ K(x - x') B(e(x') - y) dx',   K = box ∗ g_σ along the row,   B = box ∗ Φ down the column
 //! ```
 //!
-//! integrated between the outline's corners with four Gauss nodes a panel of half a σ, on steep faces one in which the edge climbs by
-//! σ; beneath a leaning shoulder's overhang there is light again (a thread's crests, whose corners are not
-//! known beforehand, with panels of an eighth of a pixel: an angle of tan 60° then errs by 1e-4 px). Other families have
-//! no such form: there a point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact along
-//! every straight edge; at a corner of 90° it would err by up to .27 of full intensity in light of one colour from a point, where
-//! the rings of both edges cross: there the shoulders of cylinders are drawn from the amplitudes (`optics::laser_shoulder`;
-//! `tests/render_shaft/corners.rs` holds them against the opaque quadrant). An edge in motion is the mean of its images.
+//! integrated between the outline's corners with four Gauss nodes a panel of half a σ, on steep
+//! faces one in which the edge climbs by σ; beneath a leaning shoulder's overhang there is light
+//! again (a thread's crests, whose corners are not known beforehand, with panels of an eighth of a
+//! pixel: an angle of tan 60° then errs by 1e-4 px). Other families have no such form: there a
+//! point's light is F(σΦ⁻¹(I)) with I that of the Gaussian as wide as the family. That is exact
+//! along every straight edge; at a corner of 90° it would err by up to .27 of full intensity in
+//! light of one colour from a point, where the rings of both edges cross: there the shoulders of
+//! cylinders are drawn from the amplitudes (`optics::laser_shoulder`;
+//! `tests/render_shaft/corners.rs` holds them against the opaque quadrant). An edge in motion is
+//! the mean of its images.
 
 use std::sync::LazyLock;
 
@@ -32,7 +36,8 @@ use crate::render::silhouette::Turned;
 /// Reach of the Gaussian in σ: 1 - Φ(5.25) = 8e-8.
 const REACH: f64 = 5.25;
 
-/// Motion of an edge below which it is drawn where it stands on average, px: widens σ = .5 px by 3e-7.
+/// Motion of an edge below which it is drawn where it stands on average, px: widens σ = .5 px by
+/// 3e-7.
 const STILL_PX: f64 = 1e-3;
 
 /// Panels between known corners, σ; and where corners are not known, px.
@@ -42,7 +47,8 @@ const PANEL_FINE_PX: f64 = 0.125;
 /// Nodes a panel.
 const NODES: usize = 4;
 
-/// Share of the light below which the distance to the outline itself is taken for other families: 4.75 σ.
+/// Share of the light below which the distance to the outline itself is taken for other families:
+/// 4.75 σ.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// One point of the outline with its weight along the row.
@@ -56,7 +62,8 @@ struct Point {
 }
 
 impl Point {
-    /// Rows of one side at which light above (`true` for the upper edge) begins or, counted back, ends again.
+    /// Rows of one side at which light above (`true` for the upper edge) begins or, counted back,
+    /// ends again.
     fn borders(&self, side: usize) -> impl Iterator<Item = (f64, f64)> {
         let [upper, lower] = self.gaps[side].unwrap_or_default();
         let (begins, ends) = if side == 0 { (lower, upper) } else { (upper, lower) };
@@ -85,7 +92,8 @@ pub(crate) struct Profiles<'a> {
 }
 
 impl Scene {
-    /// Upper and lower row of the light beneath an overhang of either edge at a fractional column, in rows of the full sensor.
+    /// Upper and lower row of the light beneath an overhang of either edge at a fractional column,
+    /// in rows of the full sensor.
     fn gaps_at(&self, turned: &Turned<'_>, field_z_mm: f64, sensor_column: f64) -> [Option<[f64; 2]>; 2] {
         if !(self.is_straight() && self.setup.nominal.optics.distortion.is_none()) {
             return [None; 2];
@@ -121,7 +129,8 @@ impl Scene {
         })
     }
 
-    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether these are all.
+    /// Columns of the full sensor at which the outline seen at an instant has corners, and whether
+    /// these are all.
     fn corners(&self, instant: &Instant<'_>, low: f64, high: f64) -> (Vec<f64>, bool) {
         let setup = &self.setup;
         let (rows, columns) = (setup.rows(), setup.columns());
@@ -149,7 +158,8 @@ impl Scene {
 }
 
 impl Profiles<'_> {
-    /// Gives the columns that need it profiles of their own and returns these, four rows an element.
+    /// Gives the columns that need it profiles of their own and returns these, four rows an
+    /// element.
     pub(crate) fn add(&self, columns: &mut [Column]) -> Vec<[f32; 4]> {
         let broken: Vec<bool> = (0..columns.len()).map(|c| self.scene.is_broken(self, c)).collect();
         let moved = |c: usize| {
@@ -259,7 +269,8 @@ impl Profiles<'_> {
         Point { column, weight, rows, gaps }
     }
 
-    /// Rows a column by which the outline rises or falls between two corners: many on the face of a leaning shoulder.
+    /// Rows a column by which the outline rises or falls between two corners: many on the face of a
+    /// leaning shoulder.
     fn steepness(&self, instant: &Instant<'_>, low: f64, high: f64) -> f64 {
         let within = 1e-6 * (high - low);
         let [a, b] = [low + within, high - within].map(|column| self.point(instant, column, 0.0));
@@ -313,7 +324,8 @@ impl Profiles<'_> {
         Some(Line { first, light: light.into_iter().map(|v| v as f32).collect() })
     }
 
-    /// The outline's level pieces about a column, each in the row that it has nearest to the column.
+    /// The outline's level pieces about a column, each in the row that it has nearest to the
+    /// column.
     fn pieces(&self, instant: &Instant<'_>, laser: &LaserShoulder, at: f64, side: usize) -> Pieces {
         let (low, high) = laser.about(at);
         let (mut corners, _) = self.scene.corners(instant, low, high);

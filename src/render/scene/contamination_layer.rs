@@ -1,17 +1,19 @@
-//! What lies between the shaft and the sensor in one frame: films on its surface, and what dims the light.
+//! What lies between the shaft and the sensor in one frame: films on its surface, and what dims the
+//! light.
 
 use rayon::prelude::*;
 
 use super::request::FrameRequest;
 use super::true_optics::OpticalSetup;
-use crate::render::contamination::{TransmissionRequest, Rise, RisenEdge, mark_rise};
+use crate::render::contamination::{Rise, RisenEdge, TransmissionRequest, mark_rise};
 use crate::render::error::RenderError;
 use crate::render::kernel::column_edges::ColumnEdges;
 use crate::render::kernel::light_map::LightMap;
 use crate::render::kernel::params::{Window, Windows};
 use crate::shaft::Shaft;
 
-/// Raises the edges by the films on the shaft; the rises, column by column, or none where there are no films.
+/// Raises the edges by the films on the shaft; the rises, column by column, or none where there are
+/// no films.
 ///
 /// `edges` reach `halo` columns beyond the window at either end.
 pub(crate) fn raise_edges(
@@ -50,7 +52,8 @@ pub(crate) struct WindowView<'a> {
     pub dark: std::ops::Range<i32>,
 }
 
-/// What contamination does to the window's pixels, with its mask; `None` where the optical setup is clean.
+/// What contamination does to the window's pixels, with its mask; `None` where the optical setup is
+/// clean.
 ///
 /// The mask is left empty unless it is asked for; so are, then, rows that nothing can dim.
 pub(crate) fn contamination(

@@ -29,7 +29,8 @@ pub(crate) struct Instant<'a> {
 }
 
 impl Instant<'_> {
-    /// The rise at a fractional place among the columns, linear between two: films are wide against a pixel.
+    /// The rise at a fractional place among the columns, linear between two: films are wide against
+    /// a pixel.
     pub(crate) fn rise_at(&self, place: f64) -> Rise {
         let Some(last) = self.rises.len().checked_sub(1) else { return Rise::default() };
         let place = place.clamp(0.0, last as f64);

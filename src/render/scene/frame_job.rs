@@ -1,4 +1,5 @@
-//! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles, contamination, parameters.
+//! A frame of a scene made ready for the kernel, step by step: instants, films, columns, profiles,
+//! contamination, parameters.
 
 use super::column_profiles::Profiles;
 use super::contamination_layer::{self, WindowView};
@@ -18,8 +19,8 @@ use crate::render::kernel::shadowgraph::noise_polynomial;
 use crate::render::optics::esf_table::{EsfTable, Node, pixel_quadrature};
 
 impl Scene {
-    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over the exposure where they
-    /// move, as the lens distorts them.
+    /// Exact edges of the silhouette at every column, in rows of the frame asked for: the mean over
+    /// the exposure where they move, as the lens distorts them.
     ///
     /// # Errors
     /// Refuses a window outside the sensor and a shaft that leaves the field.
@@ -145,7 +146,8 @@ impl Scene {
         params.field.axis = [self.setup.centre_column() as f32, self.setup.centre_row() as f32];
     }
 
-    /// Where axis and surface of every column lie; empty where all edges share a table and its scale.
+    /// Where axis and surface of every column lie; empty where all edges share a table and its
+    /// scale.
     fn depth(&self, instant: &Instant<'_>, window: Window) -> Vec<Depth> {
         if self.esf.is_even() || (self.depth_mm == 0.0 && !self.esf.has_radii()) {
             return Vec::new();

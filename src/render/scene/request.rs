@@ -17,8 +17,8 @@ pub struct FrameRequest {
     pub noise: bool,
     /// Window of the sensor; `None` reads all of it.
     pub roi: Option<Roi>,
-    /// A second window of the same columns below the first, as cameras with several regions deliver it: its rows follow
-    /// the first one's in the frame. Each window then holds one edge.
+    /// A second window of the same columns below the first, as cameras with several regions deliver
+    /// it: its rows follow the first one's in the frame. Each window then holds one edge.
     pub second_roi: Option<Roi>,
     /// Seed of the noise.
     pub seed: u64,

@@ -46,7 +46,8 @@ impl Scene {
     /// Prepares a shaft for the optical setup: bounds, tables.
     ///
     /// # Errors
-    /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses the rest.
+    /// Refuses a shaft that cannot be drawn, or that exceeds the field everywhere; a frame refuses
+    /// the rest.
     pub fn new(setup: &OpticalSetup, shaft: Shaft) -> Result<Self, RenderError> {
         let outline = Outline::new(shaft)?;
         let field_mm = setup.rows() as f64 * setup.pixel_mm;
@@ -123,7 +124,8 @@ impl Scene {
     /// Both windows that the request reads.
     ///
     /// # Errors
-    /// As [`Self::window`], and refuses a second window that is not below the first or has other columns.
+    /// As [`Self::window`], and refuses a second window that is not below the first or has other
+    /// columns.
     pub fn windows(&self, request: &FrameRequest) -> Result<Windows, RenderError> {
         let first = self.window(request)?;
         let Some(roi) = request.second_roi else { return Ok(Windows { first, second: None }) };
@@ -200,7 +202,8 @@ impl Scene {
         ColumnEdges { top_px: ideal(true), bottom_px: ideal(false) }
     }
 
-    /// The laser, where its light at the outline's corners is known in amplitude: level pieces between shoulders.
+    /// The laser, where its light at the outline's corners is known in amplitude: level pieces
+    /// between shoulders.
     pub(crate) fn laser_shoulders(&self) -> Option<&LaserShadow> {
         let Esf::Fresnel(laser) = &self.setup.esf else { return None };
         let optics = &self.setup.nominal.optics;
@@ -245,8 +248,8 @@ impl Scene {
     }
 }
 
-/// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross the telecentric lens' residual
-/// angle at half the diagonal.
+/// One over the distance of the pinhole: that of an entocentric lens, or the one whose rays cross
+/// the telecentric lens' residual angle at half the diagonal.
 fn per_distance(setup: &OpticalSetup, outline: &Outline) -> Result<f64, RenderError> {
     let optics = &setup.nominal.optics;
     let half_mm = 0.5 * (setup.rows() as f64).hypot(setup.columns() as f64) * setup.pixel_mm;

@@ -6,12 +6,13 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 
-use crate::render::contamination::{FieldGeometry, ContaminationModel};
+use crate::render::contamination::{ContaminationModel, FieldGeometry};
 use crate::render::error::RenderError;
 use crate::render::optics::esf_table::{EsfTable, Extent, TableCache};
-use crate::render::settings::{SetupSettings, Esf, Optics};
+use crate::render::settings::{Esf, Optics, SetupSettings};
 
-/// Stream of the generator that departures are drawn from, apart from every other use of the same seed.
+/// Stream of the generator that departures are drawn from, apart from every other use of the same
+/// seed.
 const DEPARTURE_STREAM: u64 = 0x6465_7061_7274;
 
 /// Stream of the sensor's fixed pattern.
@@ -92,7 +93,8 @@ impl OpticalSetup {
         (self.columns() as f64 - 1.0) / 2.0
     }
 
-    /// Machine z seen by a column of the full sensor when the field's centre stands at `field_z_mm`.
+    /// Machine z seen by a column of the full sensor when the field's centre stands at
+    /// `field_z_mm`.
     pub fn column_z_mm(&self, field_z_mm: f64, column: f64) -> f64 {
         field_z_mm + (column - self.centre_column()) * self.pixel_mm
     }

@@ -1,8 +1,10 @@
 //! The axis of a bent body: where it stands and how it slopes.
 //!
-//! A beam's sections stay square to its axis (Bernoulli; a slender shaft's shear angle is a per mille of its slope). Where the axis
-//! slopes by τ in the image plane, an upright slice of the body is therefore 1/cos τ higher than the section: edges at c_x ± h/cos τ, the
-//! outline's parallel curves to κR of the correction itself. A slope towards the camera leaves a telecentric outline as it is.
+//! A beam's sections stay square to its axis (Bernoulli; a slender shaft's shear angle is a per
+//! mille of its slope). Where the axis slopes by τ in the image plane, an upright slice of the body
+//! is therefore 1/cos τ higher than the section: edges at c_x ± h/cos τ, the outline's parallel
+//! curves to κR of the correction itself. A slope towards the camera leaves a telecentric outline
+//! as it is.
 
 use glam::DVec2;
 
@@ -18,8 +20,8 @@ pub(super) fn offset(knots: &[AxisKnot], z_mm: f64) -> DVec2 {
     }
 }
 
-/// Slope of the axis at z, mm/mm: linear between the middles of the knots' intervals, so that it does not jump at a knot; level beyond
-/// the ends.
+/// Slope of the axis at z, mm/mm: linear between the middles of the knots' intervals, so that it
+/// does not jump at a knot; level beyond the ends.
 pub(super) fn slope(knots: &[AxisKnot], z_mm: f64) -> DVec2 {
     let after = knots.partition_point(|k| k.z_mm <= z_mm);
     if after == 0 || after == knots.len() {

@@ -1,17 +1,19 @@
-//! Outlines that are not slice by slice: tilted towards the camera, or seen by a lens that is not quite telecentric or not
-//! at all.
+//! Outlines that are not slice by slice: tilted towards the camera, or seen by a lens that is not
+//! quite telecentric or not at all.
 //!
-//! A point (x, y, z) of the body, y towards the camera, is turned by τ about the middle of the field and seen from a pinhole
-//! at ℓ (infinite for a telecentric lens, negative for a hypercentric one):
+//! A point (x, y, z) of the body, y towards the camera, is turned by τ about the middle of the
+//! field and seen from a pinhole at ℓ (infinite for a telecentric lens, negative for a hypercentric
+//! one):
 //!
 //! ```text
 //! z' = z0 + (z - z0) cos τ + y sin τ,   y' = y cos τ - (z - z0) sin τ,   m = ℓ/(ℓ - y')
 //! image:  z0 + m (z' - z0),  m x
 //! ```
 //!
-//! The silhouette at z is the largest m·x over all depths y; at each the slice that the ray of z meets is solved for. A grid over y,
-//! refined twice and closed by a golden section, finds it; the two rims of a shoulder that the rays pass are tried by
-//! themselves. A residual chief-ray angle ε at the height h is a pinhole at ℓ = h/tan ε.
+//! The silhouette at z is the largest m·x over all depths y; at each the slice that the ray of z
+//! meets is solved for. A grid over y, refined twice and closed by a golden section, finds it; the
+//! two rims of a shoulder that the rays pass are tried by themselves. A residual chief-ray angle ε
+//! at the height h is a pinhole at ℓ = h/tan ε.
 
 use glam::DVec2;
 
@@ -36,7 +38,8 @@ const HALVINGS: usize = 50;
 pub struct View {
     /// Middle of the field, mm: the optical axis.
     pub middle_z_mm: f64,
-    /// 1/ℓ, one over the distance from the axis' plane to the pinhole, 1/mm; 0 for a telecentric lens.
+    /// 1/ℓ, one over the distance from the axis' plane to the pinhole, 1/mm; 0 for a telecentric
+    /// lens.
     pub per_distance: f64,
 }
 
@@ -73,7 +76,8 @@ impl Turned<'_> {
         self.axis_y_mm(z_mm) - (z_mm - view.middle_z_mm) * tilt.sin()
     }
 
-    /// Height over the axis of rotation of the slice's boundary at depth `y`, times `side` (1 upper, -1 lower).
+    /// Height over the axis of rotation of the slice's boundary at depth `y`, times `side` (1
+    /// upper, -1 lower).
     fn boundary(&self, s_mm: f64, y_mm: f64, side: f64) -> f64 {
         let outline = self.outline;
         let axis = self.axis(s_mm);
@@ -133,7 +137,8 @@ impl Ray<'_> {
         best
     }
 
-    /// Height times `side` of the body at depth `y` along the plane of rays; `slice` takes the place of the slice they meet.
+    /// Height times `side` of the body at depth `y` along the plane of rays; `slice` takes the
+    /// place of the slice they meet.
     fn height(&self, y: f64, side: f64, slice: Option<f64>) -> f64 {
         let (s, x, scale) = self.slice(y, side, slice);
         let outline = self.turned.outline;
@@ -141,7 +146,8 @@ impl Ray<'_> {
         scale * (x * outline.cos_tilt + side * up)
     }
 
-    /// The slice that the rays meet at depth `y`, its height times `side`, and the magnification there.
+    /// The slice that the rays meet at depth `y`, its height times `side`, and the magnification
+    /// there.
     fn slice(&self, y: f64, side: f64, given: Option<f64>) -> (f64, f64, f64) {
         let (sin, cos) = self.sin_cos;
         let outline = self.turned.outline;

@@ -1,4 +1,5 @@
-//! Threads, feed marks, flats and keyways of a shaft: their heights, their bounds, and where they break the outline.
+//! Threads, feed marks, flats and keyways of a shaft: their heights, their bounds, and where they
+//! break the outline.
 
 use std::f64::consts::TAU;
 
@@ -36,8 +37,9 @@ pub(super) fn core_mm(shaft: &Shaft, low_mm: f64) -> f64 {
     cuts.chain(shaft.features.keyways.iter().map(|k| k.floor_mm)).fold(smallest - waves + low_mm, f64::min)
 }
 
-/// Stretches of z whose outline is no smooth line: corners of the profile whose slope changes by more than `corner`, threads and
-/// feed marks all along, the ends of flats and keyways. Apart from each other and ascending.
+/// Stretches of z whose outline is no smooth line: corners of the profile whose slope changes by
+/// more than `corner`, threads and feed marks all along, the ends of flats and keyways. Apart from
+/// each other and ascending.
 pub(super) fn broken(shaft: &Shaft, corner: f64) -> Vec<(f64, f64)> {
     let slope = |i: usize| {
         let (a, b) = (shaft.profile[i], shaft.profile[i + 1]);

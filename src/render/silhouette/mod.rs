@@ -7,16 +7,19 @@
 //! r(θ) = R(z) + Σ a_k cos(k(θ - θ_k)) + texture(z, θ)
 //! ```
 //!
-//! with the maximum taken exactly (r(-φ) alone errs by k²a²/2R, 65 nm at k = 15, a = 10 µm). The texture is linear in θ
-//! between its nodes, so the circle falls into segments on which r(θ)cos(θ + φ) is smooth and has at most one inner
-//! maximum. Only segments near the top can win: r ≤ r_max needs cos δ ≥ r_min/r_max. Lobes do not change along z, so
-//! their Taylor polynomials about every segment's middle are made once a direction and shared by all columns.
+//! with the maximum taken exactly (r(-φ) alone errs by k²a²/2R, 65 nm at k = 15, a = 10 µm). The
+//! texture is linear in θ between its nodes, so the circle falls into segments on which r(θ)cos(θ +
+//! φ) is smooth and has at most one inner maximum. Only segments near the top can win: r ≤ r_max
+//! needs cos δ ≥ r_min/r_max. Lobes do not change along z, so their Taylor polynomials about every
+//! segment's middle are made once a direction and shared by all columns.
 //!
-//! A pose tilted by τ in the image plane turns the whole outline: z = s cos τ - X sin τ, x = x0 + s sin τ + X cos τ,
-//! with X(s) the outline over the body's own axis s. Sections of a bent body stay square to its axis (`bent`), but its shoulders
-//! stand upright there (a slope of 1e-3 leans one of R 12.5 by 12 µm along z). Where a
-//! shoulder leans over, the outermost edge counts, and the light beneath the overhang is a gap ([`Turned::gap`]). Threads, feed marks, flats and keyways divide the segments further
-//! (`slice`); tilt towards the camera and perspective take the envelope over the slices (`envelope`).
+//! A pose tilted by τ in the image plane turns the whole outline: z = s cos τ - X sin τ, x = x0 + s
+//! sin τ + X cos τ, with X(s) the outline over the body's own axis s. Sections of a bent body stay
+//! square to its axis (`bent`), but its shoulders stand upright there (a slope of 1e-3 leans one of
+//! R 12.5 by 12 µm along z). Where a shoulder leans over, the outermost edge counts, and the light
+//! beneath the overhang is a gap ([`Turned::gap`]). Threads, feed marks, flats and keyways divide
+//! the segments further (`slice`); tilt towards the camera and perspective take the envelope over
+//! the slices (`envelope`).
 //!
 //! In: a [`Shaft`](crate::shaft::Shaft), refused by `check` where it cannot be drawn. Out:
 //! [`Outline`] (bounds, once a shaft), [`Turned`] (once a spindle angle), and from it edges in mm

@@ -9,15 +9,16 @@ use super::features;
 use crate::render::error::RenderError;
 use crate::shaft::{ProfileKnot, Shaft};
 
-/// Fewest segments of a revolution: bounds the half width of a segment at .0123 rad, where cos and sin to the sixth order
-/// are exact to 1e-17.
+/// Fewest segments of a revolution: bounds the half width of a segment at .0123 rad, where cos and
+/// sin to the sixth order are exact to 1e-17.
 const FEWEST_SEGMENTS: usize = 256;
 
-/// Segments per undulation: k·(half width) ≤ .25, where the fifth-order Taylor polynomial of a lobe errs by 3.4e-7 a_k.
+/// Segments per undulation: k·(half width) ≤ .25, where the fifth-order Taylor polynomial of a lobe
+/// errs by 3.4e-7 a_k.
 const SEGMENTS_PER_LOBE: usize = 13;
 
-/// Change of the profile's slope from which a corner is no straight line within the blur: it moves the mean over whole columns
-/// by 8e-6 px.
+/// Change of the profile's slope from which a corner is no straight line within the blur: it moves
+/// the mean over whole columns by 8e-6 px.
 const CORNER: f64 = 3e-4;
 
 /// A shaft made ready for silhouettes: bounds and the division of the circle.
@@ -46,8 +47,9 @@ impl Outline {
     /// Prepares a shaft.
     ///
     /// # Errors
-    /// Refuses a shaft that cannot be drawn: no knots, knots out of order, values that are not finite, a radius that
-    /// is not positive, lobes below order 2, a texture grid that does not fit its heights.
+    /// Refuses a shaft that cannot be drawn: no knots, knots out of order, values that are not
+    /// finite, a radius that is not positive, lobes below order 2, a texture grid that does not fit
+    /// its heights.
     pub fn new(shaft: Shaft) -> Result<Self, RenderError> {
         check(&shaft)?;
         let highest = shaft.lobes.iter().map(|l| l.order_upr as usize).max().unwrap_or(0);
@@ -83,7 +85,8 @@ impl Outline {
         self.core_mm
     }
 
-    /// Bound of the distance of any slice's axis from the plane of focus, mm; 0 for a straight, centred shaft.
+    /// Bound of the distance of any slice's axis from the plane of focus, mm; 0 for a straight,
+    /// centred shaft.
     pub fn largest_depth_mm(&self) -> f64 {
         let bow = self.shaft.bow.iter().map(|k| k.x_mm.hypot(k.y_mm)).fold(0.0, f64::max);
         let deflection = self.shaft.deflection.iter().map(|k| k.y_mm.abs()).fold(0.0, f64::max);
@@ -108,8 +111,8 @@ impl Outline {
         mean_radius(&self.shaft.profile, z_mm) + self.shaft.features.waves.iter().map(wave).sum::<f64>()
     }
 
-    /// Whether a corner, a thread or the end of a feature lies in `from_mm..=to_mm`, so that the outline there may be no
-    /// smooth line.
+    /// Whether a corner, a thread or the end of a feature lies in `from_mm..=to_mm`, so that the
+    /// outline there may be no smooth line.
     pub fn is_broken(&self, from_mm: f64, to_mm: f64) -> bool {
         let after = self.broken_mm.partition_point(|(start, _)| *start <= to_mm);
         after.checked_sub(1).is_some_and(|last| self.broken_mm[last].1 >= from_mm)
@@ -124,7 +127,8 @@ impl Outline {
         f64::from(lobes.max(cut).max(spindle))
     }
 
-    /// Whether the outline is made of level pieces and shoulders alone, up to form errors, upright before the camera.
+    /// Whether the outline is made of level pieces and shoulders alone, up to form errors, upright
+    /// before the camera.
     pub fn is_stepped(&self) -> bool {
         let (shaft, features) = (&self.shaft, &self.shaft.features);
         let level = |k: &[ProfileKnot]| k[0].radius_mm == k[1].radius_mm || k[0].z_mm == k[1].z_mm;

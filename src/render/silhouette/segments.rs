@@ -93,7 +93,8 @@ impl Segment {
         [a + (b - a) * self.span[0], a + (b - a) * self.span[1]]
     }
 
-    /// Largest r(θ)cos δ on the segment: the inner maximum where the derivative changes sign, else the better end.
+    /// Largest r(θ)cos δ on the segment: the inner maximum where the derivative changes sign, else
+    /// the better end.
     pub(super) fn maximum(&self, mean: f64, ends: [f64; 2]) -> f64 {
         let p = self.radius(mean, ends);
         let (left, right) = (self.value(&p, -self.half), self.value(&p, self.half));
@@ -116,8 +117,8 @@ impl Segment {
         p
     }
 
-    /// Largest r(θ)cos δ for t in `from..=to`, r given as a polynomial: by Newton's method, held between points of rising and
-    /// of falling height.
+    /// Largest r(θ)cos δ for t in `from..=to`, r given as a polynomial: by Newton's method, held
+    /// between points of rising and of falling height.
     pub(super) fn maximum_within(&self, p: &[f64; 6], from: f64, to: f64) -> f64 {
         let (left, right) = (self.value(p, from), self.value(p, to));
         let ends = left.value.max(right.value);

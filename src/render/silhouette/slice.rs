@@ -1,10 +1,11 @@
 //! Slices with threads, feed marks, flats and keyways.
 //!
-//! A helix adds a height that is piecewise quadratic in θ; a flat keeps p·n ≤ d; a keyway takes away |p·t| < w/2 with p·n > b.
-//! The largest r(θ)cos(θ + φ) of what is left stands inside a piece on which r is smooth, at the rim of a cut, or where two
-//! cuts meet: segments are divided where pieces of a helix meet and where cuts begin, rims are found by bisection, and meeting
-//! points of straight cuts are tried one by one. The floor of a keyway and the middle of a flat never stand out: the
-//! tangent bridges them.
+//! A helix adds a height that is piecewise quadratic in θ; a flat keeps p·n ≤ d; a keyway takes
+//! away |p·t| < w/2 with p·n > b. The largest r(θ)cos(θ + φ) of what is left stands inside a piece
+//! on which r is smooth, at the rim of a cut, or where two cuts meet: segments are divided where
+//! pieces of a helix meet and where cuts begin, rims are found by bisection, and meeting points of
+//! straight cuts are tried one by one. The floor of a keyway and the middle of a flat never stand
+//! out: the tangent bridges them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,8 +23,8 @@ const HALVINGS: usize = 44;
 const ROUNDING: f64 = 1e-12;
 
 impl Outline {
-    /// Radius of the slice at z in body direction θ (radians), mm: the outermost point where a keyway leaves two. Eccentricity
-    /// moves the axis and is not in it.
+    /// Radius of the slice at z in body direction θ (radians), mm: the outermost point where a
+    /// keyway leaves two. Eccentricity moves the axis and is not in it.
     pub fn radius_mm(&self, z_mm: f64, theta: f64) -> f64 {
         Slice::at(self, z_mm).cut(theta, self.uncut_radius_mm(z_mm, theta))
     }
@@ -90,7 +91,8 @@ impl<'a> Slice<'a> {
         radius
     }
 
-    /// Largest x of the slice at depth `y`, for a point (x, y) of its uncut boundary, with cuts turned by `angle` (radians).
+    /// Largest x of the slice at depth `y`, for a point (x, y) of its uncut boundary, with cuts
+    /// turned by `angle` (radians).
     pub(super) fn cut_along_x(&self, mut point: DVec2, angle: f64) -> f64 {
         let turned = DVec2::from_angle(angle);
         for (flat, normal) in &self.flats {
@@ -157,7 +159,8 @@ impl<'a> Slice<'a> {
         best
     }
 
-    /// Where pieces of a helix meet and cuts begin, about where they would on a round body, between the segment's ends.
+    /// Where pieces of a helix meet and cuts begin, about where they would on a round body, between
+    /// the segment's ends.
     fn breaks(&self, segment: &Segment) -> Vec<f64> {
         let half = segment.half;
         let mut breaks = vec![-half, half];

@@ -1,4 +1,5 @@
-//! An outline at one spindle angle: both edges over machine z, with eccentricity, bow, deflection and tilt.
+//! An outline at one spindle angle: both edges over machine z, with eccentricity, bow, deflection
+//! and tilt.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,8 +10,8 @@ use super::outline::{Outline, mean_radius};
 use super::segments::{Direction, Rows};
 use super::slice::Slice;
 
-/// Most steps that solve s = (z + X(s) sin τ)/cos τ, each of which gains a factor of |X'| tan τ, and the change (mm) at
-/// which they end.
+/// Most steps that solve s = (z + X(s) sin τ)/cos τ, each of which gains a factor of |X'| tan τ,
+/// and the change (mm) at which they end.
 const TILT_STEPS: usize = 40;
 const TILT_STILL_MM: f64 = 1e-11;
 
@@ -75,12 +76,14 @@ impl Turned<'_> {
         EdgePair { top_mm: self.edge(z_mm, true), bottom_mm: self.edge(z_mm, false) }
     }
 
-    /// Radius of the slice at z in machine direction `angle` (radians from x towards y), about its own axis, mm.
+    /// Radius of the slice at z in machine direction `angle` (radians from x towards y), about its
+    /// own axis, mm.
     pub fn radius_at(&self, z_mm: f64, angle: f64) -> f64 {
         self.outline.radius_mm(z_mm, angle - self.sin.atan2(self.cos))
     }
 
-    /// Where the slice's axis stands, mm along x and y from that of the spindle; the pose before a camera is not in it.
+    /// Where the slice's axis stands, mm along x and y from that of the spindle; the pose before a
+    /// camera is not in it.
     pub fn axis_mm(&self, z_mm: f64) -> (f64, f64) {
         let axis = self.axis(z_mm);
         (axis.x, axis.y)
@@ -123,7 +126,8 @@ impl Turned<'_> {
         pose_x + outermost.unwrap_or_else(|| height(self.on_outline(z_mm, top)))
     }
 
-    /// Light beneath the overhang of a leaning shoulder at z: its inner and outer end, mm above the optical axis.
+    /// Light beneath the overhang of a leaning shoulder at z: its inner and outer end, mm above the
+    /// optical axis.
     pub fn gap(&self, z_mm: f64, top: bool) -> Option<[f64; 2]> {
         let outline = self.outline;
         if outline.sin_tilt == 0.0 {
@@ -136,7 +140,8 @@ impl Turned<'_> {
         (heights.len() > 2).then(|| [heights[2], heights[1]].map(|x| pose_x + x))
     }
 
-    /// Every point (s, X) at which a tilted body's outline crosses z, where corners lie near; none where there are no corners.
+    /// Every point (s, X) at which a tilted body's outline crosses z, where corners lie near; none
+    /// where there are no corners.
     fn crossings(&self, z_mm: f64, top: bool) -> Vec<DVec2> {
         let outline = self.outline;
         let (sin, cos) = (outline.sin_tilt, outline.cos_tilt);
@@ -206,7 +211,8 @@ impl Turned<'_> {
         DVec2::new(self.cos, self.sin).rotate(body) + bent::offset(&shaft.deflection, s_mm) + self.shift
     }
 
-    /// By how much an upright slice is higher than the section square to the axis, where the axis slopes in the image plane.
+    /// By how much an upright slice is higher than the section square to the axis, where the axis
+    /// slopes in the image plane.
     pub(super) fn secant(&self, s_mm: f64) -> f64 {
         let shaft = &self.outline.shaft;
         if shaft.bow.is_empty() && shaft.deflection.is_empty() {
@@ -242,7 +248,8 @@ impl Turned<'_> {
     }
 }
 
-/// Zero of a function between two points at which it has different signs: false position, the end that stays counted half.
+/// Zero of a function between two points at which it has different signs: false position, the end
+/// that stays counted half.
 fn root(f: impl Fn(f64) -> f64, mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
     for _ in 0..ROOT_STEPS {
         let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
@@ -264,7 +271,8 @@ mod tests {
     use super::*;
     use crate::shaft::{AxisKnot, Shaft};
 
-    /// The upper and lower envelope of discs of radius R whose middles lie on the axis: the outline of a bent, round bar by its definition.
+    /// The upper and lower envelope of discs of radius R whose middles lie on the axis: the outline
+    /// of a bent, round bar by its definition.
     #[test]
     fn edges_of_a_bent_bar_are_the_parallel_curves_of_its_axis() {
         let (length, sagitta, radius) = (150.0_f64, 0.5_f64, 4.0_f64);
@@ -281,7 +289,8 @@ mod tests {
                 (-20_000..=20_000).map(|i| height(z + f64::from(i) * 1e-5)).fold(f64::MIN, f64::max)
             };
             let edges = turned.edges(z);
-            // At the worst place the bar is 0.22 µm wider across z than across its axis; a hundredth of that is left out.
+            // At the worst place the bar is 0.22 µm wider across z than across its axis; a
+            // hundredth of that is left out.
             assert!((edges.top_mm - disc(1.0)).abs() < 3e-6, "{z}: {} {}", edges.top_mm, disc(1.0));
             assert!((-edges.bottom_mm - disc(-1.0)).abs() < 3e-6, "{z}");
             let wider = edges.top_mm - edges.bottom_mm - 2.0 * radius;

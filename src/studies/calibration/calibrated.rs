@@ -15,6 +15,7 @@ pub struct Calibrated {
     pub reading: Option<WidthReading>,
     /// Its budget, for people to read.
     pub example: Option<Budget>,
-    /// Frames left out because no edge-spread function could be learnt from them, where it was to be learnt.
+    /// Frames left out because no edge-spread function could be learnt from them, where it was to
+    /// be learnt.
     pub unlearnt_frames: usize,
 }

@@ -1,5 +1,5 @@
-//! Calibration of an optical setup: from recorded or rendered frames of dark and flat fields and master pins to a calibration with
-//! its residuals and the verdict of a check pin.
+//! Calibration of an optical setup: from recorded or rendered frames of dark and flat fields and
+//! master pins to a calibration with its residuals and the verdict of a check pin.
 
 mod calibrated;
 mod error;
@@ -14,20 +14,20 @@ pub use error::CalibrateError;
 use one_encoding::OneEncoding;
 pub use plan::{CalibrationPlan, Fields, FlatPlan, PinPlan, Position, SimulatedPlan};
 pub use recordings::Recordings;
-pub use simulated::{Draws, Laid, SimulatedSetup, SimulatedRecordings};
+pub use simulated::{Draws, Laid, SimulatedRecordings, SimulatedSetup};
 pub use words::{edge_model_line, parameter_table};
 
 use crate::frame::{Frame, FrameView};
 use crate::gauge::budget::{Budget, Contribution, Shape, Share, WidthReading};
 use crate::gauge::calibration::{
-    Adjustment, SetupCalibration, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation,
+    Adjustment, CheckPin, CheckResult, Conditions, LensModel, MasterPrior, Observation, SetupCalibration,
     Thermometer, Validity, observe, shared_source,
 };
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
-    Calibration, CalibrationError, Edge, SystematicResidual, EsfModel, FrameEdges, Gauge, GaugeSettings,
-    LEAST_TRAVEL, MasterFigure, ResidualAccumulator, SettledStream,
+    Calibration, CalibrationError, Edge, EsfModel, FrameEdges, Gauge, GaugeSettings, LEAST_TRAVEL,
+    MasterFigure, ResidualAccumulator, SettledStream, SystematicResidual,
 };
 
 /// Edges of a pin's frames with where they were taken.
@@ -41,7 +41,8 @@ struct PinEdges {
 /// Makes a calibration.
 ///
 /// # Errors
-/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no optical setup.
+/// A plan that cannot be right, frames that cannot be had or measured, masters that determine no
+/// optical setup.
 pub fn calibrate(
     plan: &CalibrationPlan,
     recordings: &mut dyn Recordings,
@@ -88,8 +89,8 @@ pub fn calibrate(
     Ok(Calibrated { calibration, adjustment, reading, example, unlearnt_frames })
 }
 
-/// Scale from the smallest and the largest master by Gaussian edges, µm/px: good to parts in a thousand, before the edge-spread
-/// function that a file gives in µm can be fitted.
+/// Scale from the smallest and the largest master by Gaussian edges, µm/px: good to parts in a
+/// thousand, before the edge-spread function that a file gives in µm can be fitted.
 ///
 /// # Errors
 /// Frames that cannot be had or measured.
@@ -115,7 +116,8 @@ pub fn rough_um_per_px(
     Ok(1e3 * travel_mm / (large.width_px - small.width_px))
 }
 
-/// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² + (c·y)² by least squares.
+/// Blur in the masters' plane and its growth with the distance from it, px and px/mm: σ² = σ₀² +
+/// (c·y)² by least squares.
 fn blur(pins: &[PinEdges]) -> (f64, f64) {
     let points: Vec<(f64, f64)> = pins
         .iter()
@@ -201,27 +203,32 @@ fn pair(exposure: f64, frames: &[Frame]) -> Option<FramePair<'_>> {
     Some(FramePair { exposure, first: first.view(), second: second.view() })
 }
 
-/// Edges of all pins, and what the masters' leave of the edge model. Where that is more than noise, the pins are looked at again,
-/// now expecting it: their own uncertainties then hold only what departs from it, too.
+/// Edges of all pins, and what the masters' leave of the edge model. Where that is more than noise,
+/// the pins are looked at again, now expecting it: their own uncertainties then hold only what
+/// departs from it, too.
 fn all_pins(
     plan: &CalibrationPlan,
     gauge: &Gauge,
     flat_field: Option<&FlatField>,
     recordings: &mut dyn Recordings,
 ) -> Result<(Vec<PinEdges>, Option<SystematicResidual>), CalibrateError> {
-    let mut look = |gauge: &Gauge, residuals: &mut ResidualAccumulator| -> Result<Vec<PinEdges>, CalibrateError> {
-        let mut stream = SettledStream::new(gauge.stream());
-        let mut pins = Vec::new();
-        for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
-            let residuals = (index < plan.masters.len()).then_some(&mut *residuals);
-            pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, residuals)?);
-        }
-        Ok(pins)
-    };
+    let mut look =
+        |gauge: &Gauge, residuals: &mut ResidualAccumulator| -> Result<Vec<PinEdges>, CalibrateError> {
+            let mut stream = SettledStream::new(gauge.stream());
+            let mut pins = Vec::new();
+            for (index, pin) in plan.masters.iter().chain(&plan.check).enumerate() {
+                let residuals = (index < plan.masters.len()).then_some(&mut *residuals);
+                pins.push(pin_edges(&mut stream, flat_field, (index, pin), recordings, residuals)?);
+            }
+            Ok(pins)
+        };
     let mut residuals = ResidualAccumulator::default();
     let pins = look(gauge, &mut residuals)?;
     let Some(systematic_residual) = residuals.finish() else { return Ok((pins, None)) };
-    let pins = look(&gauge.clone().with_systematic_residual(Some(&systematic_residual)), &mut ResidualAccumulator::default())?;
+    let pins = look(
+        &gauge.clone().with_systematic_residual(Some(&systematic_residual)),
+        &mut ResidualAccumulator::default(),
+    )?;
     Ok((pins, Some(systematic_residual)))
 }
 
@@ -311,8 +318,8 @@ fn adjustment(
     Ok((adjustment, figures))
 }
 
-/// The check pin's diameter by the new calibration against its certificate. It lay beside the masters under the same
-/// thermometer: what temperature does to them it does to it, and cancels.
+/// The check pin's diameter by the new calibration against its certificate. It lay beside the
+/// masters under the same thermometer: what temperature does to them it does to it, and cancels.
 fn judge(
     plan: &CalibrationPlan,
     pin: &PinPlan,
@@ -333,7 +340,8 @@ fn judge(
     let measured_mm = mean(&|b| b.diameter_mm);
     let (u_shared_mm, u_certificate_mm) = certificate_beside(pin, &measured);
     let common = (mean(&|b| b.u_common_mm().powi(2)) - u_shared_mm.powi(2)).max(0.0).sqrt();
-    // The mean's budget: every frame's random rows by themselves, the common ones and the certificate together.
+    // The mean's budget: every frame's random rows by themselves, the common ones and the
+    // certificate together.
     let mut whole = Budget { diameter_mm: measured_mm, contributions: Vec::new() };
     let rows = measured.iter().flat_map(|b| &b.contributions).filter(|c| c.share == Share::Random);
     rows.for_each(|c| whole.push(Contribution { u_mm: c.u_mm / n, ..c.clone() }));
@@ -352,8 +360,9 @@ fn judge(
     Some(CheckPin { certificate: pin.certificate(), measured_mm, u_error_mm, coverage_factor }.judge())
 }
 
-/// What the measured diameter owes to the laboratory that certified the check pin, too, mm, and what the difference of both owes to the pin's
-/// certificate: an error that both share cancels as far as it is the same in both.
+/// What the measured diameter owes to the laboratory that certified the check pin, too, mm, and
+/// what the difference of both owes to the pin's certificate: an error that both share cancels as
+/// far as it is the same in both.
 fn certificate_beside(pin: &PinPlan, measured: &[Budget]) -> (f64, f64) {
     let certificate = pin.certificate().u_mm();
     let Some(common) = pin.common() else { return (0.0, certificate) };
@@ -404,11 +413,13 @@ mod tests {
         .unwrap();
         let said = fields(&plan, &mut Fields(vec![2, 1, 2])).unwrap_err().to_string();
         assert!(said.contains("fields.flats[1]: 1 frame(s); two or more"), "{said}");
-        // With two of each it is the flats themselves that are refused: they are as dark as the dark ones.
+        // With two of each it is the flats themselves that are refused: they are as dark as the
+        // dark ones.
         assert!(matches!(fields(&plan, &mut Fields(vec![2; 3])), Err(CalibrateError::Fields(_))));
     }
 
-    /// A 12-bit sensor with black at 64 whose signal is a power of the light, and noise of ± 6 counts.
+    /// A 12-bit sensor with black at 64 whose signal is a power of the light, and noise of ± 6
+    /// counts.
     struct Power(f64, crate::frame::Encoding);
 
     impl Power {
@@ -454,7 +465,8 @@ mod tests {
         let field = fields(&plan, &mut Power(0.6, linear)).unwrap().0.unwrap();
         let response = field.response.unwrap();
         assert!((response.exponent * 0.6 - 1.0).abs() < 0.03, "{response:?}");
-        // What it corrects is level: .2 of the light that falls off are made up for, nothing is bent.
+        // What it corrects is level: .2 of the light that falls off are made up for, nothing is
+        // bent.
         let shown = field.corrected(Power(0.6, linear).frames(0.4).remove(0));
         let mean =
             |c: usize| (0..64).filter_map(|r| shown.view().get(r, c)).map(f64::from).sum::<f64>() / 64.0;

@@ -1,4 +1,5 @@
-//! All frames of a calibration encode light in one way: the offset of the edges holds for that one alone.
+//! All frames of a calibration encode light in one way: the offset of the edges holds for that one
+//! alone.
 
 use super::error::CalibrateError;
 use super::plan::{CalibrationPlan, PinPlan, Position};

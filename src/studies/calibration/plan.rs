@@ -9,7 +9,7 @@ use crate::gauge::{EsfModel, GaugeSettings, MasterCertificate};
 use crate::job::{Job, NominalEdge};
 use crate::render::contamination::Contamination;
 use crate::render::motion::Motion;
-use crate::render::settings::{SetupSettings, Camera, SetupDeviations, Light, Optics, Sensor};
+use crate::render::settings::{Camera, Light, Optics, Sensor, SetupDeviations, SetupSettings};
 use crate::setting::{SettingError, positive};
 use crate::source::Channel;
 
@@ -19,9 +19,11 @@ use crate::source::Channel;
 pub struct Position {
     /// Folder or file with its frames, relative to the TOML file; none where frames are simulated.
     pub frames: Option<PathBuf>,
-    /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: known from the slide it lies on.
+    /// Distance of the pin's axis from the plane of the masters, towards the camera, mm: known from
+    /// the slide it lies on.
     pub y_mm: f64,
-    /// Height of the pin's axis in the field, mm: where a simulated pin is laid; a recorded one shows it.
+    /// Height of the pin's axis in the field, mm: where a simulated pin is laid; a recorded one
+    /// shows it.
     pub height_mm: f64,
 }
 
@@ -38,11 +40,13 @@ pub struct PinPlan {
     /// Coverage factor k of U.
     #[serde(default = "crate::gauge::calibration::masters::two")]
     pub coverage_factor: f64,
-    /// Laboratory, reference standard or instrument that other pins' certificates hang on, too: with `common_expanded_u_mm`.
+    /// Laboratory, reference standard or instrument that other pins' certificates hang on, too:
+    /// with `common_expanded_u_mm`.
     #[serde(default)]
     pub certified_by: Option<String>,
-    /// Part of U that the certificates of one `certified_by` share, mm, at the same k: 0 where they are independent, U where one error is
-    /// in all of them. A correlation coefficient r of certificates with one U is √r·U here.
+    /// Part of U that the certificates of one `certified_by` share, mm, at the same k: 0 where they
+    /// are independent, U where one error is in all of them. A correlation coefficient r of
+    /// certificates with one U is √r·U here.
     #[serde(default)]
     pub common_expanded_u_mm: Option<f64>,
     /// Where it was recorded: one place or more.
@@ -83,12 +87,13 @@ pub struct FlatPlan {
 pub struct Fields {
     /// Folder with dark frames, two or more.
     pub dark: Option<PathBuf>,
-    /// Flat fields: one exposure gives defects and light, three or more the sensor's gain and noise too.
+    /// Flat fields: one exposure gives defects and light, three or more the sensor's gain and noise
+    /// too.
     pub flats: Vec<FlatPlan>,
 }
 
-/// An optical setup to be rendered in place of recorded frames: what it really is, drawn by seed about these values. `render` of the same
-/// file draws the same optical setup.
+/// An optical setup to be rendered in place of recorded frames: what it really is, drawn by seed
+/// about these values. `render` of the same file draws the same optical setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulatedPlan {
@@ -96,7 +101,8 @@ pub struct SimulatedPlan {
     pub seed: u64,
     /// Frames of each position and exposure.
     pub frames_each: usize,
-    /// A job's config beside this file: its optical setup and seed, exactly as `render` and `run` draw them, in place of the tables below.
+    /// A job's config beside this file: its optical setup and seed, exactly as `render` and `run`
+    /// draw them, in place of the tables below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub config: Option<PathBuf>,
     /// Pins are laid obliquely in the image plane by up to this, mrad. 0 ..= 100.
@@ -117,8 +123,8 @@ pub struct SimulatedPlan {
     pub contamination: Contamination,
     /// How far the true bench may lie from these values.
     pub departures: SetupDeviations,
-    /// Whether the lens is as the config says: a job's. Else its distortion, keystone and telecentricity are drawn within the
-    /// data sheet's limits about it.
+    /// Whether the lens is as the config says: a job's. Else its distortion, keystone and
+    /// telecentricity are drawn within the data sheet's limits about it.
     #[serde(skip)]
     pub lens_as_configured: bool,
 }
@@ -243,7 +249,8 @@ fn a_year() -> u32 {
 }
 
 impl CalibrationPlan {
-    /// The calibration of a job's own optical setup on its own master pins, each at three heights of the field.
+    /// The calibration of a job's own optical setup on its own master pins, each at three heights
+    /// of the field.
     pub fn of_job(job: &Job, date: Date) -> Self {
         let pin = |(index, pin): (usize, &MasterCertificate)| {
             let room_mm = 0.3 * (0.97 * job.field_height_mm() - pin.diameter_mm).max(0.0);
@@ -292,8 +299,8 @@ impl CalibrationPlan {
         }
     }
 
-    /// The gauge with the edge-spread function of `[simulate]`'s optics where it asks for it; as it is where they give none, which a
-    /// gauge refuses.
+    /// The gauge with the edge-spread function of `[simulate]`'s optics where it asks for it; as it
+    /// is where they give none, which a gauge refuses.
     fn gauge_of_optics(&self) -> GaugeSettings {
         let setup = match &self.simulate {
             Some(simulate) if self.gauge.esf == (EsfModel::Optics {}) => simulate.setup(),

@@ -63,8 +63,8 @@ impl<'a> SimulatedSetup<'a> {
         &self.setup
     }
 
-    /// A frame of a shaft. A chief ray at an angle magnifies what stands nearer: the body is scaled by 1 + t·y, and out of
-    /// the plane it blurs.
+    /// A frame of a shaft. A chief ray at an angle magnifies what stands nearer: the body is scaled
+    /// by 1 + t·y, and out of the plane it blurs.
     ///
     /// # Errors
     /// Where the shaft cannot be drawn.
@@ -106,8 +106,8 @@ impl<'a> SimulatedSetup<'a> {
         self.flat_numbered(share, self.frame_id).inspect(|_| self.frame_id += 1)
     }
 
-    /// Each half of the field from a scene whose part stands in the other half: light, contamination and sensor are those of any
-    /// other frame.
+    /// Each half of the field from a scene whose part stands in the other half: light,
+    /// contamination and sensor are those of any other frame.
     fn flat_numbered(&self, share: f64, frame_id: u64) -> Result<Frame, RenderError> {
         let mut setup = self.setup.clone();
         let Sensor { black_level_counts: black, .. } = setup.nominal.sensor;
@@ -183,8 +183,8 @@ impl Draws {
     }
 }
 
-/// Distortion within the limits of the data sheet. The gauge's correction a·r², q·v²/ρ, g·u·v/ρ is, to first order, the
-/// negative of Brown's k1, 3·p1, 2·p2.
+/// Distortion within the limits of the data sheet. The gauge's correction a·r², q·v²/ρ, g·u·v/ρ is,
+/// to first order, the negative of Brown's k1, 3·p1, 2·p2.
 fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
     let mut draws = Draws::new(seed ^ LENS_STREAM);
     distortion.k1 -= 1e-2 * limits.distortion_percent * draws.even();
@@ -193,8 +193,9 @@ fn distort(distortion: &mut Distortion, limits: &LensLimits, seed: u64) {
 }
 
 impl SimulatedPlan {
-    /// The optical setup as it really is: the one source of its optics for `calibrate`, `render` and the studies. The lens' distortion and
-    /// telecentricity lie within the data sheet's limits about the config's, unless the config itself is the truth.
+    /// The optical setup as it really is: the one source of its optics for `calibrate`, `render`
+    /// and the studies. The lens' distortion and telecentricity lie within the data sheet's limits
+    /// about the config's, unless the config itself is the truth.
     ///
     /// # Errors
     /// A bench that cannot be.
@@ -213,14 +214,16 @@ impl SimulatedPlan {
     }
 }
 
-/// A pin as it lay before the camera at one of its positions, frame by frame with the frames' numbers.
+/// A pin as it lay before the camera at one of its positions, frame by frame with the frames'
+/// numbers.
 struct Lying {
     pin: usize,
     position: Position,
     frames: Vec<(Laid, u64)>,
 }
 
-/// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are looked at.
+/// Frames of a plan's pins on a simulated optical setup: recorded once, however often they are
+/// looked at.
 pub struct SimulatedRecordings<'a> {
     setup: SimulatedSetup<'a>,
     simulate: SimulatedPlan,
@@ -257,7 +260,8 @@ impl<'a> SimulatedRecordings<'a> {
         &self.setup
     }
 
-    /// How pin `index` (masters first, then the check pin) lies at a position, and the numbers of its frames.
+    /// How pin `index` (masters first, then the check pin) lies at a position, and the numbers of
+    /// its frames.
     pub fn laid(&mut self, index: usize, position: &Position) -> Vec<(Laid, u64)> {
         if let Some(known) = self.lying.iter().find(|l| l.pin == index && l.position == *position) {
             return known.frames.clone();

@@ -26,7 +26,8 @@ pub enum Class {
     Mixed,
     /// Partially coherent light under a blur of the sensor, fitted with Gaussian edges.
     Diffraction,
-    /// Partially coherent light whose rings show, the gauge given the edge-spread function of a neighbouring light.
+    /// Partially coherent light whose rings show, the gauge given the edge-spread function of a
+    /// neighbouring light.
     GivenEsf,
     /// Light that falls across and along the field.
     Gradient,
@@ -50,7 +51,8 @@ pub enum Class {
     OtherFinish,
     /// Masters under Gaussian blur, the part in partially coherent light.
     OtherLight,
-    /// Light on the part from 0.9 to 1.5 times the end of the grey scale, masters below it; measured under `clipped`.
+    /// Light on the part from 0.9 to 1.5 times the end of the grey scale, masters below it;
+    /// measured under `clipped`.
     Clipped,
 }
 

@@ -1,5 +1,5 @@
-//! Whether the stated intervals cover the true diameters: scenes drawn from the budget's own distributions, scenes that
-//! deviate inside the declared limits, scenes outside them.
+//! Whether the stated intervals cover the true diameters: scenes drawn from the budget's own
+//! distributions, scenes that deviate inside the declared limits, scenes outside them.
 
 mod class;
 mod illumination;
@@ -47,8 +47,9 @@ impl ClassFigures {
         self.class.map_or("all of them".to_owned(), |class| format!("{class:?}"))
     }
 
-    /// Share of the scenes outside the limits that are handled: flagged. A light unlike the masters' widens U by what it leaves, so that there
-    /// an interval that covers the truth will do, too.
+    /// Share of the scenes outside the limits that are handled: flagged. A light unlike the
+    /// masters' widens U by what it leaves, so that there an interval that covers the truth will
+    /// do, too.
     pub fn handled(&self) -> f64 {
         let covered =
             if self.class == Some(Class::OtherLight) && self.accepted > 0 { self.covered } else { 0.0 };
@@ -79,8 +80,9 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// What is not met of: 94-96 % overall and 92 % a class as drawn; 95 % and a half width of 1.5 times the 95th percentile
-    /// of the error inside the limits; 99 % flagged outside. `slack` widens the limits by so many standard errors.
+    /// What is not met of: 94-96 % overall and 92 % a class as drawn; 95 % and a half width of 1.5
+    /// times the 95th percentile of the error inside the limits; 99 % flagged outside. `slack`
+    /// widens the limits by so many standard errors.
     pub fn misses(&self, slack: f64) -> Vec<String> {
         let mut misses = Vec::new();
         let se = |p: f64, n: usize| slack * (p * (1.0 - p) / n.max(1) as f64).sqrt();

@@ -1,4 +1,5 @@
-//! One scene of the coverage study: an optical setup is drawn, calibrated on drawn masters, and a drawn part measured with it.
+//! One scene of the coverage study: an optical setup is drawn, calibrated on drawn masters, and a
+//! drawn part measured with it.
 
 use std::collections::BTreeMap;
 
@@ -10,12 +11,12 @@ use crate::gauge::{
 };
 use crate::render::form::form_shaft;
 use crate::render::optics::edge_spread::PartiallyCoherentEdge;
-use crate::render::settings::{SetupSettings, SetupDeviations, Esf, GaussianEsf};
+use crate::render::settings::{Esf, GaussianEsf, SetupDeviations, SetupSettings};
 use crate::render::{OpticalSetup, RenderError, Renderer};
 use crate::shaft::{Lobe, ProfileKnot, Shaft, ShaftForm, TextureForm};
 use crate::studies::calibration::{
-    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedSetup, SimulatedPlan,
-    SimulatedRecordings, calibrate,
+    CalibrateError, CalibrationPlan, Draws, Fields, Laid, PinPlan, Position, SimulatedPlan,
+    SimulatedRecordings, SimulatedSetup, calibrate,
 };
 use crate::truth;
 
@@ -54,7 +55,8 @@ struct Drawn {
     plan: CalibrationPlan,
     conditions: Conditions,
     class: Class,
-    /// What the edges are off by, ± µm: the limit stated, or a part of it where the class uses up the rest.
+    /// What the edges are off by, ± µm: the limit stated, or a part of it where the class uses up
+    /// the rest.
     finish_um: f64,
 }
 
@@ -286,7 +288,8 @@ fn changed<'a>(
     Ok(SimulatedSetup::new(renderer, other.setup().clone(), other.telecentricity_per_mm, !seed))
 }
 
-/// The part as it really lies, drawn from the conditions; what lies outside them, for the classes that are.
+/// The part as it really lies, drawn from the conditions; what lies outside them, for the classes
+/// that are.
 fn lay(drawn: &Drawn, d20_mm: f64, seed: u64, draws: &mut Draws) -> Result<Laid, RenderError> {
     let c = &drawn.conditions;
     let edge_mm = 1e-3 * drawn.finish_um * draws.even();
@@ -391,7 +394,8 @@ fn most_common(edges: &FrameEdges) -> String {
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(String::new(), |(reason, _)| reason)
 }
 
-/// What warns of a frame: fewer than 97 % of its columns, a residual that the noise does not explain, a blur unlike the masters'.
+/// What warns of a frame: fewer than 97 % of its columns, a residual that the noise does not
+/// explain, a blur unlike the masters'.
 fn flag(calibration: &Calibration, conditions: &Conditions, edges: &FrameEdges) -> String {
     let usable = edges.valid() as f64 / edges.columns() as f64;
     let impaired = (0..edges.columns()).filter(|c| edges.top[*c].reason().is_some()).count();
@@ -435,14 +439,16 @@ fn outcome(budget: &Budget, true_mm: f64, flag: String) -> Outcome {
     }
 }
 
-/// The middle station's mean over angles, as a run measures it: random part of type A over the angles.
+/// The middle station's mean over angles, as a run measures it: random part of type A over the
+/// angles.
 fn measure_stations(
     drawn: &Drawn,
     calibration: &Calibration,
     setup: &mut SimulatedSetup<'_>,
     (laid, d20_mm): (&Laid, f64),
 ) -> Result<Outcome, CalibrateError> {
-    let gauge = Gauge::new(drawn.plan.gauge.clone())?.with_systematic_residual(calibration.systematic_residual());
+    let gauge =
+        Gauge::new(drawn.plan.gauge.clone())?.with_systematic_residual(calibration.systematic_residual());
     let z_mm: Vec<f64> = (0..STATIONS).map(|i| (i as f64 - (STATIONS / 2) as f64) * STATION_MM).collect();
     let mut averager = StationAverager::new(&drawn.plan.gauge.station, z_mm, STATION_MM);
     let (mut common, mut flags) = (None, Vec::new());
@@ -458,7 +464,8 @@ fn measure_stations(
         common = common.or(WidthReading::of_frame(&edges, 0..edges.columns()));
         flags.push(flag(calibration, &drawn.conditions, &edges));
     }
-    // What is wrong with light or lens shows in most frames; columns that one of ten loses by chance are made up for by the others.
+    // What is wrong with light or lens shows in most frames; columns that one of ten loses by
+    // chance are made up for by the others.
     let clean = flags.iter().filter(|f| f.is_empty()).count();
     let worst = flags.into_iter().find(|f| !f.is_empty() && 2 * clean < ANGLES).unwrap_or_default();
     let station = averager.finish(1).stations[STATIONS / 2];

@@ -1,9 +1,10 @@
 //! The optimum by branch and bound, and a proof of how good it is.
 //!
-//! On a box of cutting data t_j is smallest at the largest (v, f, a_p), the wear rate 1/T at the smallest, so that
-//! t_j,min·(1 + t_h/T_max) + t_q bounds t from below; the force is monotone in each variable, so that a box whose
-//! smallest corner breaks the limit is empty. Boxes that cannot beat the best point known by more than `gap` are
-//! dropped, the others halved. What is left of the gap is closed by a pattern search from the best point.
+//! On a box of cutting data t_j is smallest at the largest (v, f, a_p), the wear rate 1/T at the
+//! smallest, so that t_j,min·(1 + t_h/T_max) + t_q bounds t from below; the force is monotone in
+//! each variable, so that a box whose smallest corner breaks the limit is empty. Boxes that cannot
+//! beat the best point known by more than `gap` are dropped, the others halved. What is left of the
+//! gap is closed by a pattern search from the best point.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -109,8 +110,8 @@ fn consider(
     }
 }
 
-/// The best depth at the corner's speed and feed: the time over depth has one minimum at most between the ends of the
-/// feasible interval, found by golden section beside the ends themselves.
+/// The best depth at the corner's speed and feed: the time over depth has one minimum at most
+/// between the ends of the feasible interval, found by golden section beside the ends themselves.
 fn deepest(problem: &Problem, limits: &Limits, corner: Point) -> Option<Point> {
     let [low, high] = limits.depth_mm;
     let at = |depth_mm: f64| Point { depth_mm, ..corner };
@@ -161,7 +162,8 @@ fn halves(limits: &Limits) -> [Limits; 2] {
     [lower, upper]
 }
 
-/// Pattern search over speed and feed, the depth at its best, steps from 10 % of the range down to 1e-12.
+/// Pattern search over speed and feed, the depth at its best, steps from 10 % of the range down to
+/// 1e-12.
 fn pattern_search(problem: &Problem, limits: &Limits, start: Point) -> Point {
     let clamp = |value: f64, [low, high]: [f64; 2]| value.clamp(low, high);
     let span = |[low, high]: [f64; 2]| high - low;

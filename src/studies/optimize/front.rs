@@ -1,4 +1,5 @@
-//! Time against size error: the paper's next step, by solving the problem at many limits of the error.
+//! Time against size error: the paper's next step, by solving the problem at many limits of the
+//! error.
 
 use super::exact;
 use super::problem::{Problem, Solution};
@@ -6,8 +7,8 @@ use super::problem::{Problem, Solution};
 /// Relative gap to which the points of a front are proven.
 const GAP: f64 = 1e-3;
 
-/// The non-dominated points of time and size error, from the most exact to the fastest. Empty where even the roughness
-/// cannot be kept.
+/// The non-dominated points of time and size error, from the most exact to the fastest. Empty where
+/// even the roughness cannot be kept.
 pub fn time_against_error(problem: &Problem, points: usize) -> Vec<Solution> {
     let at_limit = |size_limit_mm: f64| {
         exact::minimise(&problem.with_size_limit(size_limit_mm), GAP).map(|found| found.solution)

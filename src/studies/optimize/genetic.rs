@@ -1,9 +1,10 @@
 //! The paper's method: a genetic algorithm, real-coded.
 //!
-//! Binary tournaments, simulated binary crossover and polynomial mutation (K. Deb and R. B. Agrawal, 1995), and
-//! survival of the best of parents and children. Limits by Deb's rules (2000): a feasible individual beats an
-//! infeasible one, a shorter time beats a longer one, a smaller violation a larger one. No penalty factor to tune,
-//! and the result violates nothing as soon as one individual did not.
+//! Binary tournaments, simulated binary crossover and polynomial mutation (K. Deb and R. B.
+//! Agrawal, 1995), and survival of the best of parents and children. Limits by Deb's rules (2000):
+//! a feasible individual beats an infeasible one, a shorter time beats a longer one, a smaller
+//! violation a larger one. No penalty factor to tune, and the result violates nothing as soon as
+//! one individual did not.
 
 use rand::RngExt;
 use rand_pcg::Pcg64;

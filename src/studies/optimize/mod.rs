@@ -1,5 +1,5 @@
-//! Choice of cutting data (equations 4 to 10 of the slender-shaft paper): the shortest machining time under limits
-//! of size error, roughness and machine.
+//! Choice of cutting data (equations 4 to 10 of the slender-shaft paper): the shortest machining
+//! time under limits of size error, roughness and machine.
 //!
 //! ```text
 //! min t = t_j + t_h·t_j/T + t_q          t_j = π·L·(D - 2·n·a_p)/(1000·f·v)       (4, 5)
@@ -8,8 +8,8 @@
 //! T = (C_T/(v·f^y·a_p^x))^(1/m)          Taylor's tool life
 //! ```
 //!
-//! [`genetic`] is the paper's method, [`exact`] a branch and bound that proves how far any point is from the optimum,
-//! [`front`] the paper's next step: time against size error.
+//! [`genetic`] is the paper's method, [`exact`] a branch and bound that proves how far any point is
+//! from the optimum, [`front`] the paper's next step: time against size error.
 
 mod config;
 pub mod exact;
@@ -78,7 +78,8 @@ pub struct PassTime {
 /// Passes over which the time is drawn.
 pub const MOST_PASSES: u32 = 8;
 
-/// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the stock lasts.
+/// Time over the number of passes at a point, from one pass to [`MOST_PASSES`], as far as the stock
+/// lasts.
 pub fn times_over_passes(problem: &Problem, point: &Point) -> Vec<PassTime> {
     (1..=MOST_PASSES)
         .map_while(|passes| {

@@ -128,8 +128,9 @@ impl Problem {
         std::f64::consts::PI * self.length_mm * turned / (1000.0 * p.feed_mm_per_rev * p.speed_m_per_min)
     }
 
-    /// t of a stock turned down in `passes` passes at the same cutting data, min: equation 5 gives the time of the last of them; this is
-    /// Σ t_j(k) for k = 1 to n with the tool changes of all, and the auxiliary time once. None where nothing of the shaft would be left.
+    /// t of a stock turned down in `passes` passes at the same cutting data, min: equation 5 gives
+    /// the time of the last of them; this is Σ t_j(k) for k = 1 to n with the tool changes of all,
+    /// and the auxiliary time once. None where nothing of the shaft would be left.
     pub fn total_time_min(&self, p: &Point, passes: u32) -> Option<f64> {
         let left = self.diameter_mm - 2.0 * f64::from(passes) * p.depth_mm;
         let cutting: f64 = (1..=passes).map(|pass| self.pass_time_min(p, pass)).sum();
@@ -166,7 +167,8 @@ impl Problem {
         self.error_per_force_mm_per_n * self.force_n(p)
     }
 
-    /// Height of the feed marks, µm: f²/8r, or what the minor cutting edge leaves at feeds beyond the nose.
+    /// Height of the feed marks, µm: f²/8r, or what the minor cutting edge leaves at feeds beyond
+    /// the nose.
     pub fn roughness_um(&self, feed_mm_per_rev: f64) -> f64 {
         1e3 * tool_factors::feed_mark_mm(feed_mm_per_rev, &self.tool)
     }
@@ -177,7 +179,8 @@ impl Problem {
         tool_factors::largest_feed_mm_per_rev(1e-3 * self.roughness_limit_um, most, &self.tool)
     }
 
-    /// How far size error and roughness lie above their limits, relative; zero for a feasible point within the bounds.
+    /// How far size error and roughness lie above their limits, relative; zero for a feasible point
+    /// within the bounds.
     pub fn violation(&self, p: &Point) -> f64 {
         let size = self.size_error_mm(p) / self.size_limit_mm - 1.0;
         let rough = self.roughness_um(p.feed_mm_per_rev) / self.roughness_limit_um - 1.0;
@@ -236,8 +239,8 @@ impl Problem {
         })
     }
 
-    /// The point of smallest size error among the corners: the force is monotone in each variable, so no point of the
-    /// box has a smaller one.
+    /// The point of smallest size error among the corners: the force is monotone in each variable,
+    /// so no point of the box has a smaller one.
     pub fn smallest_error(&self, limits: &Limits) -> Point {
         let first = Point {
             speed_m_per_min: limits.speed_m_per_min[1],

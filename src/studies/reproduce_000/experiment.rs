@@ -1,9 +1,10 @@
 //! The paper's experiment with two groups, through rendered and measured frames.
 //!
-//! Each part is turned twice with the same cutting data (the semi-finishing cut is that of the finishing one: what is measured after
-//! it comes again). A guideway out of line leaves the paper's error line; scatter of tool position and force, which no compensation
-//! of one part can see, is ours. One group is compensated after semi-finishing by the line fitted to its measured stations, the
-//! other is not.
+//! Each part is turned twice with the same cutting data (the semi-finishing cut is that of the
+//! finishing one: what is measured after it comes again). A guideway out of line leaves the paper's
+//! error line; scatter of tool position and force, which no compensation of one part can see, is
+//! ours. One group is compensated after semi-finishing by the line fitted to its measured stations,
+//! the other is not.
 
 use super::Inputs;
 use crate::cell::SimulatedCell;
@@ -73,8 +74,8 @@ fn job(inputs: &Inputs, line: &LineFit) -> Result<Job, ExperimentError> {
     // Away from the part by half the error of diameter; x = 1 at the chuck.
     let away = |x: f64| 1e3 * 0.5 * inputs.unit_mm * (line.a + line.b * x);
     job.process = ProcessSettings {
-        // The force that a handbook gives such a tool, over the handbook's depths: the paper's line is the whole error, and bending
-        // adds little to it.
+        // The force that a handbook gives such a tool, over the handbook's depths: the paper's line
+        // is the whole error, and bending adds little to it.
         force: ForceLaw::Power(PowerLaw { fitted: FittedRange::default(), ..PowerLaw::table_2() }),
         disturbance: DisturbanceSettings {
             guideway: vec![

@@ -88,8 +88,8 @@ fn equations(input: &PidInput) -> Vec<Row> {
     ]
 }
 
-/// Eq. 18 as printed, without Ki, and with Ki, on a plant of unit gain under a constant disturbance. The paper does not print its
-/// machine's gain; with one in the inputs, that is taken.
+/// Eq. 18 as printed, without Ki, and with Ki, on a plant of unit gain under a constant
+/// disturbance. The paper does not print its machine's gain; with one in the inputs, that is taken.
 fn equation_18(input: &PidInput) -> Vec<Row> {
     let first = input.uncompensated_mm[0];
     let gain = input.plant_gain.unwrap_or(1.0);

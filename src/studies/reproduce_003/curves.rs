@@ -26,9 +26,11 @@ pub struct Curves {
     pub fig_8: Vec<Curve>,
     /// The same, a curve a feed.
     pub fig_9: Vec<Curve>,
-    /// Deflection line under a load that stays at node 71 (mm, µm of diameter), with row 1 of Table 1.
+    /// Deflection line under a load that stays at node 71 (mm, µm of diameter), with row 1 of Table
+    /// 1.
     pub fixed_load: Vec<Curve>,
-    /// Fig. 11a: error over z (mm, µm of diameter) on the physical plant, a curve a pass, without control.
+    /// Fig. 11a: error over z (mm, µm of diameter) on the physical plant, a curve a pass, without
+    /// control.
     pub fig_11_none: Vec<Curve>,
     /// Fig. 11b: the same under PID, offsets accumulated.
     pub fig_11_pid: Vec<Curve>,

@@ -85,8 +85,8 @@ impl<'a> Model<'a> {
         2e3 * self.shaft.softest().compliance_mm_per_n
     }
 
-    /// Size error over z under one newton at the loaded node, (mm, µm): the paper's own nodes, halved so that each element has a
-    /// middle. Two-node elements are exact at their nodes.
+    /// Size error over z under one newton at the loaded node, (mm, µm): the paper's own nodes,
+    /// halved so that each element has a middle. Two-node elements are exact at their nodes.
     pub(super) fn fixed_load(&self) -> Vec<(f64, f64)> {
         let beam = &self.inputs.beam;
         let elements = 2 * (beam.nodes - 1);
@@ -333,7 +333,8 @@ impl<'a> Model<'a> {
         self.law_1.force_n(figures.fig_9_depth_mm, &cutting)
     }
 
-    /// "The error increases with depth and feed and decreases with the speed": direction, and how strongly.
+    /// "The error increases with depth and feed and decreases with the speed": direction, and how
+    /// strongly.
     fn trends(&self) -> Vec<Row> {
         let figures = &self.inputs.figures;
         let of_table = |table: &[Force], law: &PowerLaw, factor: fn(&ForcePoint) -> f64| -> Vec<(f64, f64)> {

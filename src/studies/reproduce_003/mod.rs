@@ -1,8 +1,8 @@
 //! Reproduction of the slender-shaft paper (Xue, Miao, Xue 2023): every figure of it beside ours.
 //!
-//! `ours` is computed when asked, from [`Inputs`]: a changed input changes it, and the verdict with it
-//! ([`super::reproduction`]). A contradiction is shown by the paper's own figures alone (`own_figures`); figures that are missed
-//! for a reason that is known stand in `known`.
+//! `ours` is computed when asked, from [`Inputs`]: a changed input changes it, and the verdict with
+//! it ([`super::reproduction`]). A contradiction is shown by the paper's own figures alone
+//! (`own_figures`); figures that are missed for a reason that is known stand in `known`.
 
 mod control;
 mod curves;
@@ -34,7 +34,8 @@ pub struct Reproduction {
     pub curves: Curves,
 }
 
-/// All rows and curves. With a renderer the physical plant is also run through rendered and measured frames.
+/// All rows and curves. With a renderer the physical plant is also run through rendered and
+/// measured frames.
 ///
 /// # Errors
 /// Inputs from which nothing can be computed.

@@ -107,7 +107,8 @@ fn times(
     ]
 }
 
-/// The force law of equation 6, and whether it is given: the paper's two tables differ by nine times.
+/// The force law of equation 6, and whether it is given: the paper's two tables differ by nine
+/// times.
 fn law_of_equation_6(paper: &OptimumInput) -> (&'static str, bool) {
     ("force law F of eq. 6", paper.force_coefficient_n.is_some())
 }

@@ -1,4 +1,5 @@
-//! The paper against itself: its figures and equations by arithmetic and geometry alone, with no constant of ours.
+//! The paper against itself: its figures and equations by arithmetic and geometry alone, with no
+//! constant of ours.
 //!
 //! Only these rows can end in a contradiction. They see [`Printed`] and nothing else.
 
@@ -6,7 +7,8 @@ use super::inputs::{Figure, Force, Inputs};
 use crate::studies::optimize::OptimizeConfig;
 use crate::studies::reproduction::{Accept, Row};
 
-/// Accuracy to which a printed table follows a power of its factor, relative: both do within .3 % elsewhere.
+/// Accuracy to which a printed table follows a power of its factor, relative: both do within .3 %
+/// elsewhere.
 const TABLE: f64 = 0.01;
 /// Accuracy of a value read from a printed curve, relative.
 const READING: f64 = 0.02;
@@ -41,11 +43,13 @@ impl<'a> Printed<'a> {
         rows
     }
 
-    /// E of the clamped and rigidly supported beam that gives Fig. 7's errors from Table 1's forces.
+    /// E of the clamped and rigidly supported beam that gives Fig. 7's errors from Table 1's
+    /// forces.
     fn modulus(&self) -> Row {
         let beam = &self.inputs.beam;
         let (length, d) = (beam.length_mm, beam.diameter_mm);
-        // w·EI = a³b²(3a + 4b)/(12 L³) under a load at a from the clamp, b from the support; largest over a = L·x.
+        // w·EI = a³b²(3a + 4b)/(12 L³) under a load at a from the clamp, b from the support;
+        // largest over a = L·x.
         let shape = |x: f64| x.powi(3) * (1.0 - x).powi(2) * (4.0 - x) / 12.0;
         let largest = (0..=10_000).map(|i| shape(f64::from(i) / 1e4)).fold(0.0, f64::max) * length.powi(3);
         let inertia = std::f64::consts::PI * d.powi(4) / 64.0;
@@ -63,7 +67,8 @@ impl<'a> Printed<'a> {
             ("beam.E", "Young's modulus that Fig. 7 and Table 1 imply (Euler-Bernoulli beam)", "Pa"),
             Some(1e6 * beam.youngs_modulus_printed_n_per_mm2),
             implied,
-            // Shear, neglected here, and the choice of the position do not change E by a factor of two.
+            // Shear, neglected here, and the choice of the position do not change E by a factor of
+            // two.
             Accept::Relative(1.0),
             "printed as 2.1e6 Pa, which would make every error 1e5 times larger; 2.1e11 Pa is meant",
         )
@@ -145,7 +150,8 @@ impl<'a> Printed<'a> {
         ))
     }
 
-    /// A linear static model has one error per force: each error of a figure from its first one and the table's forces.
+    /// A linear static model has one error per force: each error of a figure from its first one and
+    /// the table's forces.
     fn linear(&self, figure: &str, errors: &[Figure], table: &[Force]) -> Vec<Row> {
         let Some((first, others)) = errors.split_first() else { return Vec::new() };
         let force = |f: &Figure| table[f.row - 1].force_n;

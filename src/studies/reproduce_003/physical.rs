@@ -1,8 +1,10 @@
-//! Fig. 11 on the physical plant: the turning process, its true diameters in the controller's place of measurement.
+//! Fig. 11 on the physical plant: the turning process, its true diameters in the controller's place
+//! of measurement.
 //!
-//! The paper gives neither length nor supports of the shaft it cut. `[plant]` of the inputs takes a length twice the position of
-//! Fig. 11 and the main job's supports, with the paper's cutting data and final diameter and a radial force scaled so that its first
-//! error is the paper's: that keeps the shape, small at both ends and large in the middle, which a softer tailstock would not.
+//! The paper gives neither length nor supports of the shaft it cut. `[plant]` of the inputs takes a
+//! length twice the position of Fig. 11 and the main job's supports, with the paper's cutting data
+//! and final diameter and a radial force scaled so that its first error is the paper's: that keeps
+//! the shape, small at both ends and large in the middle, which a softer tailstock would not.
 
 use super::control::READING;
 use super::curves::{Curves, of_passes};
@@ -112,12 +114,14 @@ pub(super) fn rows(inputs: &Inputs, curves: &mut Curves) -> Result<Vec<Row>, Rep
     Ok(rows)
 }
 
-/// Lengths, mm, and factors on the stiffness of the plant's supports among which the largest growth is looked for: from a shaft
-/// that just holds the paper's position to the paper's own 1000 mm; a tenth of the supports to rigid ones.
+/// Lengths, mm, and factors on the stiffness of the plant's supports among which the largest growth
+/// is looked for: from a shaft that just holds the paper's position to the paper's own 1000 mm; a
+/// tenth of the supports to rigid ones.
 const LENGTHS_MM: [f64; 4] = [300.0, 500.0, 700.0, 1000.0];
 const STIFFER: [f64; 3] = [0.1, 1.0, f64::INFINITY];
 
-/// The largest growth of shafts of other lengths on other supports, each with the force that leaves the paper's first error.
+/// The largest growth of shafts of other lengths on other supports, each with the force that leaves
+/// the paper's first error.
 fn growth_at_most(job: &Job, inputs: &Inputs) -> Result<Row, ReproductionError> {
     let (mut most, mut held) = (0.0, String::new());
     for length_mm in LENGTHS_MM {
@@ -142,7 +146,8 @@ fn growth_at_most(job: &Job, inputs: &Inputs) -> Result<Row, ReproductionError> 
     Ok(Row::ours(names, most, reason))
 }
 
-/// Change of the diameter over the change of the offset, in the second pass at the paper's position.
+/// Change of the diameter over the change of the offset, in the second pass at the paper's
+/// position.
 fn gain(job: &Job, input: &PidInput) -> Result<Row, ReproductionError> {
     let stations = job.part.station_z_mm().len();
     // Small beside the depth of cut, so that the force law is straight over it.
@@ -171,7 +176,8 @@ pub(super) fn worst(id: &str, errors: &[f64], printed: &[f64], reason: &str) -> 
     Row::predicted(names, Some(paper), ours, Accept::Range(0.0, paper), reason)
 }
 
-/// The errors of every pass at the paper's position. Without control both sides count; with it, less than the paper's agrees too.
+/// The errors of every pass at the paper's position. Without control both sides count; with it,
+/// less than the paper's agrees too.
 fn pass_rows(name: &str, errors: &[f64], printed: &[f64], assumed: &str) -> Vec<Row> {
     let row = |(k, (error, paper)): (usize, (&f64, &f64))| {
         let id = format!("fig11.physical.{name}.pass{}", k + 1);
@@ -190,7 +196,8 @@ fn pass_rows(name: &str, errors: &[f64], printed: &[f64], assumed: &str) -> Vec<
     errors.iter().zip(printed).enumerate().map(row).collect()
 }
 
-/// "Small at both ends and large in the middle": passes whose largest error lies in the middle half and is above both ends'.
+/// "Small at both ends and large in the middle": passes whose largest error lies in the middle half
+/// and is above both ends'.
 pub(super) fn shape(id: &str, how: &str, profiles: &[Vec<(f64, f64)>]) -> Row {
     let humped = |profile: &&Vec<(f64, f64)>| {
         let (Some(first), Some(last)) = (profile.first(), profile.last()) else { return false };
@@ -213,8 +220,9 @@ pub(super) fn shape(id: &str, how: &str, profiles: &[Vec<(f64, f64)>]) -> Row {
     )
 }
 
-/// Scales the force law so that the first error at the paper's position is the paper's, by bisection over the logarithm
-/// of the factor (more force makes a larger error). An end of the search where the paper's error is out of reach.
+/// Scales the force law so that the first error at the paper's position is the paper's, by
+/// bisection over the logarithm of the factor (more force makes a larger error). An end of the
+/// search where the paper's error is out of reach.
 fn identified_force(job: &mut Job, input: &PidInput) -> Result<f64, ReproductionError> {
     let plain = if let ForceLaw::Power(law) = &job.process.force { *law } else { PowerLaw::default() };
     let (mut less, mut more) = (1e-2_f64.ln(), 1e2_f64.ln());

@@ -21,7 +21,8 @@ fn flat(middle: f64) -> ColumnDiameters {
     }
 }
 
-/// A scan whose axis stands at x(z) and turns about it by (a, b), with noise of one station and angle.
+/// A scan whose axis stands at x(z) and turns about it by (a, b), with noise of one station and
+/// angle.
 fn line(angles: &[f64], x: impl Fn(f64) -> f64, turning: (f64, f64), noise: f64, seed: u64) -> AxisLine {
     let stations: Vec<f64> = (0..60).map(|k| 2.5 + 5.0 * f64::from(k)).collect();
     let mut averager = AxisAverager::new(stations.clone(), 5.0, AxisZero { height_mm: -7.0, u_scale: 0.0 });
@@ -63,7 +64,8 @@ fn still_and_turning_parts_are_told_apart_and_u_is_what_they_scatter_by() {
     }
 }
 
-/// Three and five lobes that run along the part, drawn anew a part: 2u covers them, however many stations show the same.
+/// Three and five lobes that run along the part, drawn anew a part: 2u covers them, however many
+/// stations show the same.
 #[test]
 fn lobes_that_run_along_the_part_are_known_from_one_stations_freedom() {
     let angles: Vec<f64> = (0..8).map(|k| 22.5 * f64::from(k)).collect();
@@ -95,8 +97,8 @@ fn lobes_that_run_along_the_part_are_known_from_one_stations_freedom() {
     assert!(covered / all > 0.85, "{}", covered / all);
 }
 
-/// Two fields that show a station while the tool cuts, the far one of an axis bent otherwise: the near burst counts, and at one place
-/// two bursts are averaged.
+/// Two fields that show a station while the tool cuts, the far one of an axis bent otherwise: the
+/// near burst counts, and at one place two bursts are averaged.
 #[test]
 fn the_nearest_burst_that_carries_a_station_counts() {
     let zero = AxisZero { height_mm: 0.0, u_scale: 0.0 };

@@ -1,7 +1,9 @@
-//! The blur of a frame, from the frame: the edge-spread function's width by pooled scoring over many columns.
+//! The blur of a frame, from the frame: the edge-spread function's width by pooled scoring over
+//! many columns.
 //!
-//! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over columns divided by the
-//! pooled information is the Gauss-Newton step. Blocks along the shaft are estimated by themselves and joined unless they differ.
+//! With the position profiled out the score for σ of one column is Σ r ∂E/∂σ v_mid/v; its sum over
+//! columns divided by the pooled information is the Gauss-Newton step. Blocks along the shaft are
+//! estimated by themselves and joined unless they differ.
 
 use super::levels::LevelCurve;
 use super::scoring::{dot, locate, normalise};
@@ -13,8 +15,9 @@ use crate::gauge::edges::Edge;
 
 /// Blocks along the shaft.
 pub(crate) const BLOCKS: usize = 8;
-/// Columns looked at per block while the blur converges, and for its last step and what a stream follows: in these a frame by itself and a
-/// stream look at the same columns, so that they differ by what the frames before add alone.
+/// Columns looked at per block while the blur converges, and for its last step and what a stream
+/// follows: in these a frame by itself and a stream look at the same columns, so that they differ
+/// by what the frames before add alone.
 const PER_BLOCK: usize = 32;
 pub(crate) const FINAL_PER_BLOCK: usize = 128;
 /// Columns of a block from which its blur is known.
@@ -90,8 +93,8 @@ pub(crate) fn samples(columns: usize) -> impl Iterator<Item = usize> {
     (0..BLOCKS).flat_map(move |block| sample(block, columns, PER_BLOCK))
 }
 
-/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts; `None` without contrast. The windows are
-/// those of the columns looked at, one after the other.
+/// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts;
+/// `None` without contrast. The windows are those of the columns looked at, one after the other.
 pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     pool.clear();
     for place in 0..windows.centre.len() {
@@ -209,7 +212,8 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
 
 /// Relative half width within which the width of a ringed pattern may differ from its nominal one.
 const RINGED_SEARCH: f64 = 0.15;
-/// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring converges from half of it.
+/// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring
+/// converges from half of it.
 const RING_PHASE: f64 = 1.0;
 
 /// The width that leaves the smallest residual of rings among some around `start`: their phase,
@@ -262,8 +266,9 @@ fn block_sums(
     sums
 }
 
-/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola through them, or a line where few
-/// of them are known. Smaller differences count as far as they are likely ([`likely_course`]).
+/// One blur for all blocks unless they differ significantly and by more than 1 %; then a parabola
+/// through them, or a line where few of them are known. Smaller differences count as far as they
+/// are likely ([`likely_course`]).
 fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> BlurEstimate {
     let slope2 = mean_square_slope(context);
     let least = context.shape.least_sigma();
@@ -305,14 +310,17 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
     sum / count.max(1.0)
 }
 
-/// Standard deviation of trend and bend of the blur along the field that are likely, as a share of the blur: a shaft that sags by half a
-/// millimetre towards the camera is blurred by some hundredths otherwise at the ends of a field.
+/// Standard deviation of trend and bend of the blur along the field that are likely, as a share of
+/// the blur: a shaft that sags by half a millimetre towards the camera is blurred by some
+/// hundredths otherwise at the ends of a field.
 const LIKELY_COURSE: f64 = 0.03;
-/// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course along the field is dirt.
+/// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course
+/// along the field is dirt.
 const ROUGH: f64 = 3.0;
 
-/// The parabola that a shaft's distance from the focal plane draws along the field, its trend and bend weighed against what is likely of them:
-/// a test of significance would leave out what most frames of a bent shaft show too weakly, and all of them alike.
+/// The parabola that a shaft's distance from the focal plane draws along the field, its trend and
+/// bend weighed against what is likely of them: a test of significance would leave out what most
+/// frames of a bent shaft show too weakly, and all of them alike.
 fn likely_course(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();

@@ -1,11 +1,13 @@
-//! The blur of a frame that a stream follows: a shaft that sags towards the camera, or turns out of the centre, is out of focus otherwise in
-//! every frame.
+//! The blur of a frame that a stream follows: a shaft that sags towards the camera, or turns out of
+//! the centre, is out of focus otherwise in every frame.
 //!
-//! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ moves an edge by −δ·I_xσ/I_xx: both edges
-//! outwards or both inwards. The score for σ at the edges just placed, summed over blocks along the shaft, gives the change of a parabola σ(t)
-//! since the frame before, and the edges just placed are moved by it to first order, or placed anew. Nothing is averaged over frames: an
-//! average lags behind a shaft that is fed along or turns, at the same places in every turn, and a level edge, whose phase does not travel, keeps
-//! what the lag costs. Frames by themselves and frames followed owe their blur to the same columns and agree.
+//! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ
+//! moves an edge by −δ·I_xσ/I_xx: both edges outwards or both inwards. The score for σ at the edges
+//! just placed, summed over blocks along the shaft, gives the change of a parabola σ(t) since the
+//! frame before, and the edges just placed are moved by it to first order, or placed anew. Nothing
+//! is averaged over frames: an average lags behind a shaft that is fed along or turns, at the same
+//! places in every turn, and a level edge, whose phase does not travel, keeps what the lag costs.
+//! Frames by themselves and frames followed owe their blur to the same columns and agree.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,12 +19,13 @@ use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::PHASE_REACH;
 use crate::gauge::edges::Edge;
 
-/// Standard deviation of trend and bend of the blur along the field that are taken for possible without a frame that shows them, as a
-/// share of the blur.
+/// Standard deviation of trend and bend of the blur along the field that are taken for possible
+/// without a frame that shows them, as a share of the blur.
 const LIKELY_TREND: f64 = 0.01;
 /// The same where columns are readings one after the other, and share their blur: none.
 const LEVEL_TREND: f64 = 1e-9;
-/// Largest change of the blur by which edges are moved to first order; what that leaves is its square, below 1e-4 px.
+/// Largest change of the blur by which edges are moved to first order; what that leaves is its
+/// square, below 1e-4 px.
 const FIRST_ORDER: f64 = 0.01;
 /// The same among rings, the phase of whose farthest one it turns by a sixth of a radian.
 const FIRST_ORDER_OF_RINGS: f64 = 1e-3;
@@ -101,7 +104,8 @@ impl BlurTrack {
         }
     }
 
-    /// What the frame just fitted shows of the blur: moves its edges by it, and keeps it for the next frame to begin with.
+    /// What the frame just fitted shows of the blur: moves its edges by it, and keeps it for the
+    /// next frame to begin with.
     pub(crate) fn follow(
         &self,
         blur: &mut BlurEstimate,

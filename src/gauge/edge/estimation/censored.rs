@@ -27,7 +27,8 @@ impl Ends {
         self.high.is_finite()
     }
 
-    /// From the ends found in the dark and in the light, each with the distance of two grey values; `None` where neither was.
+    /// From the ends found in the dark and in the light, each with the distance of two grey values;
+    /// `None` where neither was.
     pub(crate) fn of(low: Option<(f32, f64)>, high: Option<(f32, f64)>) -> Option<Self> {
         let step = low.or(high)?.1;
         let at = |end: Option<(f32, f64)>, none: f64| end.map_or(none, |(value, _)| f64::from(value));
@@ -46,8 +47,9 @@ pub(crate) struct Censored {
     pub(crate) between: bool,
     /// Expected square of the residual over the pixels between the ends.
     pub(crate) expected: f64,
-    /// Expected change of the score by a relative change of the standard deviation s: of E ∂/∂ln s, 2φ(α) come from the pixels between
-    /// and −φ(α) − αφ(α)(h − α) from those at the upper end, the negative at the lower one.
+    /// Expected change of the score by a relative change of the standard deviation s: of E ∂/∂ln s,
+    /// 2φ(α) come from the pixels between and −φ(α) − αφ(α)(h − α) from those at the upper end, the
+    /// negative at the lower one.
     pub(crate) by_noise: f64,
 }
 
@@ -87,12 +89,14 @@ impl Censored {
         Self { residual, information, between, expected: expected.max(0.0), by_noise }
     }
 
-    /// Distances of the mean to the upper and the lower end, standard deviations, positive inside the scale.
+    /// Distances of the mean to the upper and the lower end, standard deviations, positive inside
+    /// the scale.
     fn inside(mean: f64, s: f64, Ends { low, high, step }: Ends) -> [f64; 2] {
         [(high - 0.5 * step - mean) / s, (mean - low - 0.5 * step) / s]
     }
 
-    /// Logarithm of the likelihood of a grey value `m` of mean `mean` and standard deviation `s`, counts.
+    /// Logarithm of the likelihood of a grey value `m` of mean `mean` and standard deviation `s`,
+    /// counts.
     pub(crate) fn log_likelihood(m: f64, mean: f64, s: f64, ends: Ends) -> f64 {
         let inside = Self::inside(mean, s, ends);
         let tail = |alpha: f64| phi_cdf(-alpha).max(1e-300).ln();
@@ -110,8 +114,9 @@ impl Censored {
 mod tests {
     use super::*;
 
-    /// Score and information by sums over all grey values of a scale with two ends: the mean score is 0, its variance is the
-    /// information, and the mean square between the ends is what is expected.
+    /// Score and information by sums over all grey values of a scale with two ends: the mean score
+    /// is 0, its variance is the information, and the mean square between the ends is what is
+    /// expected.
     #[test]
     fn scores_average_to_nothing_and_their_variance_is_the_information() {
         let (s, ends) = (2.5, Ends { low: 0.0, high: 20.0, step: 0.0 });

@@ -204,7 +204,8 @@ mod tests {
 
     const COLUMNS: usize = 256;
 
-    /// Windows of noisy edges anywhere between 0.7 px either side of their centres, dark 100 and light 1100 counts.
+    /// Windows of noisy edges anywhere between 0.7 px either side of their centres, dark 100 and
+    /// light 1100 counts.
     fn scene(sigma: f64, noise: f64, seed: u64) -> Windows {
         let mut rng = Pcg64::seed_from_u64(seed);
         let (normal, place) = (Normal::new(0.0, noise).unwrap(), Uniform::new(-0.7, 0.7).unwrap());

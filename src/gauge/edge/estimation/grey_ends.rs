@@ -1,10 +1,12 @@
-//! Where the grey scale of a frame ends: found from its grey values, whatever their container could hold.
+//! Where the grey scale of a frame ends: found from its grey values, whatever their container could
+//! hold.
 //!
-//! Cameras clip below full scale (254, 235, 1023 in 16 bits, a 12-bit value shifted left), some pixels are hot, some frames carry no
-//! noise. Flat light is clipped where its grey values pile up at their largest one: more of them there than in the step
-//! below, and none beyond where the noise seen elsewhere (in the pairs below that value, on the
-//! other level, on the flank) implies there
-//! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in the same way, with signs turned.
+//! Cameras clip below full scale (254, 235, 1023 in 16 bits, a 12-bit value shifted left), some
+//! pixels are hot, some frames carry no noise. Flat light is clipped where its grey values pile up
+//! at their largest one: more of them there than in the step below, and none beyond where the noise
+//! seen elsewhere (in the pairs below that value, on the other level, on the flank) implies there
+//! should be some. A frame that shows no noise anywhere is not clipped. The lower end is found in
+//! the same way, with signs turned.
 
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::numerics::distributions::{inverse_tail, phi_cdf};
@@ -12,7 +14,8 @@ use crate::numerics::robust::upper_median;
 
 /// Columns looked at before anything looks clipped.
 const GLANCE: usize = 64;
-/// Share of the flat pixels that may lie beyond an end: hot pixels. Less than this clipped moves a level by 0.016 standard deviations.
+/// Share of the flat pixels that may lie beyond an end: hot pixels. Less than this clipped moves a
+/// level by 0.016 standard deviations.
 const BEYOND: f64 = 0.04;
 /// Share of the flat pixels at one grey value from which on it may be an end.
 const AT_ONE: f64 = 0.015;
@@ -27,8 +30,9 @@ const SEEN: f64 = 0.2;
 const PAIRS: usize = 32;
 /// Largest number of flat pixels evaluated.
 const CLOSELY: usize = 4096;
-/// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps toggles under the least noise: √(1/4 − 1/12) = 0.41 are
-/// left without rounding's own) and of the contrast.
+/// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps
+/// toggles under the least noise: √(1/4 − 1/12) = 0.41 are left without rounding's own) and of the
+/// contrast.
 const NOISE: (f64, f64) = (0.45, 1e-3);
 
 /// Which flat end of the windows.
@@ -67,7 +71,8 @@ pub(crate) fn may_end(windows: &Windows, level: Level, pool: &mut Vec<f32>) -> b
     candidate(pool).is_some_and(|end| stands_out(pool, end))
 }
 
-/// Whether at least as many pixels stand at a grey value as at the next one below: on the outer slope of a bell fewer do.
+/// Whether at least as many pixels stand at a grey value as at the next one below: on the outer
+/// slope of a bell fewer do.
 fn stands_out(pool: &[f32], end: f32) -> bool {
     let below = pool.iter().copied().filter(|v| *v < end).fold(f32::NEG_INFINITY, f32::max);
     let (at_end, before) = pool.iter().fold((0, 0), |(at_end, before), v| {
@@ -91,9 +96,10 @@ pub(crate) fn find_end(
     found.map(|(end, step)| (level.sign() * end, step))
 }
 
-/// The grey value at which flat pixels are clipped, their largest, and the distance of two grey values; `None` where they are not.
-/// `known_step`: step of the grey scale, 0 where there is none. `noise` gives what they should scatter by, from a presumed end, the least scatter that counts and
-/// the distance of two grey values.
+/// The grey value at which flat pixels are clipped, their largest, and the distance of two grey
+/// values; `None` where they are not. `known_step`: step of the grey scale, 0 where there is none.
+/// `noise` gives what they should scatter by, from a presumed end, the least scatter that counts
+/// and the distance of two grey values.
 pub(crate) fn judge(
     pool: &mut [f32],
     known_step: f64,
@@ -179,7 +185,8 @@ struct Presumed {
     step: f64,
 }
 
-/// Noise that the level should show, counts: the largest of what is seen below the end, on the other level and on the flank.
+/// Noise that the level should show, counts: the largest of what is seen below the end, on the
+/// other level and on the flank.
 fn reference_noise(
     windows: &Windows,
     level: Level,
@@ -218,8 +225,8 @@ fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>
     robust_mean(squares).map(|mean| (0.5 * mean).sqrt())
 }
 
-/// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the share of them at the end or beyond;
-/// `None` of too few.
+/// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the
+/// share of them at the end or beyond; `None` of too few.
 pub(crate) fn light_scatter(
     windows: &Windows,
     end: Option<f32>,
@@ -250,8 +257,8 @@ pub(crate) fn light_scatter(
     Some((0.5 * mean, at_end / all.max(1.0)))
 }
 
-/// Noise on the flank by second differences along the shaft of the two pixels nearest to the middle of the levels, less what an edge that
-/// moves would do to both: structure of the part is no noise.
+/// Noise on the flank by second differences along the shaft of the two pixels nearest to the middle
+/// of the levels, less what an edge that moves would do to both: structure of the part is no noise.
 pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
     let middle = (0.5 * (elsewhere.levels[0] + elsewhere.levels[1])) as f32;
     let columns = windows.centre.len();

@@ -1,19 +1,22 @@
 //! Illumination gradient across an edge: a cloud of mist, a film on the window, the flank of an
 //! uneven light.
 //!
-//! The light's level is read from flat pixels D px beyond the edge and holds up to it only where the light is even. A few pixels
-//! farther out, in a sample of the columns, show how it changes. Where it grows outwards by g, a share of the contrast per px, pixel
-//! k at y_k px from the edge differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too far out.
-//! Where the change is significant against its own scatter it is removed from the windows, the
-//! contrast of every pixel being divided by
+//! The light's level is read from flat pixels D px beyond the edge and holds up to it only where
+//! the light is even. A few pixels farther out, in a sample of the columns, show how it changes.
+//! Where it grows outwards by g, a share of the contrast per px, pixel k at y_k px from the edge
+//! differs from the model by g·E_k·(y_k − D), so that the edge is placed g·Σ w_k E_k (y_k − D) too
+//! far out. Where the change is significant against its own scatter it is removed from the windows,
+//! the contrast of every pixel being divided by
 //!
 //! ```text
 //! exp(g·t + q·t²),  t = y_k − D        exact for light that falls exponentially and for Gaussian spots
 //! ```
 //!
-//! with g from the pixels a few rows farther out and q, one for the side, from those and others farther out still. What is left of it is a
-//! share of the shift. A level that neighbours share is also an error that neighbours share: it is stated with the shared uncertainty.
-//! Of a lit part before a dark ground the light is inside: all this is then looked at inwards from the flat pixels in the part.
+//! with g from the pixels a few rows farther out and q, one for the side, from those and others
+//! farther out still. What is left of it is a share of the shift. A level that neighbours share is
+//! also an error that neighbours share: it is stated with the shared uncertainty. Of a lit part
+//! before a dark ground the light is inside: all this is then looked at inwards from the flat
+//! pixels in the part.
 
 use super::levels::LevelCurve;
 use super::noise::NoiseModel;
@@ -32,23 +35,25 @@ const LEAST: usize = 5;
 /// Pixels looked at, and the distance of the first from the end of the window, px.
 const FAR: usize = 4;
 const BEYOND: usize = 8;
-/// Change of the light between both places that counts, as a share of the contrast and in standard deviations: a clean frame's
-/// uncertainty remains that of the noise. A gradient below this moves an edge by some thousandths
-/// of a pixel.
+/// Change of the light between both places that counts, as a share of the contrast and in standard
+/// deviations: a clean frame's uncertainty remains that of the noise. A gradient below this moves
+/// an edge by some thousandths of a pixel.
 const LEAST_CHANGE: f64 = 0.005;
 const LIMIT: f64 = 4.0;
 /// Standard deviation of a median over that of a mean.
 const MEDIAN: f64 = 1.2533;
 /// Distance of the farther pixels from the far ones, px.
 const FARTHER: usize = 14;
-/// Share of the shift that stays uncertain where the change was taken out of the windows: without its curvature, the slope under a spot
-/// changes by a third of itself over the 20 px between the edge and the far pixels; with it, what other light departs from, and a share of
-/// what the curvature did (light that falls linearly has little of it, a spot much).
+/// Share of the shift that stays uncertain where the change was taken out of the windows: without
+/// its curvature, the slope under a spot changes by a third of itself over the 20 px between the
+/// edge and the far pixels; with it, what other light departs from, and a share of what the
+/// curvature did (light that falls linearly has little of it, a spot much).
 const LEFT: f32 = 0.35;
 const LEFT_BENT: f32 = 0.04;
 const LEFT_OF_BEND: f32 = 0.3;
-/// Ratio of the slopes to the far and the farther pixels, and departure of the farther ones from a straight fall, beyond which these show
-/// something else than the same light: a spot of 4:1 within the field departs by 7 %.
+/// Ratio of the slopes to the far and the farther pixels, and departure of the farther ones from a
+/// straight fall, beyond which these show something else than the same light: a spot of 4:1 within
+/// the field departs by 7 %.
 const MOST_BEND: f32 = 2.0;
 const MOST_BENT: f32 = 0.12;
 /// Fewest tiles from which a side's curvature is estimated.
@@ -58,14 +63,15 @@ const PLAIN: f32 = 6.0;
 /// Least factor of the contrast by which a pixel of a window is divided: farther into the shadow
 /// there is no light.
 const LEAST_FACTOR: f32 = 0.25;
-/// Least change that is taken out, as a share of the contrast: ripples and tails of an edge-spread function change by 2 % beyond a
-/// window, and less than that moves an edge by some thousandths of a pixel, which are stated.
+/// Least change that is taken out, as a share of the contrast: ripples and tails of an edge-spread
+/// function change by 2 % beyond a window, and less than that moves an edge by some thousandths of
+/// a pixel, which are stated.
 const LEAST_LEVELLED: f32 = 0.03;
 /// Largest change that is removed, as a fraction of the contrast: a larger one is not a gradient of
 /// the light but a cloud or another part.
 const MOST_CHANGE: f32 = 0.5;
-/// Change over the far pixels as a share of that from the flat end to them from which they see an edge: light that falls off changes by a
-/// quarter over them, beside its crest by a half.
+/// Change over the far pixels as a share of that from the flat end to them from which they see an
+/// edge: light that falls off changes by a quarter over them, beside its crest by a half.
 const MOST_STEP: f32 = 0.75;
 
 /// How the light of a side changes outwards, tile by tile.
@@ -76,7 +82,8 @@ pub(crate) struct LevelGradient {
     inside: bool,
     /// Whether the change was taken out of the windows.
     levelled: bool,
-    /// Curvature of the light's logarithm outwards, 1/px², and its standard uncertainty; none where too few pixels show it.
+    /// Curvature of the light's logarithm outwards, 1/px², and its standard uncertainty; none where
+    /// too few pixels show it.
     bend: Option<(f32, f32)>,
 }
 
@@ -88,7 +95,8 @@ fn tile_columns(tile: usize, windows: &Windows) -> std::ops::Range<usize> {
 /// Change of the light beside a tile of columns.
 #[derive(Clone, Copy, Debug)]
 struct Change {
-    /// Median over the columns looked at, from the window's flat end to the far pixels, counts; NaN where unknown.
+    /// Median over the columns looked at, from the window's flat end to the far pixels, counts; NaN
+    /// where unknown.
     counts: f32,
     /// Standard uncertainty of that median by the columns' own scatter, counts.
     scatter: f32,
@@ -179,8 +187,9 @@ impl LevelGradient {
         if self.inside { low.is_finite() } else { high.is_finite() }
     }
 
-    /// Takes the change out of the windows of a side where most of its tiles plainly show one. Their flat ends stay as they are, and so do
-    /// grey values of `low` or less, at which the shadow is clipped.
+    /// Takes the change out of the windows of a side where most of its tiles plainly show one.
+    /// Their flat ends stay as they are, and so do grey values of `low` or less, at which the
+    /// shadow is clipped.
     pub(crate) fn level(&mut self, windows: &mut Windows, low: f32) {
         if self.levelled {
             return;
@@ -192,7 +201,8 @@ impl LevelGradient {
             let columns = tile_columns(tile, windows);
             let share = self.tiles[tile].share(windows, columns.clone());
             let own = self.tiles[tile].counts / mean_levels(windows, columns).1;
-            // Beside a light known by its curvature every tile shows its own, also the one at which it is level.
+            // Beside a light known by its curvature every tile shows its own, also the one at which
+            // it is level.
             let plain = share * mean.signum() > LEAST_LEVELLED || (bend.is_some() && own.abs() < MOST_CHANGE);
             self.tiles[tile].taken = (if plain { own } else { mean }).ln_1p();
         }
@@ -220,7 +230,8 @@ impl LevelGradient {
         }
     }
 
-    /// Curvature of the light's logarithm, the median of the tiles, and its standard uncertainty, by their scatter where that is more.
+    /// Curvature of the light's logarithm, the median of the tiles, and its standard uncertainty,
+    /// by their scatter where that is more.
     fn side_bend(&self, windows: &Windows) -> Option<(f32, f32)> {
         let tiles = self.tiles.iter().enumerate();
         let (mut bends, mut variance) = (Vec::new(), 0.0);
@@ -256,8 +267,9 @@ impl LevelGradient {
         (2 * plain > known).then(|| sum / plain as f32)
     }
 
-    /// Mean change, a share of the contrast, of the tiles that plainly change to one side, where they are most of those known: so does light that a lamp leaves
-    /// uneven; a cloud of mist is beside a few tiles, and the tails of an edge change less.
+    /// Mean change, a share of the contrast, of the tiles that plainly change to one side, where
+    /// they are most of those known: so does light that a lamp leaves uneven; a cloud of mist is
+    /// beside a few tiles, and the tails of an edge change less.
     fn trend(&self, windows: &Windows) -> Option<f32> {
         let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
         for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
@@ -276,8 +288,8 @@ impl LevelGradient {
         (2 * counts[side] > known).then(|| sums[side] / counts[side] as f32)
     }
 
-    /// The change of the logarithm taken out at a column, between the middles of its tile and the next; of smooth light beyond the outer
-    /// ones, too.
+    /// The change of the logarithm taken out at a column, between the middles of its tile and the
+    /// next; of smooth light beyond the outer ones, too.
     fn taken_at(&self, column: usize, columns: usize) -> f32 {
         let middle = |tile: usize| 0.5 * ((tile * TILE + ((tile + 1) * TILE).min(columns)) as f32 - 1.0);
         let last = self.tiles.len() - 1;
@@ -327,7 +339,8 @@ impl LevelGradient {
                 * match (self.levelled, self.bend) {
                     (false, _) => at_edge,
                     (true, None) => LEFT * at_edge,
-                    // The curvature's error turns the slope about the far pixels: ln C at the edge by u·D·(D + their distance).
+                    // The curvature's error turns the slope about the far pixels: ln C at the edge
+                    // by u·D·(D + their distance).
                     (true, Some((bend, u))) => {
                         (LEFT_BENT * slope).hypot(LEFT_OF_BEND * bend * reach).hypot(u * reach)
                     }
@@ -373,8 +386,8 @@ impl Change {
         if plain { share } else { 0.0 }
     }
 
-    /// Mean slope of the light's logarithm to the far pixels, 1/px, its curvature, 1/px², and that one's standard uncertainty; `None` where
-    /// the farther pixels show something else.
+    /// Mean slope of the light's logarithm to the far pixels, 1/px, its curvature, 1/px², and that
+    /// one's standard uncertainty; `None` where the farther pixels show something else.
     fn bend(&self, windows: &Windows, columns: std::ops::Range<usize>) -> Option<(f32, f32, f32)> {
         let (near, far) = (apart(windows.flat), apart(windows.flat) + FARTHER as f32);
         let contrast = mean_levels(windows, columns).1;
@@ -423,7 +436,8 @@ mod tests {
     use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
     use crate::gauge::edge::model::gaussian::EdgeSample;
 
-    /// An edge under light that grows outwards, placed by a table that takes the level at the flat end for the light's.
+    /// An edge under light that grows outwards, placed by a table that takes the level at the flat
+    /// end for the light's.
     #[test]
     fn the_shift_is_that_of_an_edge_under_a_gradient() {
         let (shape, gradient) = (EdgeSpreadFunction::Gaussian, 0.004);

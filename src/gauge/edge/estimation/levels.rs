@@ -1,10 +1,10 @@
 //! Light and dark levels along the shaft, pooled as far as the frame's own data support.
 //!
-//! Every column gives the mean of its flat pixels. Means of sixteen columns are fitted by piecewise linear curves with
-//! 2, 3, 5, 9, … equidistant knots; the number of knots is the one with the least χ² + 4·knots, between Mallows' C_p (2) and Schwarz'
-//! criterion (ln of some hundred bins, 5): a knot that noise alone has earned follows that noise by
-//! more than its variance implies, and the uncertainty of long means was too small by 3 % at a
-//! penalty of 2.5.
+//! Every column gives the mean of its flat pixels. Means of sixteen columns are fitted by piecewise
+//! linear curves with 2, 3, 5, 9, … equidistant knots; the number of knots is the one with the
+//! least χ² + 4·knots, between Mallows' C_p (2) and Schwarz' criterion (ln of some hundred bins,
+//! 5): a knot that noise alone has earned follows that noise by more than its variance implies, and
+//! the uncertainty of long means was too small by 3 % at a penalty of 2.5.
 //!
 //! In a short frame few bins leave few knots, and light that falls along the shaft bends between
 //! them. Where χ² shows that, a quartic is subtracted first and added again (P2 to P4 of Legendre,
@@ -16,10 +16,12 @@
 const BIN: usize = 16;
 /// Price of a knot in units of χ².
 const KNOT_PENALTY: f64 = 4.0;
-/// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight degrees of freedom.
+/// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight
+/// degrees of freedom.
 const EXCESS_CHI2: f64 = 3.5;
-/// Bins below which a frame is short: in longer ones knots enough follow the light, and what they leave is structure (reflections in the
-/// shadow), which is no error that neighbouring columns share.
+/// Bins below which a frame is short: in longer ones knots enough follow the light, and what they
+/// leave is structure (reflections in the shadow), which is no error that neighbouring columns
+/// share.
 const SHORT: usize = 64;
 
 /// A level along the columns, with the uncertainty that neighbouring columns share.
@@ -58,8 +60,8 @@ pub(crate) struct LevelPool {
 }
 
 impl LevelPool {
-    /// Fits the columns' means (NaN where missing); `sd` is the standard deviation of one column's mean, counts.
-    /// False, with `curve` untouched, without any column.
+    /// Fits the columns' means (NaN where missing); `sd` is the standard deviation of one column's
+    /// mean, counts. False, with `curve` untouched, without any column.
     pub(crate) fn pool(&mut self, means: &[f32], sd: f32, max_knots: usize, curve: &mut LevelCurve) -> bool {
         self.bins.fill(means, sd);
         if self.bins.0.is_empty() {
@@ -179,7 +181,8 @@ impl Bins {
         }
     }
 
-    /// The quartic of least squares over all bins, without its constant and line; `None` where few bins show it.
+    /// The quartic of least squares over all bins, without its constant and line; `None` where few
+    /// bins show it.
     fn bend(&self, columns: usize) -> Option<Bend> {
         let mut fit = crate::numerics::normal_equations::NormalEquations::new();
         for Bin { at, mean, count } in &self.0 {
@@ -231,8 +234,9 @@ struct Kept {
 }
 
 impl Kept {
-    /// Keeps the values within five standard deviations of the line through the medians of the bin's halves: along a shaft the light may
-    /// fall off by more than that over sixteen columns. What is taken off a line is added again at the bin's middle.
+    /// Keeps the values within five standard deviations of the line through the medians of the
+    /// bin's halves: along a shaft the light may fall off by more than that over sixteen columns.
+    /// What is taken off a line is added again at the bin's middle.
     fn of(chunk: &[f32], sd: f32) -> Self {
         let (left, right) = chunk.split_at(chunk.len() / 2);
         let halves = [median_of_finite(left), median_of_finite(right)];
@@ -253,7 +257,8 @@ impl Kept {
     }
 }
 
-/// Median of the values that are not missing: the mean of the two middle ones where their number is even.
+/// Median of the values that are not missing: the mean of the two middle ones where their number is
+/// even.
 fn median_of_finite(values: &[f32]) -> Option<f32> {
     let mut good = [0.0_f32; BIN];
     let mut n = 0;
@@ -319,8 +324,9 @@ impl Fit {
             self.knots[left].value += count * s * mean;
             self.knots[left + 1].value += count * t * mean;
         }
-        // Knots without data (a part that ends inside the field) lean on their neighbours with a millionth of a bin's weight.
-        // One bin alone (readings of a line camera) says nothing of a slope: its knots stand at one level.
+        // Knots without data (a part that ends inside the field) lean on their neighbours with a
+        // millionth of a bin's weight. One bin alone (readings of a line camera) says nothing of a
+        // slope: its knots stand at one level.
         let weight = if bins.0.len() == 1 { 1e3 } else { 1e-6 };
         let lean = weight * total / bins.0.len() as f64;
         for k in 0..knots - 1 {
@@ -349,8 +355,8 @@ impl Fit {
         }
     }
 
-    /// Solves the symmetric tridiagonal system (right-hand side in `value`) and gives the two central bands of its inverse
-    /// (Usmani's recurrences); false where it is singular.
+    /// Solves the symmetric tridiagonal system (right-hand side in `value`) and gives the two
+    /// central bands of its inverse (Usmani's recurrences); false where it is singular.
     fn solve(&mut self) -> bool {
         let knots = &mut self.knots;
         let n = knots.len();
@@ -388,7 +394,8 @@ impl Fit {
         (s * a.value + t * b.value, variance)
     }
 
-    /// Evaluates the curve: exactly at the ends of bins, linearly in between (bins are no longer than half a knot's distance).
+    /// Evaluates the curve: exactly at the ends of bins, linearly in between (bins are no longer
+    /// than half a knot's distance).
     fn curve(&self, columns: usize, curve: &mut LevelCurve) {
         let per_spacing = (self.knots.len() - 1) as f64 / (columns.max(2) - 1) as f64;
         curve.length = (1.0 / per_spacing) as f32;
@@ -447,7 +454,8 @@ mod tests {
 
     #[test]
     fn a_steep_fall_of_the_light_moves_no_level() {
-        // From 100 to 40 counts over 96 columns: 10 counts a bin, where a column's level is known to half a count.
+        // From 100 to 40 counts over 96 columns: 10 counts a bin, where a column's level is known
+        // to half a count.
         let fall: Vec<f32> =
             (0..96).map(|c| 100.0 - 0.625 * c as f32 + ((c * 37) % 11) as f32 * 0.1 - 0.5).collect();
         let (mut curve, mut pool) = (LevelCurve::default(), LevelPool::default());
@@ -474,7 +482,8 @@ mod tests {
             for column in (0..160).step_by(5) {
                 let miss = f64::from(curve.level[column]) - light(column as f64);
                 let u = f64::from(curve.uncertainty[column]);
-                // A level wrong by .2 % moves an edge by .002 px, less than such frames show; five knots alone miss by 1 %.
+                // A level wrong by .2 % moves an edge by .002 px, less than such frames show; five
+                // knots alone miss by 1 %.
                 assert!(
                     miss.abs() < 3.0 * u + 0.002 * light(column as f64) && u < 0.8,
                     "light {k}, column {column}: {miss:.3} u {u:.3}"

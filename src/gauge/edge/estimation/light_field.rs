@@ -1,11 +1,13 @@
-//! Light that is not even around a small part: the logarithm of the contrast as a quadratic over the frame.
+//! Light that is not even around a small part: the logarithm of the contrast as a quadratic over
+//! the frame.
 //!
 //! ```text
 //! ln C(x, y) = p0 + p1 x + p2 y + p3 x² + p4 xy + p5 y²        exact for light that falls exponentially and for Gaussian spots
 //! ```
 //!
-//! Least squares on the light beside the part, residuals beyond three standard deviations counting by their size only (Huber). A wire's or
-//! a disc's own pixels are divided by it: their edges are then those of even light.
+//! Least squares on the light beside the part, residuals beyond three standard deviations counting
+//! by their size only (Huber). A wire's or a disc's own pixels are divided by it: their edges are
+//! then those of even light.
 
 use nalgebra::Vector6;
 
@@ -20,11 +22,13 @@ const LEAST_CONTRAST: f64 = 0.15;
 /// Residuals beyond so many standard deviations count by their size only.
 const HUBER: f64 = 3.0;
 const ROUNDS: usize = 4;
-/// Scatter of the field over the pixels from which light is uneven: in standard deviations of what noise makes of even light, and at
-/// least. A light even to half a percent moves an edge by some thousandths of a pixel.
+/// Scatter of the field over the pixels from which light is uneven: in standard deviations of what
+/// noise makes of even light, and at least. A light even to half a percent moves an edge by some
+/// thousandths of a pixel.
 const PLAIN: f64 = 6.0;
 const LEAST_SPREAD: f64 = 0.005;
-/// Scatter about the field over that of neighbouring pixels, and share of the contrast beside it, up to which the light is smooth.
+/// Scatter about the field over that of neighbouring pixels, and share of the contrast beside it,
+/// up to which the light is smooth.
 const SMOOTH: f64 = 1.5;
 const SMOOTH_SHARE: f64 = 0.01;
 
@@ -67,7 +71,8 @@ impl LightField {
             let mut fit = NormalEquations::new();
             for p in &points {
                 let (terms, residual) = (field.terms(p.x, p.y), field.residual(p));
-                // A residual of the logarithm weighs by the contrast's square, near the field's own.
+                // A residual of the logarithm weighs by the contrast's square, near the field's
+                // own.
                 let expected = field.terms(p.x, p.y).dot(&field.by).exp();
                 let weight = expected.powi(2) * (HUBER * noise / residual.abs().max(1e-12)).min(1.0);
                 fit.add(terms, p.contrast.ln(), weight);

@@ -1,10 +1,10 @@
 //! Estimation from windows of grey values: levels, noise, blur, and the position of every edge by
 //! maximum likelihood.
 //!
-//! In: `scan_windows::Windows` of one side. Out: level curves along the shaft (`levels`), the noise (`noise`), the blur and its
-//! uncertainty (`blur`, `blur_track`), edges with u and χ² (`column_fit` by the tables of `scoring_table`; `censored_fit` where light is
-//! clipped), and what rounding or the systematic residual of the model adds to u. Counts and px
-//! throughout.
+//! In: `scan_windows::Windows` of one side. Out: level curves along the shaft (`levels`), the noise
+//! (`noise`), the blur and its uncertainty (`blur`, `blur_track`), edges with u and χ²
+//! (`column_fit` by the tables of `scoring_table`; `censored_fit` where light is clipped), and what
+//! rounding or the systematic residual of the model adds to u. Counts and px throughout.
 //!
 //! One more estimate is one more file: a function of windows and of the estimates before it, called
 //! by `side`. Whether an edge is refused for its position is decided in `rejection`.

@@ -8,13 +8,16 @@
 //! stated in full, but only its possible changes:
 //!
 //! 1. the *difference* of the residuals: with r_c(d) the mean residual of the masters' edges over
-//!    the distance d from the edge, χ² is computed of r − r_c. A part with the residual of the masters
-//!    has χ² = 1; one with any other residual, or none, has not;
-//! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first
-//!    order; zero where the weights are those of the masters;
-//! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫ w·r·e^{2πiu} du is not to be seen in r_c, which is
-//!    taken over distances from the edges as they were fitted (see `slanted_edge`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
-//!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3 % at 0.8 px, nothing from 1.2 px.
+//!    the distance d from the edge, χ² is computed of r − r_c. A part with the residual of the
+//!    masters has χ² = 1; one with any other residual, or none, has not;
+//! 2. other *weights*: another exposure or blur weighs the same residual otherwise and moves the
+//!    edge by δ(p) = Σ_k w_k(p)·r_c(k − p), to first order; zero where the weights are those of the
+//!    masters;
+//! 3. the *phase*: b(p) = Σ_k w(k − p)·r(k − p) repeats every pixel; its first harmonic B₁ = ∫
+//!    w·r·e^{2πiu} du is not to be seen in r_c, which is taken over distances from the edges as
+//!    they were fitted (see `slanted_edge`). Of the edge's own derivatives E⁽ⁿ⁾ (a skew, a
+//!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3
+//!    % at 0.8 px, nothing from 1.2 px.
 
 use super::column_fit::ColumnJob;
 use super::levels::LevelCurve;
@@ -28,12 +31,13 @@ use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::Edge;
 use crate::numerics::smoothing_spline::SplineFit;
 
-/// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area lets through), and in blurs, whose optics
-/// pass nothing finer than a few of these.
+/// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area
+/// lets through), and in blurs, whose optics pass nothing finer than a few of these.
 const KNOT_PX: f64 = 0.25;
 const KNOT_IN_BLURS: f64 = 0.4;
-/// Weight of a second difference of the spline's coefficients, in units of a knot's mean weight: bridges the phases that no master stood
-/// at, and takes 1 % of a ring as wide as two and a half blurs.
+/// Weight of a second difference of the spline's coefficients, in units of a knot's mean weight:
+/// bridges the phases that no master stood at, and takes 1 % of a ring as wide as two and a half
+/// blurs.
 const SMOOTHING: f64 = 1e-2;
 /// Distance of the values kept, px.
 const STEP_PX: f64 = 0.125;
@@ -107,7 +111,8 @@ impl ResidualAccumulator {
         }
     }
 
-    /// What the edges leave; `None` where the model fits them as well as their noise lets it be told.
+    /// What the edges leave; `None` where the model fits them as well as their noise lets it be
+    /// told.
     pub fn finish(self) -> Option<SystematicResidual> {
         let chi2 = self.chi2 / self.edges.max(1.0);
         if !(chi2 > 1.0 + LEAST_EXCESS) {
@@ -217,7 +222,8 @@ impl Expected {
     }
 }
 
-/// Sums over the pixels of one edge: of the residual r and the expected one e, with the weights v_mid/v.
+/// Sums over the pixels of one edge: of the residual r and the expected one e, with the weights
+/// v_mid/v.
 #[derive(Default)]
 struct Sums {
     /// Σ r²·v_mid/v.

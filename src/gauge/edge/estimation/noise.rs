@@ -1,7 +1,8 @@
-//! The noise of a frame, from the frame: variance in the light and in the shadow, linear in between.
+//! The noise of a frame, from the frame: variance in the light and in the shadow, linear in
+//! between.
 //!
-//! Differences of horizontally neighbouring flat pixels carry twice the variance of one pixel, temporal noise and
-//! pixel-to-pixel response alike, and none of the light's slow variation.
+//! Differences of horizontally neighbouring flat pixels carry twice the variance of one pixel,
+//! temporal noise and pixel-to-pixel response alike, and none of the light's slow variation.
 
 use crate::gauge::settings::Noise;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
@@ -48,7 +49,8 @@ impl NoiseModel {
     }
 }
 
-/// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this, counts.
+/// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this,
+/// counts.
 pub(crate) const LEAST_OF_COUNTS: f64 = MEDIAN_TO_SD * 0.5;
 
 /// Differences from which the cut is estimated.

@@ -1,8 +1,8 @@
 //! The effect of rounding to whole counts on an edge where noise does not spread the grey values
 //! over several of them.
 //!
-//! A grey value m with normal noise of standard deviation σ, rounded to multiples of q, has the mean m + b(m) with (B. Widrow and I. Kollár,
-//! Quantization Noise, 2008, chapters 4 and 5)
+//! A grey value m with normal noise of standard deviation σ, rounded to multiples of q, has the
+//! mean m + b(m) with (B. Widrow and I. Kollár, Quantization Noise, 2008, chapters 4 and 5)
 //!
 //! ```text
 //! b(m) = q Σ_k (−1)^k/(πk)·exp(−2π²k²σ²/q²)·sin(2πkm/q)        mean of b² over m:  r(σ) = q² Σ_k 1/(2π²k²)·exp(−4π²k²σ²/q²)
@@ -16,9 +16,10 @@
 //! f = Σ w_k² r(σ_k) / Σ w_k² v_k        w the weights of the fit, v the variances of the pixels
 //! ```
 //!
-//! is shared by its neighbours and common to all frames, instead of averaging. Only where an edge runs over several counts along the
-//! columns does it repeat less: over S rows it meets 1 + C·|E′|·S/q of them. The levels of light and shadow carry r of their own, the
-//! same at both edges where both see the same light.
+//! is shared by its neighbours and common to all frames, instead of averaging. Only where an edge
+//! runs over several counts along the columns does it repeat less: over S rows it meets 1 +
+//! C·|E′|·S/q of them. The levels of light and shadow carry r of their own, the same at both edges
+//! where both see the same light.
 
 use super::noise::Spread;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
@@ -33,13 +34,15 @@ const LOCAL: usize = 64;
 const REACH: i32 = 24;
 /// Columns whose phases are looked at.
 const LOOKED_AT: usize = 8;
-/// Share of repetition in neighbouring edges that differences show beyond chance: of the few hundred that there are at least, their
-/// variance is known to 10 %.
+/// Share of repetition in neighbouring edges that differences show beyond chance: of the few
+/// hundred that there are at least, their variance is known to 10 %.
 const SHOWN: f64 = 0.25;
 
-/// Mean square of the rounding error that repeats, for noise of standard deviation `sd`, in steps² (both in steps of the grey scale).
+/// Mean square of the rounding error that repeats, for noise of standard deviation `sd`, in steps²
+/// (both in steps of the grey scale).
 pub(crate) fn repeated_variance(sd: f64) -> f64 {
-    // Below the place where two borders between counts meet in one variable, σ² + 1/12 − r is the mean of Φ(1 − Φ): σ/√π exactly.
+    // Below the place where two borders between counts meet in one variable, σ² + 1/12 − r is the
+    // mean of Φ(1 − Φ): σ/√π exactly.
     if sd < 0.2 {
         return 1.0 / 12.0 + sd * sd - sd / std::f64::consts::PI.sqrt();
     }
@@ -49,8 +52,8 @@ pub(crate) fn repeated_variance(sd: f64) -> f64 {
     term(1.0) + term(4.0)
 }
 
-/// Standard deviation of the noise behind rounded grey values that scatter with a variance, over all places between two counts, both in
-/// steps of the grey scale: σ² + 1/12 − r(σ) = variance.
+/// Standard deviation of the noise behind rounded grey values that scatter with a variance, over
+/// all places between two counts, both in steps of the grey scale: σ² + 1/12 − r(σ) = variance.
 pub(crate) fn noise_behind(variance: f64) -> f64 {
     if variance > DITHERED * DITHERED + 1.0 / 12.0 {
         return (variance - 1.0 / 12.0).sqrt();
@@ -78,7 +81,8 @@ pub(crate) struct RoundedSide<'a> {
     pub(crate) contrast: f64,
     /// Standard deviation of the noise in shadow and light, in steps.
     pub(crate) noise: [f64; 2],
-    /// Steps over which the levels of shadow and light run along the columns that they are pooled over.
+    /// Steps over which the levels of shadow and light run along the columns that they are pooled
+    /// over.
     pub(crate) level_runs: [f64; 2],
     /// Whether the other edge has the same levels, and so the same error of them.
     pub(crate) alike: bool,

@@ -108,7 +108,8 @@ fn weighted_square(a: &[f32], b: &[f32], w: &[f32]) -> f32 {
     sums.total()
 }
 
-/// Grey values to shadow 0, light 1; gives the edge by the area of the light, px from the central pixel.
+/// Grey values to shadow 0, light 1; gives the edge by the area of the light, px from the central
+/// pixel.
 #[inline(always)]
 pub(crate) fn normalise(window: &[f32], dark: f32, contrast: f32, out: &mut [f32]) -> f32 {
     let (scale, dark) = (f32x4::splat(1.0 / contrast), f32x4::splat(dark));
@@ -134,7 +135,8 @@ fn shift_window(normalised: &mut [f32], shift: i32) {
     }
 }
 
-/// Grey values of a core to shadow 0, light 1; and the edge by the area of the light, in four parts.
+/// Grey values of a core to shadow 0, light 1; and the edge by the area of the light, in four
+/// parts.
 #[inline(always)]
 fn normalise_core<const C: usize>(window: &[[f32; 8]; C], dark: f32, scale: f32) -> ([Lanes; C], f32x4) {
     let (dark, scale) = (f32x4::splat(dark), f32x4::splat(scale));
@@ -227,7 +229,8 @@ pub(crate) struct FourWindows<'a> {
     pub(crate) contrast: f32x4,
 }
 
-/// [`locate_core`] of four neighbouring windows with the same operations a lane; `None` unless all of them settle.
+/// [`locate_core`] of four neighbouring windows with the same operations a lane; `None` unless all
+/// of them settle.
 #[inline(always)]
 pub(crate) fn locate_four<'a, const C: usize>(
     windows: &FourWindows<'_>,
@@ -281,7 +284,8 @@ pub(crate) fn locate_four<'a, const C: usize>(
     Some(Four { x, residual, phases: chosen })
 }
 
-/// Scores until the edge stays at its phase; `None` where it leaves the window's middle or never settles.
+/// Scores until the edge stays at its phase; `None` where it leaves the window's middle or never
+/// settles.
 #[inline(always)]
 pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -> Option<Located<'a>> {
     let mut x = start.clamp(-PHASE_REACH, PHASE_REACH);
@@ -295,8 +299,9 @@ pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -
         // Far from the edge the full step may diverge.
         let step = full.clamp(-0.5, 0.5);
         x = phase.scalars.phase + step;
-        // Scoring converges by a factor of ρ = |1 − observed/expected information| a step (0.3 at the lowest SNR), so an
-        // edge on the border of two cells may hop between them: then a step of a cell is as good as none.
+        // Scoring converges by a factor of ρ = |1 − observed/expected information| a step (0.3 at
+        // the lowest SNR), so an edge on the border of two cells may hop between them: then a step
+        // of a cell is as good as none.
         let settled = if count < 4 { SETTLED } else { 2.0 * SETTLED } / table.per_px;
         if count > 0 && step.abs() <= settled {
             let square = weighted_square(normalised, phase.values, phase.inverse_variances);

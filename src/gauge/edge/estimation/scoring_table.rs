@@ -7,9 +7,10 @@
 //! v(E) = v_mid·[1 + κ (E − 1/2)]        noise variance, linear in the level (photon noise)
 //! ```
 //!
-//! with J = ∂E/∂x0 alone where the levels are known (pooled along the shaft), or [∂E/∂x0, 1, E] where each column
-//! has its own. So the weights and Σ w_k E_k are tabulated once and a step costs one multiply-add a pixel. Phases lie 1/64 px apart;
-//! what a step leaves is at most |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
+//! with J = ∂E/∂x0 alone where the levels are known (pooled along the shaft), or [∂E/∂x0, 1, E]
+//! where each column has its own. So the weights and Σ w_k E_k are tabulated once and a step costs
+//! one multiply-add a pixel. Phases lie 1/64 px apart; what a step leaves is at most
+//! |w·E''|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
 
 use crate::gauge::edge::image::window_layout::{MOST_WIDTH, PHASE_REACH, core_width, half};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
@@ -54,7 +55,8 @@ pub(crate) struct PhaseScalars {
     pub(crate) information: f32,
     /// I_xσ/I_xx: what an edge moves by, against the blur fitted.
     pub(crate) lever: f32,
-    /// Degrees of freedom of the residual: how many pixels lie within reach of the edge changes with the phase.
+    /// Degrees of freedom of the residual: how many pixels lie within reach of the edge changes
+    /// with the phase.
     pub(crate) freedom: f32,
 }
 
@@ -89,7 +91,8 @@ pub(crate) struct CorePhase<const C: usize> {
     pub(crate) inverse_variances: [[f32; 8]; C],
 }
 
-/// The phases of the core in its constant length, which lets the compiler unroll: 16 pixels up to σ = 1.2 px, 24 up to 2.5 px.
+/// The phases of the core in its constant length, which lets the compiler unroll: 16 pixels up to σ
+/// = 1.2 px, 24 up to 2.5 px.
 #[derive(Clone, Debug)]
 pub(crate) enum Cores {
     /// 16 pixels.

@@ -4,7 +4,8 @@ use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
 use crate::gauge::edge::image::scan_windows::LevelSums;
 
-/// Standard deviations of the light's noise within which a level stands at an end that the other side shows.
+/// Standard deviations of the light's noise within which a level stands at an end that the other
+/// side shows.
 const AT_THE_END: f64 = 2.0;
 
 /// Properties of the sensor known before a frame is evaluated.
@@ -40,15 +41,16 @@ impl GreyScaleLimits {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SideSurvey {
     pub(crate) levels: LevelSums,
-    /// Where the side's grey values are clipped, in the dark and in the light; none where they are not.
+    /// Where the side's grey values are clipped, in the dark and in the light; none where they are
+    /// not.
     pub(crate) ends: Option<Ends>,
     /// Noise in the shadow and in the light.
     pub(crate) spread: [Spread; 2],
 }
 
 impl SideSurvey {
-    /// Takes over an end that the other side shows, where this side's level stands at it: both edges are one camera's, and a side alone may
-    /// be too short to show it.
+    /// Takes over an end that the other side shows, where this side's level stands at it: both
+    /// edges are one camera's, and a side alone may be too short to show it.
     pub(crate) fn share_ends(&mut self, other: Option<Ends>) {
         let (Some(other), count) = (other, self.levels.count) else { return };
         if count == 0.0 {

@@ -24,7 +24,8 @@ use crate::numerics::smoothing_spline::{Spline, SplineFit};
 
 /// Rows that an edge must travel over the frame for all phases to be seen often enough.
 pub const LEAST_TRAVEL: f64 = 1.5;
-/// Distance of the spline's knots, px: a quarter of the finest detail that a pixel's area lets through.
+/// Distance of the spline's knots, px: a quarter of the finest detail that a pixel's area lets
+/// through.
 const KNOT_PX: f64 = 0.25;
 /// Rows travelled over a segment of the smooth curve: two whole turns of the phase.
 const TRAVEL_PER_SEGMENT: f64 = 2.0;
@@ -47,7 +48,8 @@ pub(crate) struct EsfSamples<'a> {
     pub(crate) sigma: f64,
 }
 
-/// Learns the edge of a side from its columns' places in `line`; `None` where the edge travels too little or too few columns have one.
+/// Learns the edge of a side from its columns' places in `line`; `None` where the edge travels too
+/// little or too few columns have one.
 pub(crate) fn learn(samples_of: &EsfSamples<'_>, line: &[Edge]) -> Option<TabulatedEsf> {
     let sign = f64::from(samples_of.windows.side.sign());
     let able = |c: usize| line[c].is_usable() && samples_of.slope[c].abs() < STEEPEST;
@@ -89,7 +91,12 @@ fn smooth_curve(places: &[(usize, f64)]) -> Option<Spline> {
 }
 
 /// The pixel-integrated edge minus the Gaussian one over the distance from the curve.
-fn deviation(samples_of: &EsfSamples<'_>, places: &[(usize, f64)], curve: &Spline, reach: f64) -> Option<Spline> {
+fn deviation(
+    samples_of: &EsfSamples<'_>,
+    places: &[(usize, f64)],
+    curve: &Spline,
+    reach: f64,
+) -> Option<Spline> {
     let windows = samples_of.windows;
     let segments = (2.0 * reach / KNOT_PX).ceil() as usize;
     let mut fit = SplineFit::new(-reach, reach, segments);
@@ -111,7 +118,8 @@ fn deviation(samples_of: &EsfSamples<'_>, places: &[(usize, f64)], curve: &Splin
     if seen { fit.solve(SMOOTHING, true) } else { None }
 }
 
-/// F and its integral from E by telescoping: I(v) = Σ E(v − 1/2 − j), F(v) = Σ E′(v − 1/2 − j) over j ≥ 0.
+/// F and its integral from E by telescoping: I(v) = Σ E(v − 1/2 − j), F(v) = Σ E′(v − 1/2 − j) over
+/// j ≥ 0.
 fn tabulate(deviation: &Spline, sigma: f64, reach: f64) -> TabulatedEsf {
     let far = reach.ceil() + 4.0;
     let count = (2.0 * far * TABLE_PER_PX) as usize;

@@ -1,4 +1,5 @@
-//! A response that bends before it ends (a soft knee, the flat top of a gamma curve): found by its noise.
+//! A response that bends before it ends (a soft knee, the flat top of a gamma curve): found by its
+//! noise.
 //!
 //! Photon noise grows with the light, so that a linear sensor's light scatters at least as much as
 //! its flanks and its dark. Light that scatters far less has been compressed. Where the bend begins
@@ -20,11 +21,13 @@ const LEAST_EXPECTED: f64 = 0.25;
 /// compressed (the remainder is the part's own drift through the pixels), and above which the
 /// flank, found among it, is a biased sample of it.
 const NOISE: (f64, f64) = (1e-3, 0.1);
-/// Share of the contrast up to which grey values are taken as they stand: knees of video cameras begin at 80 to 95 % of full scale.
+/// Share of the contrast up to which grey values are taken as they stand: knees of video cameras
+/// begin at 80 to 95 % of full scale.
 const TRUSTED: f64 = 0.65;
 
-/// The grey value from which on the light may be compressed, and the distance of two grey values; `None` where its noise is a linear sensor's. `hard` is the end at which the light
-/// was found to be clipped, if it was; `elsewhere` holds levels and noise, `squares` is scratch.
+/// The grey value from which on the light may be compressed, and the distance of two grey values;
+/// `None` where its noise is a linear sensor's. `hard` is the end at which the light was found to
+/// be clipped, if it was; `elsewhere` holds levels and noise, `squares` is scratch.
 pub(crate) fn find(
     windows: &Windows,
     hard: Option<f32>,
@@ -48,14 +51,16 @@ pub(crate) fn find(
     compressed.then(|| (trusted(elsewhere.levels, step) as f32, step))
 }
 
-/// Grey value, a whole number of steps, up to which a response that may bend is taken as it stands; `levels` of dark and light, counts.
+/// Grey value, a whole number of steps, up to which a response that may bend is taken as it stands;
+/// `levels` of dark and light, counts.
 pub(crate) fn trusted([dark, light]: [f64; 2], step: f64) -> f64 {
     let end = dark + TRUSTED * (light - dark);
     if step > 0.0 { (end / step).ceil() * step } else { end }
 }
 
-/// Variance of a normal deviate of variance 1 whose share `at_end` is clipped at an upper end: with z the end's distance above the mean
-/// and d what a deviate lies below it, E[d] = zΦ + φ and E[d²] = (z² + 1)Φ + zφ.
+/// Variance of a normal deviate of variance 1 whose share `at_end` is clipped at an upper end: with
+/// z the end's distance above the mean and d what a deviate lies below it, E[d] = zΦ + φ and E[d²]
+/// = (z² + 1)Φ + zφ.
 fn clipped_variance(at_end: f64) -> f64 {
     let z = inverse_tail(at_end.clamp(1e-9, 1.0 - 1e-9));
     let (cdf, pdf) = (phi_cdf(z), phi_pdf(z));

@@ -1,4 +1,5 @@
-//! The dark areas of a grid: four-connected components joined run by run, in memory that a stream keeps.
+//! The dark areas of a grid: four-connected components joined run by run, in memory that a stream
+//! keeps.
 
 /// Dark cells of one row side by side: `from..to`.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +36,8 @@ pub(crate) struct Area {
 }
 
 impl Components {
-    /// Finds the areas below `threshold`, in the order in which their first runs are met; empty where nothing is dark.
+    /// Finds the areas below `threshold`, in the order in which their first runs are met; empty
+    /// where nothing is dark.
     pub(crate) fn find(&mut self, values: &[f32], columns: usize, threshold: f32, areas: &mut Vec<Area>) {
         self.find_runs(values, columns, threshold);
         self.areas.clear();

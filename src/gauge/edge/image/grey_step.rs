@@ -1,11 +1,12 @@
-//! The step of the grey scale: 1 count in most frames, 16 in 12-bit values shifted into 16 bits, 257 in 8-bit values stretched to
-//! them, 1/255 in floats that hold eight bits. The step determines the effect of rounding on an
-//! edge.
+//! The step of the grey scale: 1 count in most frames, 16 in 12-bit values shifted into 16 bits,
+//! 257 in 8-bit values stretched to them, 1/255 in floats that hold eight bits. The step determines
+//! the effect of rounding on an edge.
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
 
-/// Columns looked at, and pixels across either edge of each: the grey values between shadow and light are the many ones.
+/// Columns looked at, and pixels across either edge of each: the grey values between shadow and
+/// light are the many ones.
 const COLUMNS: usize = 48;
 const ACROSS: usize = 24;
 /// Number of different floats above which their least distance is taken for a step and not for
@@ -66,14 +67,16 @@ pub(crate) fn grey_step<T: Sample>(
     if values.len() >= ENOUGH_VALUES && gaps().all(multiple) { f64::from(least) } else { 0.0 }
 }
 
-/// Whether so many grey values of a scale of single counts have gaps with a common divisor by chance: the first gap gives one, each
-/// further gap is a multiple of it with probability 1/divisor. Two values, of a drawn or thresholded picture, show no step.
+/// Whether so many grey values of a scale of single counts have gaps with a common divisor by
+/// chance: the first gap gives one, each further gap is a multiple of it with probability
+/// 1/divisor. Two values, of a drawn or thresholded picture, show no step.
 fn is_chance(values: usize, divisor: u32) -> bool {
     (2.0 - values as f64) * f64::from(divisor).ln() > CHANCE.ln()
 }
 
-/// The step near `least` that all values are rounded multiples of, counted from the first; 1 where there is none, or where values without a step
-/// would show one by chance: each of them lies within ± 3/4 count of a multiple with probability 1.5/step.
+/// The step near `least` that all values are rounded multiples of, counted from the first; 1 where
+/// there is none, or where values without a step would show one by chance: each of them lies within
+/// ± 3/4 count of a multiple with probability 1.5/step.
 fn lattice(values: &[f32], least: f64) -> f64 {
     if (values.len() as f64 - 2.0) * (1.5 / least).ln() > CHANCE.ln() {
         return 1.0;

@@ -1,11 +1,13 @@
-//! Where the part is: the largest shadow of a thinned image, then whole-pixel edges along its border.
+//! Where the part is: the largest shadow of a thinned image, then whole-pixel edges along its
+//! border.
 //!
-//! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at the level that
-//! separates its grey values best (Otsu), and its largest connected shadow is the part (which of
-//! several: [`super::shadows`]). Specks of contamination, holes and neighbouring parts at the
-//! border are other components and ignored. Where one level does not separate
-//! light from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column cuts the part in
-//! two, the part is the largest shadow that stands between light in its own columns ([`super::valleys`]).
+//! The thinned image keeps every s-th pixel (s at most a third of the smallest part), is split at
+//! the level that separates its grey values best (Otsu), and its largest connected shadow is the
+//! part (which of several: [`super::shadows`]). Specks of contamination, holes and neighbouring
+//! parts at the border are other components and ignored. Where one level does not separate light
+//! from shadow in all of the frame (light that falls off, a spot, black margins), or a stuck column
+//! cuts the part in two, the part is the largest shadow that stands between light in its own
+//! columns ([`super::valleys`]).
 
 use wide::f32x4;
 
@@ -20,19 +22,23 @@ use crate::profile::Reason;
 
 /// Cells a side of the thinned image, at most.
 const CELLS: usize = 256;
-/// (Difference of the two class means)²/(variance inside the classes) that two levels must exceed: a Gaussian noise
-/// image reaches 7.0, a uniform one or a plain ramp 12.
+/// (Difference of the two class means)²/(variance inside the classes) that two levels must exceed:
+/// a Gaussian noise image reaches 7.0, a uniform one or a plain ramp 12.
 const TWO_LEVELS: f64 = 16.0;
 
-/// Least width of a column as a share of the least diameter, which the part has in the median of its columns.
+/// Least width of a column as a share of the least diameter, which the part has in the median of
+/// its columns.
 const NECK: f64 = 0.8;
-/// Share of the columns with both edges from which the search by two levels has found all of a part.
+/// Share of the columns with both edges from which the search by two levels has found all of a
+/// part.
 const WHOLE: f64 = 0.98;
-/// Share of the columns that a shadow between light must have where the frame has no two levels, and how many times as many as
-/// the search by two levels found: a speck in a field whose part reaches beyond the border is no part.
+/// Share of the columns that a shadow between light must have where the frame has no two levels,
+/// and how many times as many as the search by two levels found: a speck in a field whose part
+/// reaches beyond the border is no part.
 const LEAST_BETWEEN: f64 = 0.25;
 const MORE: f64 = 1.02;
-/// Columns in which light inside the shadow is looked for, and rows beside its edges that blur may light.
+/// Columns in which light inside the shadow is looked for, and rows beside its edges that blur may
+/// light.
 const LOOKED_AT: usize = 32;
 const EDGE: usize = 8;
 
@@ -92,7 +98,8 @@ impl Coarse {
         Some(Found { width_px, share: coarse.pairs() as f64 / plane.columns as f64 })
     }
 
-    /// Median distance of the edges from the border of a field of so many rows, px, at the side where it is smaller.
+    /// Median distance of the edges from the border of a field of so many rows, px, at the side
+    /// where it is smaller.
     pub(crate) fn nearest_to_border(&self, rows: usize) -> Option<f64> {
         let median = |line: &[CoarseEdge], distance: &dyn Fn(i32) -> i32| {
             let mut all: Vec<i32> = line.iter().flatten().map(|row| distance(*row)).collect();
@@ -170,7 +177,8 @@ impl Coarse {
         self.explain().map_or(Ok(()), |reason| Err(reason.into()))
     }
 
-    /// Finds the largest shadow between light of any level; no column has both edges where there is none.
+    /// Finds the largest shadow between light of any level; no column has both edges where there is
+    /// none.
     fn find_by_valleys<T: Sample>(&mut self, plane: &Plane<'_, T>, settings: &GaugeSettings) {
         self.top.clear();
         self.bottom.clear();
@@ -213,7 +221,8 @@ impl Coarse {
         }
     }
 
-    /// Whole-pixel edges of every column along the spans, a pixel being shadow below `level` of its cell's column.
+    /// Whole-pixel edges of every column along the spans, a pixel being shadow below `level` of its
+    /// cell's column.
     fn refine_all<T: Sample>(
         &mut self,
         plane: &Plane<'_, T>,
@@ -236,8 +245,8 @@ impl Coarse {
         self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_ok() && b.is_ok()).count()
     }
 
-    /// Light inside the shadow that the thinned image may be too coarse to show, px: its mean thickness where most of the columns looked at
-    /// have some, else 0.
+    /// Light inside the shadow that the thinned image may be too coarse to show, px: its mean
+    /// thickness where most of the columns looked at have some, else 0.
     fn light_inside<T: Sample>(&self, plane: &Plane<'_, T>, threshold: f32) -> f64 {
         let (mut lit, mut looked, mut sum) = (0, 0, 0.0);
         for column in (0..plane.columns).step_by(plane.columns.div_ceil(LOOKED_AT)) {
@@ -373,8 +382,8 @@ fn range(values: &[f32]) -> (f32, f32) {
     (least, high.iter().chain(rest).fold(f32::NEG_INFINITY, |h, v| h.max(*v)))
 }
 
-/// Width of a shadow by its outermost pixels, px: they are shadow to two thirds at least, so that the edges lie about half a
-/// pixel farther out.
+/// Width of a shadow by its outermost pixels, px: they are shadow to two thirds at least, so that
+/// the edges lie about half a pixel farther out.
 fn width(top: i32, bottom: i32) -> i32 {
     bottom - top + 2
 }

@@ -29,7 +29,8 @@ impl Sample for f32 {
     }
 }
 
-/// A view with its container known: pixel (row, column) stands at `row * row_stride + column * column_stride`.
+/// A view with its container known: pixel (row, column) stands at `row * row_stride + column *
+/// column_stride`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a, T> {
     pub(crate) pixels: &'a [T],
@@ -85,8 +86,8 @@ impl<'a, T: Sample> Plane<'a, T> {
         }
     }
 
-    /// Reads `out.len()` pixels of a column from `first_row` on, upwards in rows (`down`) or downwards.
-    /// False, with `out` unspecified, where they do not all lie inside the frame.
+    /// Reads `out.len()` pixels of a column from `first_row` on, upwards in rows (`down`) or
+    /// downwards. False, with `out` unspecified, where they do not all lie inside the frame.
     pub(crate) fn gather(&self, first_row: isize, down: bool, column: usize, out: &mut [f32]) -> bool {
         let last_row =
             if down { first_row + out.len() as isize - 1 } else { first_row + 1 - out.len() as isize };

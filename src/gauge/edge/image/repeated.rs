@@ -1,10 +1,11 @@
-//! Rows and columns that repeat: lines doubled by a frame grabber, half pictures filled up, pictures enlarged by whole factors.
+//! Rows and columns that repeat: lines doubled by a frame grabber, half pictures filled up,
+//! pictures enlarged by whole factors.
 //!
-//! Two neighbouring lines of a noisy picture are never the same in every pixel: with at least 3/8 of the pixels differing from line to line, a
-//! chance of (5/8)⁶⁴ = 9e-14 a pair. Lines that are the same between neighbours that differ so are repeated; where neighbours hardly
-//! differ (a picture without noise) equal grey values are no evidence. Runs of up to three pairs
-//! (enlarged four times) are looked for: longer
-//! ones are also what compression leaves of a flat field.
+//! Two neighbouring lines of a noisy picture are never the same in every pixel: with at least 3/8
+//! of the pixels differing from line to line, a chance of (5/8)⁶⁴ = 9e-14 a pair. Lines that are
+//! the same between neighbours that differ so are repeated; where neighbours hardly differ (a
+//! picture without noise) equal grey values are no evidence. Runs of up to three pairs (enlarged
+//! four times) are looked for: longer ones are also what compression leaves of a flat field.
 
 use std::fmt;
 

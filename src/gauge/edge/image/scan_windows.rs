@@ -90,7 +90,8 @@ impl Windows {
         }
     }
 
-    /// First estimate of a column's edge, px from its central pixel: windows that were centred on known edges have no other.
+    /// First estimate of a column's edge, px from its central pixel: windows that were centred on
+    /// known edges have no other.
     pub(crate) fn first_place(&self, column: usize) -> f64 {
         if self.centred { 0.0 } else { f64::from(self.start[column]) }
     }
@@ -172,8 +173,8 @@ impl Windows {
         self.tile = tile;
     }
 
-    /// First and last row that a tile's windows and their neighbours to be centred on reach; `None` where the edge is too steep or
-    /// broken, or near the border, for windows of one tile.
+    /// First and last row that a tile's windows and their neighbours to be centred on reach; `None`
+    /// where the edge is too steep or broken, or near the border, for windows of one tile.
     fn tile_rows<T: Sample>(&self, plane: &Plane<'_, T>, from: usize, to: usize) -> Option<(i32, i32)> {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for centre in &self.centre[from..to] {
@@ -217,7 +218,8 @@ impl Windows {
         central
     }
 
-    /// Takes eight columns out of a tile whose windows all begin at `begin`; gives those that are still to be centred.
+    /// Takes eight columns out of a tile whose windows all begin at `begin`; gives those that are
+    /// still to be centred.
     #[inline(always)]
     fn take_group(
         &mut self,
@@ -272,7 +274,8 @@ impl Windows {
         open
     }
 
-    /// Reads and centres the window of a column into a place (the column's own, where all are read).
+    /// Reads and centres the window of a column into a place (the column's own, where all are
+    /// read).
     pub(crate) fn read_one<T: Sample>(&mut self, plane: &Plane<'_, T>, column: usize, place: usize) {
         let Ok(mut centre) = self.centre[place] else { return };
         let half = half(self.width) as i32;
@@ -432,7 +435,8 @@ fn area_start(window: &[f32], flat: usize) -> (f32, f32, f32) {
     let area = (sum - dark * used as f32) / (light - dark);
     (dark, light, used as f32 - 0.5 - half(window.len()) as f32 - area)
 }
-/// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0 where there are none.
+/// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0
+/// where there are none.
 pub(crate) fn slopes(windows: &Windows, out: &mut Vec<f32>) {
     const ARM: usize = 8;
     let columns = windows.centre.len();

@@ -1,9 +1,12 @@
-//! Which of several shadows is the part: two wires in one field, the walls of a tube, a pin that a bright line parts.
+//! Which of several shadows is the part: two wires in one field, the walls of a tube, a pin that a
+//! bright line parts.
 //!
-//! A shadow is a dark area that runs along the field and has both edges in it. Where nothing is stated the largest one is measured, with
-//! two exceptions. Strips that a narrow bright line parts (the highlight of a polished pin, the focal line of a glass capillary) are
-//! one part and measured from the outermost edge to the outermost edge. Two equal strips with a gap that is neither narrow nor wide may be
-//! two parts or the walls of one tube, and nothing in the frame shows which: the frame is refused until it is stated.
+//! A shadow is a dark area that runs along the field and has both edges in it. Where nothing is
+//! stated the largest one is measured, with two exceptions. Strips that a narrow bright line parts
+//! (the highlight of a polished pin, the focal line of a glass capillary) are one part and measured
+//! from the outermost edge to the outermost edge. Two equal strips with a gap that is neither
+//! narrow nor wide may be two parts or the walls of one tube, and nothing in the frame shows which:
+//! the frame is refused until it is stated.
 
 use super::connected_components::{Area, Components, Span, largest};
 use crate::gauge::edges::ShadowsSeen;
@@ -16,10 +19,12 @@ const MOST: usize = 16;
 const ALONG: f64 = 0.5;
 /// Share of the columns that strips must have in common to be walls of one part.
 const BESIDE: f64 = 0.8;
-/// Gap between strips over the thicker one up to which they are one part. The highlight of a polished pin and the focal line of a glass
-/// capillary in parallel light take less than a tenth of the diameter; n = 1.5 focuses a rod's light of numerical aperture .1 to .1 D.
+/// Gap between strips over the thicker one up to which they are one part. The highlight of a
+/// polished pin and the focal line of a glass capillary in parallel light take less than a tenth of
+/// the diameter; n = 1.5 focuses a rod's light of numerical aperture .1 to .1 D.
 const NARROW: f64 = 0.25;
-/// Gap over the thinner strip beyond which a pair is taken for two parts: the bore of a tube with D/d up to 5 is narrower.
+/// Gap over the thinner strip beyond which a pair is taken for two parts: the bore of a tube with
+/// D/d up to 5 is narrower.
 const WIDE: f64 = 0.5;
 /// Ratio of thicknesses from which strips count as equal.
 const EQUAL: f64 = 0.8;
@@ -113,7 +118,8 @@ impl Shadows {
         Ok(())
     }
 
-    /// Writes the span of the largest area of values below a half in each of the grid's columns; false without one.
+    /// Writes the span of the largest area of values below a half in each of the grid's columns;
+    /// false without one.
     pub(crate) fn largest(&mut self, values: &[f32], columns: usize, spans: &mut Vec<Span>) -> bool {
         self.components.find(values, columns, 0.5, &mut self.areas);
         let Some(area) = largest(&self.areas) else { return false };
@@ -153,7 +159,8 @@ impl Shadows {
         self.strips.sort_unstable_by(|a, b| a.middle_px().total_cmp(&b.middle_px()));
     }
 
-    /// First and last strip of the part where nothing is stated; none where the largest dark area is no strip.
+    /// First and last strip of the part where nothing is stated; none where the largest dark area
+    /// is no strip.
     fn unstated(&self, main: &Area) -> Result<Option<(usize, usize)>, NoShadow> {
         let Some(at) = self.strips.iter().position(|s| s.area == *main) else { return Ok(None) };
         let (mut first, mut last) = (at, at);
@@ -207,7 +214,8 @@ impl Shadows {
         }
     }
 
-    /// Writes the spans from the first strip's upper to the last one's lower edge, where both are there.
+    /// Writes the spans from the first strip's upper to the last one's lower edge, where both are
+    /// there.
     fn join(&mut self, grid: &Grid<'_>, (first, last): (usize, usize), spans: &mut Vec<Span>) {
         self.components.spans(&self.strips[first].area, grid.columns, spans);
         if last > first {
@@ -250,7 +258,8 @@ impl Shadows {
     }
 }
 
-/// Whether an area is the same part beyond an interruption along the field: in other columns, and in at least half of the rows.
+/// Whether an area is the same part beyond an interruption along the field: in other columns, and
+/// in at least half of the rows.
 fn is_continued(main: &Area, area: &Area) -> bool {
     let common = |a: (u32, u32), b: (u32, u32)| a.1.min(b.1).saturating_sub(a.0.max(b.0));
     let rows = |a: &Area| (a.rows.0, a.rows.1 + 1);

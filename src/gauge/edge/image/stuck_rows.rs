@@ -1,7 +1,8 @@
 //! Stuck rows of the sensor beside an edge: the windows that they cross are left out.
 //!
-//! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a fifth of the contrast
-//! (an edge is monotone, a fringe's crest wider than a pixel), or where it has one value all along and neither neighbour has.
+//! A row is stuck where, in nearly all columns, it stands above both neighbours or below both by a
+//! fifth of the contrast (an edge is monotone, a fringe's crest wider than a pixel), or where it
+//! has one value all along and neither neighbour has.
 
 use super::plane::{Plane, Sample};
 use super::scan_windows::Windows;
@@ -10,7 +11,8 @@ use crate::profile::Reason;
 
 /// Departure from both neighbours, as a share of the contrast.
 const DEPARTURE: f32 = 0.2;
-/// Share of the columns that must depart to the same side, and share that has one value in a stuck row and in a live one.
+/// Share of the columns that must depart to the same side, and share that has one value in a stuck
+/// row and in a live one.
 const NEARLY_ALL: f64 = 0.9;
 const ALIKE: f64 = 0.95;
 const ALIVE: f64 = 0.6;
@@ -52,7 +54,8 @@ pub(crate) fn leave_out<T: Sample>(
     let stuck: Vec<(usize, Level)> = (low.max(1)..=high.min(last))
         .filter_map(|row| Some((row as usize, level_if_stuck(plane, windows, row, (reach, contrast))?)))
         .collect();
-    // A row beside a stuck one may stand apart from it and from the edge: of neighbours the one that departs by more is stuck.
+    // A row beside a stuck one may stand apart from it and from the edge: of neighbours the one
+    // that departs by more is stuck.
     let outdone =
         |row: usize, by: f32| stuck.iter().any(|(other, l)| other.abs_diff(row) == 1 && l.departure > by);
     let mut most: Option<StuckRow> = None;

@@ -6,19 +6,22 @@
 //! fill(r) = min(max v over rows ≤ r, max v over rows ≥ r)
 //! ```
 //!
-//! be the level to which a valley fills before it overflows (morphological reconstruction by erosion from the two ends,
-//! Vincent, IEEE Trans. Image Process. 2 (1993) 176, in one dimension). Where light rises to one maximum or falls off to
-//! one side, fill = v, however steeply; a shadow with light on both sides is a valley, and black with light on one side
-//! only (a vignette, the margin of an undistorted picture) is none. A cell is shadow where it lies below the middle
-//! between its valley's floor and its fill. No level of the whole frame is needed, so that light may fall off by as much
-//! as its noise allows.
+//! be the level to which a valley fills before it overflows (morphological reconstruction by
+//! erosion from the two ends, Vincent, IEEE Trans. Image Process. 2 (1993) 176, in one dimension).
+//! Where light rises to one maximum or falls off to one side, fill = v, however steeply; a shadow
+//! with light on both sides is a valley, and black with light on one side only (a vignette, the
+//! margin of an undistorted picture) is none. A cell is shadow where it lies below the middle
+//! between its valley's floor and its fill. No level of the whole frame is needed, so that light
+//! may fall off by as much as its noise allows.
 
-/// Depth of a valley in standard deviations of the noise: of a hundred thousand cells of noise none is as deep.
+/// Depth of a valley in standard deviations of the noise: of a hundred thousand cells of noise none
+/// is as deep.
 const LEAST_DEPTH_SIGMAS: f32 = 8.0;
 /// Depth of a valley as a fraction of the frame's whole range of grey values: a part is opaque;
 /// what hardly dims the light is mist or a film.
 const LEAST_DEPTH_SHARE: f32 = 0.03;
-/// Cells of a row between two shadow cells that count as shadow: a stuck column of the sensor does not cut a part in two.
+/// Cells of a row between two shadow cells that count as shadow: a stuck column of the sensor does
+/// not cut a part in two.
 const BRIDGE: usize = 4;
 /// Share of the way from floor to fill below which a pixel is shadow, as for a frame of two levels.
 const SHADOW: f32 = 0.35;
@@ -56,8 +59,8 @@ fn median_of_three(a: f32, b: f32, c: f32) -> f32 {
     }
 }
 
-/// Replaces each cell by the median of itself and the cells above and below: single hot and dead pixels and stuck rows go,
-/// what is two cells high stays.
+/// Replaces each cell by the median of itself and the cells above and below: single hot and dead
+/// pixels and stuck rows go, what is two cells high stays.
 pub(crate) fn median_down(values: &mut [f32], columns: usize, above: &mut Vec<f32>) {
     if values.len() < 3 * columns {
         return;
@@ -110,7 +113,8 @@ impl Valleys {
         }
     }
 
-    /// Depth from which a valley counts, counts: by the scatter of neighbours in a row and the range of the grey values.
+    /// Depth from which a valley counts, counts: by the scatter of neighbours in a row and the
+    /// range of the grey values.
     fn least_depth(&mut self, values: &[f32], columns: usize) -> f32 {
         let step = (values.len() / 4096).max(1);
         self.differences.clear();
@@ -151,7 +155,8 @@ impl Valleys {
         }
     }
 
-    /// Levels of the pixels' own threshold in each column of a part's spans; a bridged column has its neighbour's.
+    /// Levels of the pixels' own threshold in each column of a part's spans; a bridged column has
+    /// its neighbour's.
     pub(crate) fn set_levels(&mut self, values: &[f32], spans: &[Option<(usize, usize)>]) {
         let columns = spans.len();
         self.shadow.clear();

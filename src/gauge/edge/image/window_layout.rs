@@ -1,14 +1,18 @@
-//! How long the window around an edge is: the edge itself as far as its blur reaches, and flat pixels either side.
+//! How long the window around an edge is: the edge itself as far as its blur reaches, and flat
+//! pixels either side.
 
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 
 /// Phases reach this far from the window's central pixel, px; beyond, the window is moved.
 pub(crate) const PHASE_REACH: f32 = 0.75;
-/// Pixels of the longest window, and of the longest one over the rings of coherent light without a lens.
+/// Pixels of the longest window, and of the longest one over the rings of coherent light without a
+/// lens.
 pub(crate) const MOST_WIDTH: (usize, usize) = (72, 256);
-/// Flat pixels either side beyond the reach of an edge; over rings the mean of more of them takes the farthest ripple out of the level.
+/// Flat pixels either side beyond the reach of an edge; over rings the mean of more of them takes
+/// the farthest ripple out of the level.
 const FLAT: (f64, f64) = (5.0, 24.0);
-/// Width below which both edges are fitted together, px: above it their windows are clear of each other up to a blur of 2 px.
+/// Width below which both edges are fitted together, px: above it their windows are clear of each
+/// other up to a blur of 2 px.
 pub(crate) const WIDEST_PX: f64 = 24.0;
 
 /// Index of a window's central pixel.
@@ -23,7 +27,8 @@ pub(crate) fn window_width(shape: &EdgeSpreadFunction, sigma: f64) -> usize {
     (2 * half + 2).next_multiple_of(8).clamp(24, most)
 }
 
-/// Pixels either side of the central one in the part of the window that carries the weights, to a multiple of 8 in all.
+/// Pixels either side of the central one in the part of the window that carries the weights, to a
+/// multiple of 8 in all.
 pub(crate) fn core_width(shape: &EdgeSpreadFunction, sigma: f64) -> usize {
     let half = (shape.reach(sigma) + f64::from(PHASE_REACH)).ceil() as usize;
     (2 * half + 2).next_multiple_of(8)

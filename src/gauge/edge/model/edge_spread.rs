@@ -1,7 +1,8 @@
 //! The edge-spread function that is fitted: the Gaussian, one given as a table, or one estimated
 //! from the frame.
 //!
-//! Every one is a location-scale family. With the integral I(t) = ∫F over t = u·σ₀/σ, a step at x0 reads in pixel k
+//! Every one is a location-scale family. With the integral I(t) = ∫F over t = u·σ₀/σ, a step at x0
+//! reads in pixel k
 //!
 //! ```text
 //! E_k(x0) = (σ/σ₀)·[I(t(k + 1/2 − x0)) − I(t(k − 1/2 − x0))]
@@ -9,32 +10,38 @@
 //! ∂E/∂σ   = [(I − tF)(k + 1/2 − x0) − (I − tF)(k − 1/2 − x0)]/σ₀
 //! ```
 //!
-//! so that the pixel's own area is integrated whatever the family. σ₀ = 1/(√2π·max F′) is the standard deviation of the
-//! Gaussian that is as steep; it makes the blur of all families comparable.
+//! so that the pixel's own area is integrated whatever the family. σ₀ = 1/(√2π·max F′) is the
+//! standard deviation of the Gaussian that is as steep; it makes the blur of all families
+//! comparable.
 
 use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
 
-/// Bounds of a believable blur, px; a table's lower one is its own ([`EdgeSpreadFunction::least_sigma`]).
+/// Bounds of a believable blur, px; a table's lower one is its own
+/// ([`EdgeSpreadFunction::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
-/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12 px.
+/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12
+/// px.
 const KNOTS_PER_PX: f64 = 64.0;
-/// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends by more than [`TAIL`], its tails are
-/// left out of the fit: they would need windows as long as the field is high.
+/// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends
+/// by more than [`TAIL`], its tails are left out of the fit: they would need windows as long as the
+/// field is high.
 const FARTHEST: f64 = 12.0;
-/// Light beyond which a table is the shadow of coherent light without a lens: its first ring has 1.37 of the bright field, that of the
-/// sharpest lens in coherent light 1.18.
+/// Light beyond which a table is the shadow of coherent light without a lens: its first ring has
+/// 1.37 of the bright field, that of the sharpest lens in coherent light 1.18.
 const RINGED: f64 = 1.25;
-/// Pixels either side of the edge that carry information in a pattern of rings: what the longest windows hold beside their flat ends.
+/// Pixels either side of the edge that carry information in a pattern of rings: what the longest
+/// windows hold beside their flat ends.
 const RINGED_REACH: f64 = 96.0;
 /// Difference from 0 or 1 that counts as flat.
 const TAIL: f64 = 2e-3;
 /// Pixels either side of the edge that carry information on its place, in σ, for the Gaussian.
 const GAUSSIAN_REACH: f64 = 3.6;
 
-/// An edge-spread function as a table of its values and their integral over ±`reach` px; 0 and 1 beyond.
+/// An edge-spread function as a table of its values and their integral over ±`reach` px; 0 and 1
+/// beyond.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TabulatedEsf {
     reach: f64,
@@ -91,7 +98,8 @@ impl TabulatedEsf {
         Self { reach, knots, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
     }
 
-    /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up to `far_px`.
+    /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up
+    /// to `far_px`.
     pub(crate) fn learnt(reach: f64, knots: Vec<Knot>, sigma: f64, centroid: f64, far_px: f64) -> Self {
         let tail = (far_px / sigma).clamp(GAUSSIAN_REACH, FARTHEST);
         Self { reach, knots, sigma, centroid, tail, ringed: false }
@@ -175,7 +183,8 @@ impl EdgeSpreadFunction {
         }
     }
 
-    /// G, F and ∂G/∂σ at `count` equidistant borders of pixels, `per_px` to the pixel, the middle one of them on the edge.
+    /// G, F and ∂G/∂σ at `count` equidistant borders of pixels, `per_px` to the pixel, the middle
+    /// one of them on the edge.
     pub(crate) fn borders(&self, sigma: f64, per_px: u32, count: usize, out: &mut Vec<[f64; 3]>) {
         out.clear();
         let middle = count / 2;
@@ -243,7 +252,8 @@ impl EdgeSpreadFunction {
         samples.iter().map(|s| s.value).sum()
     }
 
-    /// Means of E over the flat ends of a window (`flat` pixels each, `width` in all) over the phases: 0 and 1 but for the tails.
+    /// Means of E over the flat ends of a window (`flat` pixels each, `width` in all) over the
+    /// phases: 0 and 1 but for the tails.
     pub(crate) fn flat_ends(&self, sigma: f64, width: usize, flat: usize, half: usize) -> (f64, f64) {
         const PHASES: u32 = 8;
         if *self == Self::Gaussian {
@@ -262,8 +272,9 @@ impl EdgeSpreadFunction {
         (dark / count, light / count)
     }
 
-    /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px: the geometric edge stands at half the
-    /// light under incoherent light and at a quarter of it (half the amplitude) under coherent light, and a frame does not tell which.
+    /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px:
+    /// the geometric edge stands at half the light under incoherent light and at a quarter of it
+    /// (half the amplitude) under coherent light, and a frame does not tell which.
     pub(crate) fn position_ambiguity(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,

@@ -1,4 +1,5 @@
-//! The edge-spread function that a calibration was made with, kept in its file where it was given as a table.
+//! The edge-spread function that a calibration was made with, kept in its file where it was given
+//! as a table.
 
 use serde::{Deserialize, Serialize};
 

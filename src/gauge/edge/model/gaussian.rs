@@ -1,7 +1,7 @@
 //! The pixel-integrated Gaussian edge.
 //!
-//! A step up at x0, blurred by a Gaussian of standard deviation σ and averaged over the pixel's own area, reads in
-//! pixel k (levels 0 and 1)
+//! A step up at x0, blurred by a Gaussian of standard deviation σ and averaged over the pixel's own
+//! area, reads in pixel k (levels 0 and 1)
 //!
 //! ```text
 //! E_k(x0) = G(k + 1/2 − x0) − G(k − 1/2 − x0)      G(u) = u·Φ(u/σ) + σ·φ(u/σ)
@@ -9,8 +9,8 @@
 //! ∂E/∂σ   = φ((k + 1/2 − x0)/σ) − φ((k − 1/2 − x0)/σ)
 //! ```
 //!
-//! Valid for σ ≥ 0.2 px and edges that cross the scan line at any small angle; for a slope t = tan β along the
-//! shaft the blur seen along the column is σ² (1 + t²) + t²/12 ([`column_sigma`]).
+//! Valid for σ ≥ 0.2 px and edges that cross the scan line at any small angle; for a slope t = tan
+//! β along the shaft the blur seen along the column is σ² (1 + t²) + t²/12 ([`column_sigma`]).
 
 use crate::numerics::distributions::{phi_cdf, phi_pdf};
 
@@ -40,7 +40,8 @@ pub(crate) fn border(u: f64, sigma: f64) -> [f64; 3] {
     [u * cdf + sigma * pdf, cdf, pdf]
 }
 
-/// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`, sharing the work at the pixels' borders.
+/// Evaluates pixels `first..first + out.len()` of a unit edge at `x0`, sharing the work at the
+/// pixels' borders.
 pub(crate) fn edge_samples(first: f64, x0: f64, sigma: f64, out: &mut [EdgeSample]) {
     let mut left = border(first - 0.5 - x0, sigma);
     for (k, sample) in out.iter_mut().enumerate() {

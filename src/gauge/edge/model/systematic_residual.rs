@@ -1,4 +1,5 @@
-//! The mean residual that the edge model leaves at the masters' edges, as a calibration file keeps it.
+//! The mean residual that the edge model leaves at the masters' edges, as a calibration file keeps
+//! it.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,8 @@ const MOST_VALUES: usize = 2049;
 pub struct SystematicResidual {
     /// Distance of neighbouring values, px.
     pub step_px: f64,
-    /// Residual at the upper and lower edge as shares of the contrast, from shadow to light; the middle value stands at the edge. An odd number each.
+    /// Residual at the upper and lower edge as shares of the contrast, from shadow to light; the
+    /// middle value stands at the edge. An odd number each.
     pub residual: [Vec<f64>; 2],
     /// χ² of these edges over its expectation.
     pub chi2: f64,

@@ -1,4 +1,5 @@
-//! Why a frame gives no diameter, in words: what was seen, the limit, and what would help. Only refused frames come here.
+//! Why a frame gives no diameter, in words: what was seen, the limit, and what would help. Only
+//! refused frames come here.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +11,8 @@ use crate::gauge::settings::GaugeSettings;
 use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
-/// Range of grey values over their noise up to which a frame shows one level: the extremes of a million normal values lie
-/// 9.8 standard deviations apart, and whole counts round them outwards.
+/// Range of grey values over their noise up to which a frame shows one level: the extremes of a
+/// million normal values lie 9.8 standard deviations apart, and whole counts round them outwards.
 const ONE_LEVEL: f64 = 12.0;
 
 /// Text where no window holds both levels.
@@ -113,7 +114,8 @@ impl GreyValues {
             }
         }
         let median = upper_median(&mut differences, f32::total_cmp).unwrap_or(0.0);
-        // Without the steps at edges; the mean of |difference| of two normal values is 1.128 of their standard deviation.
+        // Without the steps at edges; the mean of |difference| of two normal values is 1.128 of
+        // their standard deviation.
         let cut = 6.0 * (median + 0.5);
         let small = differences.iter().filter(|d| **d < cut);
         let (sum, count) = small.fold((0.0, 0.0_f64), |(sum, n), d| (sum + f64::from(*d), n + 1.0));
@@ -143,7 +145,8 @@ impl GreyValues {
     }
 }
 
-/// Windows that reach beyond the field: `seen` is the least distance of an edge from the border, px.
+/// Windows that reach beyond the field: `seen` is the least distance of an edge from the border,
+/// px.
 pub(crate) fn too_near(needed_px: usize, seen: Option<f64>) -> FrameRefused {
     let seen = seen.map_or_else(String::new, |px| format!("; {px:.0} px are seen"));
     refused(

@@ -1,4 +1,5 @@
-//! What other options would show in a frame that shows no part: upright, light and shadow exchanged, a smaller part, or these together.
+//! What other options would show in a frame that shows no part: upright, light and shadow
+//! exchanged, a smaller part, or these together.
 
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
@@ -17,7 +18,8 @@ struct View {
     smaller: bool,
 }
 
-/// All views, those of fewer options first; a smaller part only where a part of the size wanted is nowhere.
+/// All views, those of fewer options first; a smaller part only where a part of the size wanted is
+/// nowhere.
 const VIEWS: [View; 7] = [
     view(false, false, true),
     view(true, false, false),

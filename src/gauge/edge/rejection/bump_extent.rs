@@ -6,7 +6,8 @@ use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
 
 /// Columns whose mean widths are compared on the way down.
 const MEAN_COLUMNS: usize = 8;
-/// Widening behind a refused stretch from which on it is a hill's flank, px; shoulders are steeper than so many px a column.
+/// Widening behind a refused stretch from which on it is a hill's flank, px; shoulders are steeper
+/// than so many px a column.
 const RISE_PX: f64 = 0.1;
 const SHOULDER: f64 = 0.3;
 /// Share of a hill's height down to which it is one.
@@ -18,8 +19,8 @@ impl AxisScratch {
         self.refused[column] || !self.departures[column].is_finite()
     }
 
-    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both sides at one place leaves the
-    /// middle alone, and what hides an edge darkens its neighbours.
+    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both
+    /// sides at one place leaves the middle alone, and what hides an edge darkens its neighbours.
     pub(crate) fn extend_to_base(&mut self) {
         let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
         let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
@@ -29,8 +30,8 @@ impl AxisScratch {
         }
     }
 
-    /// Refuses the rest of hills of which a flank is refused: where films on both sides meet, the middle shows only what they differ in.
-    /// Gives whether there were any.
+    /// Refuses the rest of hills of which a flank is refused: where films on both sides meet, the
+    /// middle shows only what they differ in. Gives whether there were any.
     fn cross_bumps(&mut self, taper: f64) -> bool {
         let columns = self.departures.len();
         let (mut from, mut any) = (0, false);
@@ -62,7 +63,9 @@ impl AxisScratch {
         };
         // A round part's crown rises already before the stretch.
         let before = self.mean_width(far - step * (1 + 2 * MEAN_COLUMNS as isize), -step);
-        let Some(slope) = before.map(|before| (base - before) / (2 * MEAN_COLUMNS) as f64) else { return false };
+        let Some(slope) = before.map(|before| (base - before) / (2 * MEAN_COLUMNS) as f64) else {
+            return false;
+        };
         let on_the_way = (length + 1.0 + MEAN_COLUMNS as f64) * (slope - taper * step as f64).max(0.0);
         let rise = beyond - base - taper * step as f64 * (length + 1.0 + MEAN_COLUMNS as f64) - on_the_way;
         if rise < RISE_PX || rise > SHOULDER * (length + 1.0) {
@@ -114,7 +117,8 @@ impl AxisScratch {
         }
     }
 
-    /// Refuses the columns on the way down from one to where the width levels out; none where it does not: that is form.
+    /// Refuses the columns on the way down from one to where the width levels out; none where it
+    /// does not: that is form.
     fn extend_from(&mut self, from: isize, step: isize, taper: f64) {
         let tapered = taper * (MEAN_COLUMNS as isize * step) as f64;
         let mut at = from;
@@ -137,7 +141,8 @@ impl AxisScratch {
         }
     }
 
-    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or few have one.
+    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or few
+    /// have one.
     fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
         let last = from + step * (MEAN_COLUMNS as isize - 1);
         let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);

@@ -1,4 +1,5 @@
-//! How far the middles of both edges depart from an axis, column by column and in blocks of sixteen.
+//! How far the middles of both edges depart from an axis, column by column and in blocks of
+//! sixteen.
 
 use nalgebra::Vector3;
 
@@ -6,7 +7,8 @@ use crate::gauge::edges::Edge;
 use crate::numerics::median_network::{BLOCK, LANES, medians};
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
-/// Departures of a column and of a block's mean that are refused, in robust standard deviations of either.
+/// Departures of a column and of a block's mean that are refused, in robust standard deviations of
+/// either.
 const COLUMN_LIMIT: f64 = 5.5;
 const BLOCK_LIMIT: f64 = 4.0;
 /// Standard deviation of a block's median over that of a column: √(π/2)/√16.
@@ -14,7 +16,8 @@ pub(super) const MEDIAN_OF_BLOCK: f64 = 0.3133;
 /// Departures below this are not tested, px: they change a diameter by twice as much, well within
 /// the scatter of a station.
 pub(super) const FLOOR_PX: f64 = 0.04;
-/// A refused stretch grows over neighbours that depart to the same side by so many standard deviations, this far at most.
+/// A refused stretch grows over neighbours that depart to the same side by so many standard
+/// deviations, this far at most.
 pub(super) const GROW_LIMIT: f64 = 1.5;
 pub(super) const GROWTH: usize = 64;
 /// Neighbouring columns that are refused with a stretch: the base of a flank too gentle to be

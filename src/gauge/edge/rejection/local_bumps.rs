@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 use super::centreline::{LEAST_WIDENING_RATIO, MOST_WIDENING_RATIO};
 use super::departures::{
-    AxisScratch, Block, FLOOR_PX, GROW_LIMIT, BUMPS, LocalBump, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
+    AxisScratch, BUMPS, Block, FLOOR_PX, GROW_LIMIT, LocalBump, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
 };
 use crate::gauge::edges::Edge;
 use crate::numerics::median_network::BLOCK;
@@ -61,7 +61,8 @@ impl AxisScratch {
         let mut any = false;
         for reach in REACHES {
             for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
-                any |= self.mark_bumps(axis, (reach, border), (gain, gain * block_noise, contaminated), edges);
+                any |=
+                    self.mark_bumps(axis, (reach, border), (gain, gain * block_noise, contaminated), edges);
             }
         }
         if any {
@@ -70,8 +71,9 @@ impl AxisScratch {
         any
     }
 
-    /// Finds the hills at one reach, the largest first, and marks those that exceed what the same comparison gives where they have no
-    /// part in it; without the largest, the two largest, … of them, as one hill may hide the others.
+    /// Finds the hills at one reach, the largest first, and marks those that exceed what the same
+    /// comparison gives where they have no part in it; without the largest, the two largest, … of
+    /// them, as one hill may hide the others.
     fn mark_bumps(
         &mut self,
         axis: &Vector3<f64>,
@@ -127,7 +129,8 @@ impl AxisScratch {
         }
     }
 
-    /// The two blocks between which, or beyond which (`step`: on which side they lie), a block's neighbourhood is drawn.
+    /// The two blocks between which, or beyond which (`step`: on which side they lie), a block's
+    /// neighbourhood is drawn.
     fn neighbours(&self, k: usize, reach: usize, step: isize) -> Option<(usize, usize)> {
         let near = self.neighbour(k, reach, if step == 0 { -1 } else { step })?;
         let far = if step == 0 { self.neighbour(k, reach, 1)? } else { self.neighbour(near, reach, step)? };
@@ -143,7 +146,8 @@ impl AxisScratch {
         (over(departure(a), departure(b), departure(c)), over(a.width, b.width, c.width))
     }
 
-    /// The block that bulges most as matter does, within the field or near its border, with those of its neighbours that bulge too.
+    /// The block that bulges most as matter does, within the field or near its border, with those
+    /// of its neighbours that bulge too.
     fn bump(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<LocalBump> {
         let n = self.blocks.len();
         let mut most: Option<LocalBump> = None;
@@ -156,7 +160,8 @@ impl AxisScratch {
                 let Some(ends) = self.neighbours(k, reach, *step) else { continue };
                 let (peak, widening) = self.protrusion(axis, k, ends);
                 let moved = 2.0 * peak.abs();
-                let contamination = widening > LEAST_WIDENING_RATIO * moved && widening < MOST_WIDENING_RATIO * moved;
+                let contamination =
+                    widening > LEAST_WIDENING_RATIO * moved && widening < MOST_WIDENING_RATIO * moved;
                 if contamination && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
                     most = Some(LocalBump { peak, first: k, last: k, step: *step });
                 }

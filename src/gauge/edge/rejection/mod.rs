@@ -10,8 +10,8 @@
 //! alike, as those of a part do, by `departures` from the `centreline` unless the part is `bent`,
 //! then by `local_bumps`, each extended to its base (`bump_extent`).
 //!
-//! One more test is one more file: a function over lines, called once in `side` (one line) or in `stream` (both), with its thresholds
-//! and their reasons at its head.
+//! One more test is one more file: a function over lines, called once in `side` (one line) or in
+//! `stream` (both), with its thresholds and their reasons at its head.
 
 pub(crate) mod bent;
 pub(crate) mod bump_extent;

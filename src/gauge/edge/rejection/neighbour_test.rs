@@ -40,8 +40,8 @@ impl OutlierScratch {
     }
 }
 
-/// Refuses edges further than `limit_px` (and six standard uncertainties) from the line through the medians of their neighbourhood.
-/// Where the medians themselves bend, the bend is allowed on top.
+/// Refuses edges further than `limit_px` (and six standard uncertainties) from the line through the
+/// medians of their neighbourhood. Where the medians themselves bend, the bend is allowed on top.
 pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut OutlierScratch) {
     if is_quiet(line, limit_px) {
         return;
@@ -70,8 +70,9 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
     }
 }
 
-/// Whether no edge of a line can be an outlier: every three neighbouring groups are complete and, about the line through the ends, span
-/// so little that nothing between their medians (nor beyond them, at the ends) lies `limit_px` away.
+/// Whether no edge of a line can be an outlier: every three neighbouring groups are complete and,
+/// about the line through the ends, span so little that nothing between their medians (nor beyond
+/// them, at the ends) lies `limit_px` away.
 fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
     let (Some(first), Some(last)) = (line.first(), line.last()) else { return true };
     let slope = (last.row_px - first.row_px) / line.len() as f64;
@@ -104,7 +105,8 @@ fn bend(knots: &[(f64, f64)], left: usize) -> f64 {
     0.5 * before.max(after)
 }
 
-/// The largest step from one column to the next of a line without gaps, px; infinite where there is one.
+/// The largest step from one column to the next of a line without gaps, px; infinite where there is
+/// one.
 pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
     let (mut most, mut whole) = (0.0_f64, true);
     let mut last = line.first().map_or(f64::NAN, |edge| edge.row_px);
@@ -117,14 +119,16 @@ pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
     if whole { most } else { f64::INFINITY }
 }
 
-/// Shortest run of columns that counts as a contour, the gap that does not end one, and the share of its columns that must have both
-/// edges: two hot pixels in a hundred leave half of them, where a window of a dozen pixels at either edge has none.
+/// Shortest run of columns that counts as a contour, the gap that does not end one, and the share
+/// of its columns that must have both edges: two hot pixels in a hundred leave half of them, where
+/// a window of a dozen pixels at either edge has none.
 const CONTOUR: usize = 32;
 const BRIDGE: usize = 16;
 const PRESENT: f64 = 1.0 / 3.0;
 
-/// Fraction of the usable columns that lie in runs over at least 32 columns (half the frame, in narrower ones) along which
-/// neither edge jumps: near 1 for a part, small for blobs of noise that happen to have edges.
+/// Fraction of the usable columns that lie in runs over at least 32 columns (half the frame, in
+/// narrower ones) along which neither edge jumps: near 1 for a part, small for blobs of noise that
+/// happen to have edges.
 pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
     let contour = CONTOUR.min(top.len() / 2).max(1);
     let (mut all, mut coherent, mut run, mut first) = (0_usize, 0_usize, 0_usize, 0_usize);

@@ -19,12 +19,14 @@ use crate::profile::Reason;
 const LEAST_BLOCKS: usize = 8;
 /// Number of times that the axis is fitted again to the columns not yet refused.
 const PASSES: usize = 3;
-/// Share of the columns that matter hides from which a field counts as dirty, and the spread about the axis, px, above which nothing vouches
-/// for what is left of a dirty field: among much matter a middle that wanders is matter too, sooner than form.
+/// Share of the columns that matter hides from which a field counts as dirty, and the spread about
+/// the axis, px, above which nothing vouches for what is left of a dirty field: among much matter a
+/// middle that wanders is matter too, sooner than form.
 const CONTAMINATED: f64 = 0.05;
 const CONFIRMED_PX: f64 = 0.08;
 
-/// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns refused.
+/// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns
+/// refused.
 pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
     let (mut refused, mut contaminated) = (0.0, None);
     for _ in 0..PASSES {

@@ -12,7 +12,8 @@ const BEST: f64 = 0.2;
 /// Normal quantile of [`BEST`].
 const BEST_QUANTILE: f64 = -0.8416;
 
-/// χ² ratio of the best fitting fifth of a line's usable edges over what noise alone would give; 1 without any.
+/// χ² ratio of the best fitting fifth of a line's usable edges over what noise alone would give; 1
+/// without any.
 pub(crate) fn reduced_chi2(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> f64 {
     pool.clear();
     let step = line.len().div_ceil(512).max(1);
@@ -25,11 +26,13 @@ pub(crate) fn reduced_chi2(line: &[Edge], freedom: f64, pool: &mut Vec<f32>) -> 
     f64::from(*value) / chi2_ratio_limit(freedom, BEST_QUANTILE)
 }
 
-/// χ² ratio of the best fitting fifth below which a frame's noise is not what it was taken for: where an edge has rings, neighbouring columns and
-/// pixels differ by these as well as by noise. A fifth of forty edges of a hundred pixels each is known to 3 %.
+/// χ² ratio of the best fitting fifth below which a frame's noise is not what it was taken for:
+/// where an edge has rings, neighbouring columns and pixels differ by these as well as by noise. A
+/// fifth of forty edges of a hundred pixels each is known to 3 %.
 pub(crate) const MOST_NOISE: f64 = 0.9;
 
-/// Takes the edges' noise for what they leave of the model: `share` of the variance that it was taken for.
+/// Takes the edges' noise for what they leave of the model: `share` of the variance that it was
+/// taken for.
 pub(crate) fn take_noise_back(line: &mut [Edge], share: f64) {
     for edge in line.iter_mut().filter(|e| e.is_usable()) {
         edge.chi2 /= share as f32;
@@ -37,16 +40,17 @@ pub(crate) fn take_noise_back(line: &mut [Edge], share: f64) {
     }
 }
 
-/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a clean frame hardly ever does, and its
-/// u stays what the noise says.
+/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a
+/// clean frame hardly ever does, and its u stays what the noise says.
 const EXCESS_LIMIT: f32 = 5.0;
 /// Relative standard uncertainty of the noise variance that one frame tells.
 const NOISE_KNOWN_TO: f32 = 0.02;
 
-/// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of neighbours exceeds the noise by
-/// λ = ν(χ² − 1), something that all of them share is not in the model (light that falls off across the edge, a film of mist); as much as
-/// the residual shows of it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be stated; what
-/// is stated goes to `stated`, one value a block.
+/// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of
+/// neighbours exceeds the noise by λ = ν(χ² − 1), something that all of them share is not in the
+/// model (light that falls off across the edge, a film of mist); as much as the residual shows of
+/// it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be
+/// stated; what is stated goes to `stated`, one value a block.
 pub(crate) fn add_model_uncertainty(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
     stated.clear();
     for block in line.chunks_mut(RESIDUAL_BLOCK) {
@@ -78,9 +82,9 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
     }
 }
 
-/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a chip fits so badly that the misfit
-/// stated comes to pixels, where a part's faint edge has a fraction of one. Edges with a reason of their own (clipped light, stated
-/// with √2) may have more.
+/// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a
+/// chip fits so badly that the misfit stated comes to pixels, where a part's faint edge has a
+/// fraction of one. Edges with a reason of their own (clipped light, stated with √2) may have more.
 const UNCERTAIN_PX: f64 = 0.5;
 const UNCERTAIN_IMPAIRED_PX: f64 = 2.9;
 

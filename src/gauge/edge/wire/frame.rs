@@ -14,24 +14,27 @@ use crate::gauge::settings::{GaugeSettings, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
-/// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them the middle still has 13 % of the light.
+/// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them
+/// the middle still has 13 % of the light.
 const LEAST_IN_BLURS: f64 = 3.0;
 /// Share of the pixels at the largest grey value from which light may be clipped.
 const CLIPPED_FRACTION: f64 = 0.01;
-/// Second differences along the shadow of so many steps, and their share where there is noise: a shadow that toggles between two grey
-/// values has none above two, noise of half a step has 8 %.
+/// Second differences along the shadow of so many steps, and their share where there is noise: a
+/// shadow that toggles between two grey values has none above two, noise of half a step has 8 %.
 const TOGGLES: f32 = 2.5;
 const NOISY: f64 = 0.02;
 /// Share of the range of grey values that is shadow.
 const SHADOW: f32 = 0.15;
-/// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as for other frames.
+/// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as
+/// for other frames.
 const LEAST_VALID: usize = 8;
 const LEAST_CHI2: f64 = 2.0;
 
 /// Measures the wire that the coarse search found into `out`.
 ///
 /// # Errors
-/// Refuses wires too near the border, too faint, clipped, too blurred for their width, or that the edge model does not fit.
+/// Refuses wires too near the border, too faint, clipped, too blurred for their width, or that the
+/// edge model does not fit.
 pub(crate) fn measure<T: Sample>(
     plane: &Plane<'_, T>,
     coarse: &Coarse,
@@ -88,7 +91,8 @@ pub(crate) fn measure<T: Sample>(
     Ok(())
 }
 
-/// Gaps with the coarse search's reasons; columns with both edges that are not fitted lie too near the border.
+/// Gaps with the coarse search's reasons; columns with both edges that are not fitted lie too near
+/// the border.
 fn lay_out(coarse: &Coarse, out: &mut FrameEdges) {
     out.top.clear();
     out.bottom.clear();
@@ -121,8 +125,9 @@ fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
     most
 }
 
-/// Share of the pixels that stand at the light's largest grey value, where light is clipped there: noise leaves the largest value to
-/// few pixels and the next one to more, a clip piles them up. A frame without noise on the other side is not clipped but drawn.
+/// Share of the pixels that stand at the light's largest grey value, where light is clipped there:
+/// noise leaves the largest value to few pixels and the next one to more, a clip piles them up. A
+/// frame without noise on the other side is not clipped but drawn.
 fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: GreyScaleLimits) -> Option<f64> {
     if !(scale.floor > 0.0) {
         return None;

@@ -7,13 +7,15 @@
 //! m = B + (A_t(c) − B)·[1 − S(k − t_c; σ)] + (A_b(c) − B)·S(k − b_c; σ)
 //! ```
 //!
-//! with S the pixel-integrated edge of the settings, B the shadow's level, A_t and A_b the light above and below (parabolas
-//! along the wire), σ the blur: eight parameters pooled over the frame and two edges a column. Weighted Gauss-Newton on all
-//! at once, the edges eliminated column by column (Schur complement), residuals beyond three standard deviations counting
-//! by their size only (Huber). The errors of B and σ move both edges apart and add up in a width:
-//! the uncertainty of each edge is 1/√2 of the width's.
+//! with S the pixel-integrated edge of the settings, B the shadow's level, A_t and A_b the light
+//! above and below (parabolas along the wire), σ the blur: eight parameters pooled over the frame
+//! and two edges a column. Weighted Gauss-Newton on all at once, the edges eliminated column by
+//! column (Schur complement), residuals beyond three standard deviations counting by their size
+//! only (Huber). The errors of B and σ move both edges apart and add up in a width: the uncertainty
+//! of each edge is 1/√2 of the width's.
 //!
-//! Valid from 6 px and three times the blur across, up to the width from which every edge has a window of its own.
+//! Valid from 6 px and three times the blur across, up to the width from which every edge has a
+//! window of its own.
 
 use crate::gauge::edge::image::window_layout::WIDEST_PX;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -91,7 +93,8 @@ pub(crate) struct Wire {
 }
 
 impl Wire {
-    /// Fits the wire between the coarse edges; `Err` is why not. `floor` is the least variance of a pixel, counts².
+    /// Fits the wire between the coarse edges; `Err` is why not. `floor` is the least variance of a
+    /// pixel, counts².
     pub(crate) fn fit<T: Sample>(
         plane: &Plane<'_, T>,
         (top, bottom): (&[CoarseEdge], &[CoarseEdge]),
@@ -132,7 +135,8 @@ impl Wire {
         Some(())
     }
 
-    /// Divides the columns by the field of the light beside the wire; false where the light is even.
+    /// Divides the columns by the field of the light beside the wire; false where the light is
+    /// even.
     fn level_light<T: Sample>(&mut self, plane: &Plane<'_, T>) -> bool {
         let dark = self.pooled[0];
         let clear = 4.0 * self.pooled[SIGMA] + 1.0;
@@ -288,7 +292,8 @@ impl Wire {
         }
     }
 
-    /// Writes both edges of every column of the frame; those that were not fitted keep the gaps that stand there.
+    /// Writes both edges of every column of the frame; those that were not fitted keep the gaps
+    /// that stand there.
     pub(crate) fn write(&self, top: &mut [Edge], bottom: &mut [Edge]) {
         for column in &self.columns {
             let sums = self.sums(column);
@@ -335,7 +340,8 @@ impl Wire {
         s
     }
 
-    /// Calls `sum` with each pixel's residual, share of light and derivatives by the pooled parameters and both edges.
+    /// Calls `sum` with each pixel's residual, share of light and derivatives by the pooled
+    /// parameters and both edges.
     fn each_pixel(&self, column: &Column, mut sum: impl FnMut(f64, f64, Pooled, Vector2<f64>)) {
         let (p, x) = (&self.pooled, column.x);
         let powers = [1.0, x, x * x];
@@ -394,7 +400,8 @@ impl Wire {
         (normal, right)
     }
 
-    /// One Gauss-Newton step; the larger of the blur's change and the edges' mean one, px, or `None` where the equations are singular.
+    /// One Gauss-Newton step; the larger of the blur's change and the edges' mean one, px, or
+    /// `None` where the equations are singular.
     fn step(&mut self) -> Option<f64> {
         let sums = self.all_sums();
         let (normal, right) = self.reduced(&sums);
@@ -418,7 +425,8 @@ impl Wire {
         Some((moved / count.max(1.0)).max(change[SIGMA].abs()))
     }
 
-    /// Noise in shadow and light from the residuals, robustly; a shadow of too few pixels has the light's.
+    /// Noise in shadow and light from the residuals, robustly; a shadow of too few pixels has the
+    /// light's.
     fn estimate_variance(&mut self, floor: f64) {
         let mut zones = [Vec::new(), Vec::new()];
         for column in self.columns.iter().filter(|c| c.good) {

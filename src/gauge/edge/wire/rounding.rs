@@ -1,8 +1,9 @@
 //! Rounding to whole counts that repeats in the edges of a wire.
 //!
-//! As at other edges ([`crate::gauge::edge::estimation::rounding`]), but both edges, the levels and the blur are one fit: the error b_k of pixel k moves the width by
-//! Σ g_k b_k, g = w_k·(H⁻¹ J_k) of one column's six equations (a level wire repeats the same pixels in every column). Pixels of one flat level share
-//! their error, others have their own:
+//! As at other edges ([`crate::gauge::edge::estimation::rounding`]), but both edges, the levels and
+//! the blur are one fit: the error b_k of pixel k moves the width by Σ g_k b_k, g = w_k·(H⁻¹ J_k)
+//! of one column's six equations (a level wire repeats the same pixels in every column). Pixels of
+//! one flat level share their error, others have their own:
 //!
 //! ```text
 //! u² = Σ_levels (Σ_k g_k)²·r(σ)/(1 + its run) + Σ_others g_k²·r(σ_k)/(1 + counts swept)

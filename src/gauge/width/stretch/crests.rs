@@ -1,8 +1,9 @@
 //! The caliper of crests that face roots: knurls, feed marks, threads.
 //!
-//! A jaw of a caliper touches the crests, wherever the roots of the other side are: the diameter is the distance of the two tangents, not
-//! the largest width of a column. The axis is the line midway between both sides' own lines; each side's largest height above it is found
-//! over a stretch of [`PITCHES`] pitches, so that both jaws touch crests of the same place.
+//! A jaw of a caliper touches the crests, wherever the roots of the other side are: the diameter is
+//! the distance of the two tangents, not the largest width of a column. The axis is the line midway
+//! between both sides' own lines; each side's largest height above it is found over a stretch of
+//! [`PITCHES`] pitches, so that both jaws touch crests of the same place.
 
 use super::largest_value::{Choice, Largest, Line};
 use crate::gauge::edges::{Edge, FrameEdges};
@@ -16,9 +17,11 @@ const SIGNIFICANT: f64 = 4.0;
 /// Least amplitude of the middle, px: vibration and texture are below it and remain with the
 /// columns.
 const LEAST_PX: f64 = 0.1;
-/// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it begins.
+/// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it
+/// begins.
 const PITCHES: f64 = 2.5;
-/// Relative standard deviation of half a pitch of a thread or knurl: blocks of five columns leave 1.4 px of ten or more.
+/// Relative standard deviation of half a pitch of a thread or knurl: blocks of five columns leave
+/// 1.4 px of ten or more.
 const MOST_UNEVEN: f64 = 0.3;
 /// Shortest such stretch, columns.
 const SHORTEST: f64 = 65.0;
@@ -55,7 +58,8 @@ fn heights(line: &[Edge], axis: impl Fn(f64) -> f64, sign: f64) -> Line {
     Line::new(&points)
 }
 
-/// Slope of the line through the outermost edge of every whole pitch of a side; `None` for fewer than three.
+/// Slope of the line through the outermost edge of every whole pitch of a side; `None` for fewer
+/// than three.
 fn crest_slope(line: &[Edge], sign: f64, pitch_px: f64) -> Option<f64> {
     let count = (line.len() as f64 / pitch_px).floor() as usize;
     let crests: Vec<(f64, f64)> = (0..count)
@@ -91,7 +95,8 @@ impl Crests {
         let (a, b) = (straight(&edges.top)?, straight(&edges.bottom)?);
         let axis = |x: f64| 0.5 * (a.0 + b.0 + (a.1 + b.1) * x);
         let (pitch_px, unevenness) = pitch(edges, axis)?;
-        // Roots and flanks tilt a side's own line where the field shows no whole number of pitches; its crests do not.
+        // Roots and flanks tilt a side's own line where the field shows no whole number of pitches;
+        // its crests do not.
         let crest_slopes =
             crest_slope(&edges.top, -1.0, pitch_px).zip(crest_slope(&edges.bottom, 1.0, pitch_px));
         let slope = crest_slopes.map_or(0.5 * (a.1 + b.1), |(top, bottom)| 0.5 * (top + bottom));
@@ -143,7 +148,8 @@ fn within(line: &Line, from: f64, length: f64) -> std::ops::Range<usize> {
     start..end.max(start)
 }
 
-/// Pitch of crests that face roots, px: twice the mean distance of the middle's changes of side; with that distance's relative scatter.
+/// Pitch of crests that face roots, px: twice the mean distance of the middle's changes of side;
+/// with that distance's relative scatter.
 fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
     let (mut side, mut changes) = (0.0, Vec::new());
     let (mut square, mut count) = (0.0, 0.0);

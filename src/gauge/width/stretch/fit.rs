@@ -35,8 +35,9 @@ pub(crate) struct Estimate {
     pub(crate) excess: f64,
 }
 
-/// Standard deviations of χ² and of the covariance of neighbouring residuals up to which a line or parabola describes its stretch:
-/// 2.3 % and 10 % of good ones are left out, and others nearby take their place.
+/// Standard deviations of χ² and of the covariance of neighbouring residuals up to which a line or
+/// parabola describes its stretch: 2.3 % and 10 % of good ones are left out, and others nearby take
+/// their place.
 const CHI2_LIMIT: f64 = 2.0;
 const LAG_LIMIT: f64 = 1.3;
 
@@ -61,7 +62,8 @@ struct Residuals {
     square: f64,
     /// Sum of the products of neighbours.
     lag: f64,
-    /// Coefficients of the Legendre polynomials 2, 3 and 4 in them, and the sums of these polynomials' squares.
+    /// Coefficients of the Legendre polynomials 2, 3 and 4 in them, and the sums of these
+    /// polynomials' squares.
     coefficients: [f64; 3],
     norms: [f64; 3],
 }
@@ -146,7 +148,8 @@ impl Fit {
         (self.origin + value, self.variance * factor)
     }
 
-    /// Value at a column less `lambda` standard uncertainties by noise: the most that its score can be.
+    /// Value at a column less `lambda` standard uncertainties by noise: the most that its score can
+    /// be.
     pub(crate) fn bound(&self, order: Order, x: f64, lambda: f64) -> f64 {
         let (value, variance) = self.at(order, x);
         value - lambda * variance.sqrt()
@@ -248,7 +251,8 @@ mod tests {
         assert!((fit.estimate(Order::Parabola, top, &points, 0..41).value - 90.0).abs() < 1e-9);
     }
 
-    /// A line over half of a step ends above it: its residuals show that it does not describe the stretch.
+    /// A line over half of a step ends above it: its residuals show that it does not describe the
+    /// stretch.
     #[test]
     fn a_line_across_a_step_does_not_describe_it() {
         let x: Vec<f64> = (0..40).map(f64::from).collect();

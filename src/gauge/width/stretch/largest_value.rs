@@ -1,30 +1,33 @@
-//! The largest value over every stretch of a line of columns, down to a least width, without the upward bias of a maximum of noise.
+//! The largest value over every stretch of a line of columns, down to a least width, without the
+//! upward bias of a maximum of noise.
 //!
 //! A stretch is represented by its mean (a collar, a cylinder), by the end of a line through it
-//! where the part or the field ends (a taper),
-//! or by the vertex of a parabola (a bump, a wave, a barrel). Of all stretches of all widths the one with the largest value less λ
-//! standard uncertainties is chosen: a narrow one only where noise does not explain that it is larger than a wide one. Every other
-//! column chooses and the columns between measure, then the other way round, and the mean of both
-//! is the value: it is independent of the
-//! choice. Where both choose different places, what they differ by beyond noise is stated.
+//! where the part or the field ends (a taper), or by the vertex of a parabola (a bump, a wave, a
+//! barrel). Of all stretches of all widths the one with the largest value less λ standard
+//! uncertainties is chosen: a narrow one only where noise does not explain that it is larger than a
+//! wide one. Every other column chooses and the columns between measure, then the other way round,
+//! and the mean of both is the value: it is independent of the choice. Where both choose different
+//! places, what they differ by beyond noise is stated.
 
 use super::fit::{Estimate, Fit, Order, Points};
 
 /// Least width of a stretch where none is stated, columns.
 pub const LEAST_STRETCH: usize = 5;
-/// Widths tried; a mean is taken over [`WIDEST_MEAN`] columns at most: the largest diameter is a local size.
+/// Widths tried; a mean is taken over [`WIDEST_MEAN`] columns at most: the largest diameter is a
+/// local size.
 const WIDTHS: [usize; 12] = [5, 7, 9, 13, 17, 25, 33, 45, 65, 105, 165, 257];
 /// Widest mean, columns.
 const WIDEST_MEAN: usize = 65;
 /// Fewest columns of a line's and of a parabola's stretch.
 const LEAST_OF_LINE: usize = 9;
 const LEAST_OF_PARABOLA: usize = 11;
-/// λ over √(2 ln(2n/w)), about the largest of n/w independent normal deviates. At 1 plain cylinders are given by stretches of 17 columns
-/// and more, so that u hardly changes from frame to frame; at .9 bumps of one to two standard deviations on five columns are found more
-/// often, and u of a cylinder is larger by a quarter.
+/// λ over √(2 ln(2n/w)), about the largest of n/w independent normal deviates. At 1 plain cylinders
+/// are given by stretches of 17 columns and more, so that u hardly changes from frame to frame; at
+/// .9 bumps of one to two standard deviations on five columns are found more often, and u of a
+/// cylinder is larger by a quarter.
 const CHOICE: f64 = 1.0;
-/// Share of the stretch chosen over which a line or parabola is fitted to measure: what the chosen width leaves of the next orders, as
-/// much as noise, falls by its square and its fourth power.
+/// Share of the stretch chosen over which a line or parabola is fitted to measure: what the chosen
+/// width leaves of the next orders, as much as noise, falls by its square and its fourth power.
 const MEASURED: f64 = 0.7;
 /// Width whose mean is as uncertain as what noise may hide between wider stretches, columns.
 const HIDDEN: f64 = 17.0;
@@ -32,13 +35,17 @@ const HIDDEN: f64 = 17.0;
 const BRIDGE_PX: f64 = 8.0;
 /// Drop beside a stretch, in standard deviations of a column, from which it ends at a shoulder.
 const SHOULDER: f64 = 8.0;
-/// Such a drop, px, at least: a wave that turns down by less may pass for one, and a line to its crest would end above it.
+/// Such a drop, px, at least: a wave that turns down by less may pass for one, and a line to its
+/// crest would end above it.
 const SHOULDER_PX: f64 = 1.0;
-/// Departure from the median of five neighbours, in standard deviations, from which one column alone is no stretch of the part.
+/// Departure from the median of five neighbours, in standard deviations, from which one column
+/// alone is no stretch of the part.
 const SPECK: f64 = 6.0;
-/// Ratio of the scatter's estimates by a quarter and by half of the differences below which corners of the outline raise the latter.
+/// Ratio of the scatter's estimates by a quarter and by half of the differences below which corners
+/// of the outline raise the latter.
 const CORNERS: f64 = 0.6;
-/// Scale of the columns' scatter over their stated noise, at least: a median of fourth differences may be small by chance.
+/// Scale of the columns' scatter over their stated noise, at least: a median of fourth differences
+/// may be small by chance.
 const LEAST_SCATTER: f64 = 0.5;
 
 /// A line of columns.
@@ -82,7 +89,8 @@ pub(super) struct Choice {
 }
 
 impl Line {
-    /// A line of points (column, size, value shown, standard deviation by the stated noise); single specks are left out.
+    /// A line of points (column, size, value shown, standard deviation by the stated noise); single
+    /// specks are left out.
     pub(crate) fn new(points: &[(f64, f64, f64, f64)]) -> Self {
         let size: Vec<f64> = points.iter().map(|p| p.1).collect();
         let noise: Vec<f64> = points.iter().map(|p| p.3).collect();
@@ -104,7 +112,8 @@ impl Line {
         self.x.len()
     }
 
-    /// The largest value over stretches of `least` columns or more within `range`; `None` without a point.
+    /// The largest value over stretches of `least` columns or more within `range`; `None` without a
+    /// point.
     pub(crate) fn largest(&self, range: std::ops::Range<usize>, least: usize) -> Option<Largest> {
         let choices = [0, 1].map(|parity| self.choose(&range, least, parity));
         let [Some(a), Some(b)] = choices else { return None };
@@ -200,7 +209,8 @@ impl Line {
         ]
     }
 
-    /// Whether the line ends at a point on the side of `step`: nothing follows, or what follows lies far below.
+    /// Whether the line ends at a point on the side of `step`: nothing follows, or what follows
+    /// lies far below.
     fn ends_at(&self, index: usize, step: isize) -> bool {
         let inside = |i: isize| (0..self.len() as isize).contains(&i);
         let index = index as isize;
@@ -248,8 +258,8 @@ impl Line {
     }
 }
 
-/// Scatter of values over their stated noise, by the median of their fourth differences (Σw² = 70 of white noise), which slopes, steps and
-/// waves of ten columns or more hardly move.
+/// Scatter of values over their stated noise, by the median of their fourth differences (Σw² = 70
+/// of white noise), which slopes, steps and waves of ten columns or more hardly move.
 fn scatter(values: &[f64], noise: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values
         .windows(5)
@@ -266,7 +276,8 @@ fn scatter(values: &[f64], noise: &[f64]) -> f64 {
         let at = (share * sizes.len() as f64) as usize;
         *sizes.select_nth_unstable_by(at, f64::total_cmp).1
     };
-    // Quantiles of |z|: .6745 and .3186. Corners (a thread has them in half of its columns) raise the median, noise alone hardly the ratio.
+    // Quantiles of |z|: .6745 and .3186. Corners (a thread has them in half of its columns) raise
+    // the median, noise alone hardly the ratio.
     let (half, quarter) = (quantile(0.5) / 0.6745, quantile(0.25) / 0.3186);
     let scatter = if quarter < CORNERS * half { quarter } else { half };
     scatter.max(LEAST_SCATTER)

@@ -1,4 +1,5 @@
-//! The largest value along a line of columns: over stretches (`largest_value`), and over crests that face roots (`crests`).
+//! The largest value along a line of columns: over stretches (`largest_value`), and over crests
+//! that face roots (`crests`).
 //!
 //! In: a value a column with its uncertainties, px. Out: the largest value with u and its position.
 //! `fit` are the polynomials through a stretch. One more shape with a largest value of its own is

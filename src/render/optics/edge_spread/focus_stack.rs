@@ -1,8 +1,9 @@
-//! Edges out of focus, column by column: tables over a range of defocus, blended between neighbours.
+//! Edges out of focus, column by column: tables over a range of defocus, blended between
+//! neighbours.
 //!
-//! A bent shaft or a wobbling axis carries its edge through the plane of focus by y(z, φ). The image depends on |y| only; between
-//! tables F is linear in |y|, their number grows until the blend errs by no more than the tolerance in the middle of every
-//! interval.
+//! A bent shaft or a wobbling axis carries its edge through the plane of focus by y(z, φ). The
+//! image depends on |y| only; between tables F is linear in |y|, their number grows until the blend
+//! errs by no more than the tolerance in the middle of every interval.
 
 use rayon::prelude::*;
 
@@ -27,7 +28,8 @@ pub struct FocusStack {
 }
 
 impl FocusStack {
-    /// Tables of `edge` (whose own defocus is ignored) for up to `largest_mm` to either side of the plane of focus.
+    /// Tables of `edge` (whose own defocus is ignored) for up to `largest_mm` to either side of the
+    /// plane of focus.
     ///
     /// # Errors
     /// Refuses values outside their ranges, and a tolerance that would need more than 257 tables.
@@ -37,7 +39,8 @@ impl FocusStack {
         })
     }
 
-    /// Tables of any family that depends on the magnitude of the distance from the plane of focus alone.
+    /// Tables of any family that depends on the magnitude of the distance from the plane of focus
+    /// alone.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -83,7 +86,8 @@ impl FocusStack {
         self.blend_error
     }
 
-    /// Table and share of the next one for an edge `defocus_mm` out of focus; beyond the largest the last table.
+    /// Table and share of the next one for an edge `defocus_mm` out of focus; beyond the largest
+    /// the last table.
     pub fn place(&self, defocus_mm: f64) -> (usize, f64) {
         let last = self.tables.len() - 2;
         let at = (defocus_mm.abs() / self.step_mm).min((last + 1) as f64);

@@ -1,7 +1,8 @@
 //! Fresnel integrals C(x) = ∫cos(πt²/2)dt and S(x) = ∫sin(πt²/2)dt from 0 to x.
 //!
-//! Up to |x| = 1.6 the power series (Abramowitz & Stegun 7.3.11, 7.3.13), beyond it the continued fraction of
-//! erfc(√π(1 - i)x/2) (Lentz's method), both to about 1e-15: C + iS = (1 + i)/2·(1 - erfc).
+//! Up to |x| = 1.6 the power series (Abramowitz & Stegun 7.3.11, 7.3.13), beyond it the continued
+//! fraction of erfc(√π(1 - i)x/2) (Lentz's method), both to about 1e-15: C + iS = (1 + i)/2·(1 -
+//! erfc).
 
 use std::f64::consts::PI;
 

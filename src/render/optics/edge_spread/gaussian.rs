@@ -6,9 +6,10 @@
 //! σ² = σ_lens² + (y·NA_eff)²/4 + (v·t)²/12,   NA_eff = min(NA, NA_illumination)
 //! ```
 //!
-//! y the distance out of focus, v the speed of the edge across itself, t the exposure. The terms are the variances
-//! of a uniform disc of radius y·NA_eff seen edge-on, and of a box. Valid while no single term but the first
-//! dominates; otherwise use [`super::Shifts::disc`] and [`super::Shifts::uniform`] on the table.
+//! y the distance out of focus, v the speed of the edge across itself, t the exposure. The terms
+//! are the variances of a uniform disc of radius y·NA_eff seen edge-on, and of a box. Valid while
+//! no single term but the first dominates; otherwise use [`super::Shifts::disc`] and
+//! [`super::Shifts::uniform`] on the table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,17 +1,20 @@
-//! Grazing reflection: a polished cylinder in diffuse light mirrors the light beside its edge into the lens.
+//! Grazing reflection: a polished cylinder in diffuse light mirrors the light beside its edge into
+//! the lens.
 //!
-//! In the plane across the axis, a ray that reaches the camera at the angle α and seems to come from the height x in
-//! the plane of the axis meets a cylinder of radius R at the glancing angle γ with cos γ = (x/R) cos α. Traced back it
-//! leaves towards the source at α - 2γ, and is lit if that lies within the source's half angle θ:
+//! In the plane across the axis, a ray that reaches the camera at the angle α and seems to come
+//! from the height x in the plane of the axis meets a cylinder of radius R at the glancing angle γ
+//! with cos γ = (x/R) cos α. Traced back it leaves towards the source at α - 2γ, and is lit if that
+//! lies within the source's half angle θ:
 //!
 //! ```text
 //! L(x, α) = 1 where x cos α > R, else ρ(γ) where 2γ - α ≤ θ, else 0
 //! ```
 //!
-//! For rays along the optical axis the strip is Rθ²/8 wide (Dθ²/8 of diameter: 20 mm 19 µm at 5°, .76 µm at 1°); off
-//! the axis it grows to Rθ²/6 at α = θ/3. Rays askew, with the angle ζ along the axis, keep ζ: source and pupil shrink
-//! to √(θ²-ζ²) and √(NA²-ζ²). The light of all pupil points adds up; interference between direct and mirrored light is
-//! left out (right for a source wider than the pupil), and so is the defocus of mirrored rays beyond their own angle.
+//! For rays along the optical axis the strip is Rθ²/8 wide (Dθ²/8 of diameter: 20 mm 19 µm at 5°,
+//! .76 µm at 1°); off the axis it grows to Rθ²/6 at α = θ/3. Rays askew, with the angle ζ along the
+//! axis, keep ζ: source and pupil shrink to √(θ²-ζ²) and √(NA²-ζ²). The light of all pupil points
+//! adds up; interference between direct and mirrored light is left out (right for a source wider
+//! than the pupil), and so is the defocus of mirrored rays beyond their own angle.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -78,7 +81,8 @@ impl GrazingReflection {
         within("optics.reflection.extinction", self.extinction, 0.0, 20.0)
     }
 
-    /// Width of the lit strip at one edge for rays at `acceptance_deg` to the optical axis, µm (paraxial).
+    /// Width of the lit strip at one edge for rays at `acceptance_deg` to the optical axis, µm
+    /// (paraxial).
     ///
     /// R(θ-α)(θ+3α)/8: Rθ²/8 on the axis, its largest, Rθ²/6, at α = θ/3.
     pub fn strip_um(&self, radius_mm: f64, acceptance_deg: f64) -> f64 {
@@ -86,7 +90,8 @@ impl GrazingReflection {
         radius_mm * 1e3 * (theta - alpha) * (theta + 3.0 * alpha) / 8.0
     }
 
-    /// Reflectance of the polished share for unpolarised light at the glancing angle γ (Fresnel, n + ik).
+    /// Reflectance of the polished share for unpolarised light at the glancing angle γ (Fresnel, n
+    /// + ik).
     ///
     /// With c = sin γ the cosine of incidence, for metals |n + ik|² ≫ 1 (Born & Wolf 14.2):
     /// R⊥ = |(c - m)/(c + m)|², R∥ = |(m²c - q)/(m²c + q)|², q = √(m² - 1 + c²), m = n + ik.
@@ -107,7 +112,8 @@ impl GrazingReflection {
         self.polished_share * 0.5 * (perpendicular + parallel)
     }
 
-    /// Light at `x_mm` from the cylinder's axis in the plane of focus, before diffraction: 1 beside the cylinder.
+    /// Light at `x_mm` from the cylinder's axis in the plane of focus, before diffraction: 1 beside
+    /// the cylinder.
     ///
     /// Paraxial in the angle along the axis.
     ///
@@ -119,7 +125,8 @@ impl GrazingReflection {
         Ok(self.mean_light(x_mm / radius_mm, &self.chords(), &gauss_legendre(ALONG)))
     }
 
-    /// Chords of the pupil as (half length of the chord in α, half angle of the source in its plane, weight).
+    /// Chords of the pupil as (half length of the chord in α, half angle of the source in its
+    /// plane, weight).
     fn chords(&self) -> Vec<(f64, f64, f64)> {
         let theta = self.source_half_angle_deg.to_radians();
         // Light reaches the pupil directly only within the source's own cone.
@@ -130,7 +137,8 @@ impl GrazingReflection {
         let chord = |(u, w): &(f64, f64)| {
             let (sin, cos) = (FRAC_PI_2 * u).sin_cos();
             let source = (theta * theta - (lit * sin).powi(2)).max(0.0).sqrt();
-            // ζ = lit sin(πu/2): dζ and the chord's length both go with the cosine, over the area π lit².
+            // ζ = lit sin(πu/2): dζ and the chord's length both go with the cosine, over the area π
+            // lit².
             (lit * cos, source, w * cos * cos)
         };
         gauss_legendre(CHORDS).iter().map(chord).collect()
@@ -140,8 +148,8 @@ impl GrazingReflection {
         chords.iter().map(|(half, source, w)| w * self.chord_light(height, *half, *source, rule)).sum()
     }
 
-    /// Mean over α in ±`half`, divided where rays begin to meet the cylinder (cos α = R/x) and where they turn out of
-    /// the source (3α² - 2θα + 8h - θ² = 0 for a depth of Rh in the shadow).
+    /// Mean over α in ±`half`, divided where rays begin to meet the cylinder (cos α = R/x) and
+    /// where they turn out of the source (3α² - 2θα + 8h - θ² = 0 for a depth of Rh in the shadow).
     fn chord_light(&self, height: f64, half: f64, source: f64, rule: &[(f64, f64)]) -> f64 {
         if half == 0.0 {
             return self.radiance(height, 0.0, source);
@@ -163,7 +171,8 @@ impl GrazingReflection {
         if 2.0 * glancing - alpha <= source { self.reflectance(glancing) } else { 0.0 }
     }
 
-    /// The edge's light as shifted edges: how much light begins at which distance (µm into the light).
+    /// The edge's light as shifted edges: how much light begins at which distance (µm into the
+    /// light).
     ///
     /// # Errors
     /// Refuses values outside their ranges.
@@ -197,7 +206,8 @@ impl GrazingReflection {
         Ok(Shifts::new(nodes))
     }
 
-    /// The edge of a cylinder of `radius_mm` seen through optics with the knife-edge response `edge`.
+    /// The edge of a cylinder of `radius_mm` seen through optics with the knife-edge response
+    /// `edge`.
     ///
     /// # Errors
     /// Refuses values outside their ranges.

@@ -4,10 +4,11 @@
 //! I(v) = ½[(½ + C(v))² + (½ + S(v))²],   v = x √(2/(λz))
 //! ```
 //!
-//! z from the edge to the sensor: 25 % at the true edge, 50 % at v = .354. The rings never end in one colour (their
-//! contrast falls as √2/πv); a line of finite width, here Gaussian, washes them out at about v² = .4 λ/Δλ, a source of
-//! finite angle blurs them by z times its angle. Valid for z much larger than the distance from the edge, one edge at
-//! a time: the two edges of a wire interfere, see [`LaserShadow::wire`].
+//! z from the edge to the sensor: 25 % at the true edge, 50 % at v = .354. The rings never end in
+//! one colour (their contrast falls as √2/πv); a line of finite width, here Gaussian, washes them
+//! out at about v² = .4 λ/Δλ, a source of finite angle blurs them by z times its angle. Valid for z
+//! much larger than the distance from the edge, one edge at a time: the two edges of a wire
+//! interfere, see [`LaserShadow::wire`].
 
 use std::f64::consts::PI;
 
@@ -19,7 +20,8 @@ use super::shifts::Shifts;
 use super::table::EdgeSpread;
 use crate::render::error::{RenderError, within};
 
-/// Largest error of the table's interpolation, share of full intensity: a third of what the family promises.
+/// Largest error of the table's interpolation, share of full intensity: a third of what the family
+/// promises.
 const TOLERANCE: f64 = 3e-6;
 
 /// Full width at half maximum over the standard deviation of a Gaussian line.
@@ -28,7 +30,8 @@ const FWHM: f64 = 2.354_820_045;
 /// Reach of the average over a line, standard deviations.
 const LINE_REACH: f64 = 5.0;
 
-/// v in the shadow at which the table begins, divided by that in the light: there are no rings in the shadow.
+/// v in the shadow at which the table begins, divided by that in the light: there are no rings in
+/// the shadow.
 const SHADOW_SHARE: f64 = 0.5;
 
 /// A laser gauge's light and distances.
@@ -102,7 +105,8 @@ impl LaserShadow {
         table.spread(&Shifts::disc(radius, nodes), TOLERANCE)
     }
 
-    /// Light behind an opaque wire of `diameter_um` at `x_um` from its axis: the amplitudes of both edges add.
+    /// Light behind an opaque wire of `diameter_um` at `x_um` from its axis: the amplitudes of both
+    /// edges add.
     ///
     /// Of one colour or averaged over the line, a point source.
     ///
@@ -122,7 +126,8 @@ impl LaserShadow {
         Ok(light)
     }
 
-    /// Nodes over the line as (√(λ0/λ), weight): the trapezoidal rule, three points to a turn of the farthest ring.
+    /// Nodes over the line as (√(λ0/λ), weight): the trapezoidal rule, three points to a turn of
+    /// the farthest ring.
     fn line(&self) -> Vec<(f64, f64)> {
         let relative = self.bandwidth_nm / FWHM / self.wavelength_nm;
         if relative == 0.0 {

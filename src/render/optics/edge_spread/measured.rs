@@ -1,9 +1,10 @@
-//! A measured edge: distance and intensity from a file, as a slanted-edge or knife-edge scan gives them.
+//! A measured edge: distance and intensity from a file, as a slanted-edge or knife-edge scan gives
+//! them.
 //!
-//! Two columns, `d_um,intensity`, a header line or none, lines that start with `#` skipped. The intensity is that at a
-//! point (the pixel's area is integrated later): 0 in the shadow, 1 in the light. Between the samples F runs along
-//! the monotone piecewise cubic of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch &
-//! Butland, which never overshoots.
+//! Two columns, `d_um,intensity`, a header line or none, lines that start with `#` skipped. The
+//! intensity is that at a point (the pixel's area is integrated later): 0 in the shadow, 1 in the
+//! light. Between the samples F runs along the monotone piecewise cubic of Fritsch & Carlson (SIAM
+//! J. Numer. Anal. 17, 1980, 238) with the slopes of Fritsch & Butland, which never overshoots.
 
 use std::io::Read;
 
@@ -95,12 +96,12 @@ pub struct MeasuredEdge {
 }
 
 impl MeasuredEdge {
-    /// Reads `d_um,intensity` lines. `monotone` refuses an intensity that falls; leave it off for coherent light, whose
-    /// rings are real.
+    /// Reads `d_um,intensity` lines. `monotone` refuses an intensity that falls; leave it off for
+    /// coherent light, whose rings are real.
     ///
     /// # Errors
-    /// Names the line and what would be right: no number, distances that do not rise, fewer than 8 samples, ends that
-    /// are not 0 and 1 to 2 %, an intensity that falls where `monotone` is set.
+    /// Names the line and what would be right: no number, distances that do not rise, fewer than 8
+    /// samples, ends that are not 0 and 1 to 2 %, an intensity that falls where `monotone` is set.
     pub fn read(from: impl Read, monotone: bool) -> Result<Self, RenderError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -155,7 +156,8 @@ impl MeasuredEdge {
     /// The table. Its outer fifths run to 0 and 1 beyond the samples.
     ///
     /// # Errors
-    /// Refuses samples whose distances differ so much that a table of equal steps would be too large.
+    /// Refuses samples whose distances differ so much that a table of equal steps would be too
+    /// large.
     pub fn edge_spread(&self) -> Result<EdgeSpread, RenderError> {
         let s = &self.samples;
         let (low, high) = (s[0].0, s[s.len() - 1].0);
@@ -227,7 +229,8 @@ fn push(
     Ok(())
 }
 
-/// Slopes at the samples: weighted harmonic means where both neighbours rise or fall, zero at extrema and ends.
+/// Slopes at the samples: weighted harmonic means where both neighbours rise or fall, zero at
+/// extrema and ends.
 fn slopes(s: &[(f64, f64)]) -> Vec<f64> {
     let mut slopes = vec![0.0; s.len()];
     for i in 1..s.len() - 1 {

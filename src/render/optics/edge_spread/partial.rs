@@ -1,9 +1,10 @@
-//! Partially coherent edge: the image of an opaque half plane through a telecentric lens with a circular pupil, lit by
-//! a circular source of S = NA_illumination/NA_lens.
+//! Partially coherent edge: the image of an opaque half plane through a telecentric lens with a
+//! circular pupil, lit by a circular source of S = NA_illumination/NA_lens.
 //!
-//! S = 0 is coherent (collimated light), S = ∞ incoherent. Scalar and paraxial (NA below .2), no aberration but
-//! defocus. In focus the true edge shows .250 (S=0), .2573 (.5), 1/3 (1), .4334 (1.5) of the light, and the 50 % point
-//! lies .106, .108, .0935, .039 λ/NA in the light. See `transmission` for the method.
+//! S = 0 is coherent (collimated light), S = ∞ incoherent. Scalar and paraxial (NA below .2), no
+//! aberration but defocus. In focus the true edge shows .250 (S=0), .2573 (.5), 1/3 (1), .4334
+//! (1.5) of the light, and the 50 % point lies .106, .108, .0935, .039 λ/NA in the light. See
+//! `transmission` for the method.
 
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
@@ -26,7 +27,8 @@ const TOLERANCE: f64 = 1e-6;
 const NODES: usize = 16;
 const PANEL_PHASE: f64 = 6.0;
 
-/// Coherent light below this S, incoherent above [`INCOHERENT`]: the table differs by less than 1e-5 there.
+/// Coherent light below this S, incoherent above [`INCOHERENT`]: the table differs by less than
+/// 1e-5 there.
 const COHERENT: f64 = 1e-3;
 const INCOHERENT: f64 = 1e3;
 
@@ -124,7 +126,8 @@ impl PartiallyCoherentEdge {
     }
 }
 
-/// Tables computed last: half a second each, and asked for again by every optical setup of one lens.
+/// Tables computed last: half a second each, and asked for again by every optical setup of one
+/// lens.
 static TABLES: Mutex<VecDeque<(PartiallyCoherentEdge, EdgeSpread)>> = Mutex::new(VecDeque::new());
 const MOST_KEPT: usize = 32;
 

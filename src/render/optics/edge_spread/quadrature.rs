@@ -5,7 +5,8 @@ const NEWTON_STEPS: usize = 8;
 
 /// Nodes and weights on -1..1, exact for polynomials of degree 2n - 1.
 ///
-/// Roots of P_n by Newton's method on its recurrence from cos(π(i + 3/4)/(n + 1/2)) (Abramowitz & Stegun 22.16.6).
+/// Roots of P_n by Newton's method on its recurrence from cos(π(i + 3/4)/(n + 1/2)) (Abramowitz &
+/// Stegun 22.16.6).
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
@@ -36,7 +37,8 @@ pub fn scaled(rule: &[(f64, f64)], low: f64, high: f64) -> impl Iterator<Item = 
     rule.iter().map(move |(x, w)| (centre + half * x, half * w))
 }
 
-/// Nodes and weights over `low..high`, divided at `breaks` and further into panels of at most `panel`.
+/// Nodes and weights over `low..high`, divided at `breaks` and further into panels of at most
+/// `panel`.
 pub fn panels(low: f64, high: f64, breaks: &[f64], panel: f64, rule: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut ends: Vec<f64> = breaks.iter().copied().filter(|b| *b > low && *b < high).collect();
     ends.extend([low, high]);

@@ -1,9 +1,10 @@
 //! Where the edge stands: a distribution of shifts with weights.
 //!
-//! During an exposure the edge moves; before a broad source it is cast from many directions; a reflecting strip adds
-//! a second edge. The light is the mean over all of them, F̄(d) = Σ w_i F(d - s_i). Smooth distributions come as
-//! quadrature nodes fit to them: a box as Gauss-Legendre, an arcsine as Chebyshev nodes of the first kind, a disc as
-//! those of the second kind, a Gaussian as the trapezoidal rule, which converges faster than any power there.
+//! During an exposure the edge moves; before a broad source it is cast from many directions; a
+//! reflecting strip adds a second edge. The light is the mean over all of them, F̄(d) = Σ w_i F(d -
+//! s_i). Smooth distributions come as quadrature nodes fit to them: a box as Gauss-Legendre, an
+//! arcsine as Chebyshev nodes of the first kind, a disc as those of the second kind, a Gaussian as
+//! the trapezoidal rule, which converges faster than any power there.
 
 use std::f64::consts::PI;
 
@@ -19,7 +20,8 @@ pub struct Shifts {
 }
 
 impl Shifts {
-    /// Shifts (µm, positive moves the edge into the light) with weights, which are scaled to add up to one.
+    /// Shifts (µm, positive moves the edge into the light) with weights, which are scaled to add up
+    /// to one.
     pub fn new(nodes: Vec<(f64, f64)>) -> Self {
         let sum: f64 = nodes.iter().map(|(_, w)| w).sum();
         if nodes.is_empty() || sum == 0.0 {
@@ -81,8 +83,8 @@ impl Shifts {
         Self { nodes: self.nodes.iter().map(|(s, w)| (s - mean, *w)).collect() }
     }
 
-    /// The same distribution the other way round: an edge that moves up in the image moves into the light where it is an
-    /// upper one, into the shadow where it is a lower one.
+    /// The same distribution the other way round: an edge that moves up in the image moves into the
+    /// light where it is an upper one, into the shadow where it is a lower one.
     #[must_use]
     pub fn mirrored(&self) -> Self {
         Self { nodes: self.nodes.iter().map(|(s, w)| (-s, *w)).collect() }

@@ -1,14 +1,15 @@
 //! The table: an edge-spread function over the signed distance into the light.
 //!
-//! Between equidistant knots F is the cubic that takes F and dF/dd from both ends; it errs by at most
-//! h⁴/384·max|F''''|. Beyond the ends F is 0 and 1. With F1 = ∫F and F2 = ∬F, which a piecewise cubic gives exactly, a
-//! square pixel of side p over a straight edge of slope tan β sees
+//! Between equidistant knots F is the cubic that takes F and dF/dd from both ends; it errs by at
+//! most h⁴/384·max|F''''|. Beyond the ends F is 0 and 1. With F1 = ∫F and F2 = ∬F, which a
+//! piecewise cubic gives exactly, a square pixel of side p over a straight edge of slope tan β sees
 //!
 //! ```text
 //! I(d) = [F2(d+a+b) - F2(d+a-b) - F2(d-a+b) + F2(d-a-b)] / 4ab,   a = p|cos β|/2,   b = p|sin β|/2
 //! ```
 //!
-//! with d the perpendicular distance of its centre, since the pixel's projection on the normal is two boxes folded.
+//! with d the perpendicular distance of its centre, since the pixel's projection on the normal is
+//! two boxes folded.
 
 use rayon::prelude::*;
 
@@ -53,9 +54,10 @@ pub struct EdgeSpread {
 impl EdgeSpread {
     /// Tabulates a function that gives F and dF/dd (1/µm) over `low_um..=high_um`.
     ///
-    /// The step is halved until the cubic differs from the function by at most `tolerance` in the middle of every
-    /// interval. Over the outer fifth at either end the difference to 0 or 1 fades out, so that a family with long
-    /// tails joins the flat field without a step; how much was faded is [`Self::truncation`].
+    /// The step is halved until the cubic differs from the function by at most `tolerance` in the
+    /// middle of every interval. Over the outer fifth at either end the difference to 0 or 1 fades
+    /// out, so that a family with long tails joins the flat field without a step; how much was
+    /// faded is [`Self::truncation`].
     ///
     /// # Errors
     /// Refuses an empty range and a function that needs more than two million knots.
@@ -199,8 +201,8 @@ impl EdgeSpread {
         }
     }
 
-    /// Light on a square pixel of side `pixel_um` whose centre lies `d_um` into the light, measured across an edge that
-    /// makes the angle `slope_rad` with the pixel's rows. Exact for the table.
+    /// Light on a square pixel of side `pixel_um` whose centre lies `d_um` into the light, measured
+    /// across an edge that makes the angle `slope_rad` with the pixel's rows. Exact for the table.
     pub fn over_pixel(&self, d_um: f64, pixel_um: f64, slope_rad: f64) -> f64 {
         let (sin, cos) = slope_rad.sin_cos();
         let (x, y) = (0.5 * pixel_um * cos.abs(), 0.5 * pixel_um * sin.abs());
@@ -216,7 +218,8 @@ impl EdgeSpread {
         (outer - inner) / (4.0 * wide * narrow)
     }
 
-    /// The table averaged over a box of full width `width_um`: a level edge with the pixel's height folded in.
+    /// The table averaged over a box of full width `width_um`: a level edge with the pixel's height
+    /// folded in.
     ///
     /// # Errors
     /// As [`Self::tabulate`].
@@ -232,7 +235,8 @@ impl EdgeSpread {
         })
     }
 
-    /// The table of an edge that stands at every one of `shifts` with its weight: motion, reflections, a broad source.
+    /// The table of an edge that stands at every one of `shifts` with its weight: motion,
+    /// reflections, a broad source.
     ///
     /// # Errors
     /// As [`Self::tabulate`].
@@ -261,7 +265,8 @@ impl EdgeSpread {
         Ok(Self { interpolation_error, truncation: self.truncation, ..made })
     }
 
-    /// Distance at which F first reaches `level` (0 < level < 1), coming from the shadow; `None` where it never does.
+    /// Distance at which F first reaches `level` (0 < level < 1), coming from the shadow; `None`
+    /// where it never does.
     pub fn position_um(&self, level: f64) -> Option<f64> {
         let i = self.knots.windows(2).position(|k| k[0].value < level && k[1].value >= level)?;
         let (mut a, mut b) =
@@ -278,8 +283,9 @@ impl EdgeSpread {
         Some(self.position_um(0.9)? - self.position_um(0.1)?)
     }
 
-    /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what a quadrature over the
-    /// pixel has to resolve. Equals σ for the Gaussian; about a sixth of the finest period for rings.
+    /// Blur of a Gaussian edge that would be as sharp, the root of max|dF| over max|d³F|, µm: what
+    /// a quadrature over the pixel has to resolve. Equals σ for the Gaussian; about a sixth of the
+    /// finest period for rings.
     pub fn sharpness_um(&self) -> f64 {
         let steepest = self.knots.iter().fold(0.0, |m: f64, k| m.max(k.slope.abs()));
         let third = (0..self.segments()).map(|i| 6.0 * self.segment(i)[3].abs() / self.step_um.powi(3));
@@ -333,14 +339,15 @@ fn hermite((a, da): (f64, f64), (b, db): (f64, f64), step: f64) -> [f64; 4] {
     [a, da, 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db]
 }
 
-/// `intervals + 1` equidistant samples; every one by itself, so that threads cannot change the result.
+/// `intervals + 1` equidistant samples; every one by itself, so that threads cannot change the
+/// result.
 fn sample(low: f64, high: f64, intervals: usize, f: &(impl Fn(f64) -> (f64, f64) + Sync)) -> Vec<(f64, f64)> {
     let step = (high - low) / intervals.max(1) as f64;
     (0..=intervals).into_par_iter().map(|i| f(low + i as f64 * step)).collect()
 }
 
-/// Largest difference in the middle of the intervals, where the cubic errs most; the slope is checked too, lest an
-/// edge hidden inside one interval pass by symmetry.
+/// Largest difference in the middle of the intervals, where the cubic errs most; the slope is
+/// checked too, lest an edge hidden inside one interval pass by symmetry.
 fn largest_error(knots: &[(f64, f64)], middles: &[(f64, f64)], step: f64) -> f64 {
     knots
         .windows(2)

@@ -1,7 +1,8 @@
 //! Spectrum of a partially coherent edge from Hopkins' transmission cross-coefficient.
 //!
-//! Frequencies in NA/λ, distances in λ/NA, defocus z in λ/NA². With the edge's spectrum T(f) = δ(f)/2 + 1/(2πif) and
-//! the cross-coefficient C(f1, f2) of a circular pupil and a circular source of relative radius S,
+//! Frequencies in NA/λ, distances in λ/NA, defocus z in λ/NA². With the edge's spectrum T(f) =
+//! δ(f)/2 + 1/(2πif) and the cross-coefficient C(f1, f2) of a circular pupil and a circular source
+//! of relative radius S,
 //!
 //! ```text
 //! I(x) = ∬ T(f1) T*(f2) C(f1,f2) e^{2πi(f1-f2)x} df1 df2
@@ -9,17 +10,19 @@
 //! Gr(ν) = Re C(ν,0),   Gi(ν) = 1/π PV∫ Re C(f+ν,f) df/f
 //! ```
 //!
-//! The two poles 1/f1f2 at f1 - f2 = ν part into one, (1/f2 - 1/f1)/ν, and C(-f1,-f2) = C(f1,f2) = C*(f2,f1) leaves
-//! the real part. C is the integral over source points (ξ,η) for which both shifted pupils pass; with the pupils'
-//! midpoint p = f + ν/2 + ξ its phase 2πzνp does not depend on f, so the principal value over f has the closed form
+//! The two poles 1/f1f2 at f1 - f2 = ν part into one, (1/f2 - 1/f1)/ν, and C(-f1,-f2) = C(f1,f2) =
+//! C*(f2,f1) leaves the real part. C is the integral over source points (ξ,η) for which both
+//! shifted pupils pass; with the pupils' midpoint p = f + ν/2 + ξ its phase 2πzνp does not depend
+//! on f, so the principal value over f has the closed form
 //!
 //! ```text
 //! Gi(ν) = 1/(π² S₁²) ∬ cos(2πzνp) ln|(q+s)/(q-s)| dp dη,   q = p - ν/2,   |p| ≤ a - ν/2
 //! s = √(S²-η²),   a = √(1-η²),   S₁ = min(S,1)
 //! ```
 //!
-//! in focus in one dimension more. Normalised to I(∞) = 1, that is to the source points that the pupil passes.
-//! Hopkins, Proc. R. Soc. A 217 (1953) 408; Born & Wolf, Principles of Optics, 10.6.4 (the cross-coefficient).
+//! in focus in one dimension more. Normalised to I(∞) = 1, that is to the source points that the
+//! pupil passes. Hopkins, Proc. R. Soc. A 217 (1953) 408; Born & Wolf, Principles of Optics, 10.6.4
+//! (the cross-coefficient).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -73,7 +76,8 @@ impl Spectrum {
         (real / (PI * passed), imaginary / (PI * PI * passed))
     }
 
-    /// ∫ f(a(η), s(η)) dη over |η| ≤ m, with η = m sin t against the roots at the ends, divided where |s ± ν| = a.
+    /// ∫ f(a(η), s(η)) dη over |η| ≤ m, with η = m sin t against the roots at the ends, divided
+    /// where |s ± ν| = a.
     fn over_pupil(&self, nu: f64, m: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
         let meet = 0.5 * (nu + (1.0 - self.s * self.s) / nu);
         let eta = (1.0 - meet * meet).max(0.0).sqrt();

@@ -1,14 +1,16 @@
-//! Radial and tangential distortion (Brown, Photogrammetric Engineering 32 (1966) 444; signs as in OpenCV).
+//! Radial and tangential distortion (Brown, Photogrammetric Engineering 32 (1966) 444; signs as in
+//! OpenCV).
 //!
-//! With u, v the ideal column and row from the centre in units of ρ = half the sensor's diagonal, r² = u² + v²:
+//! With u, v the ideal column and row from the centre in units of ρ = half the sensor's diagonal,
+//! r² = u² + v²:
 //!
 //! ```text
 //! u' = u(1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 uv + p2(r² + 2u²)
 //! v' = v(1 + k1 r² + k2 r⁴ + k3 r⁶) + p1(r² + 2v²) + 2 p2 uv
 //! ```
 //!
-//! k1 = .001 moves the corner by .1 % of the half diagonal. The inverse is Newton's method on the exact Jacobian; a
-//! distortion that folds the image within the sensor is refused.
+//! k1 = .001 moves the corner by .1 % of the half diagonal. The inverse is Newton's method on the
+//! exact Jacobian; a distortion that folds the image within the sensor is refused.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -114,7 +116,8 @@ impl Distortion {
         (u, v)
     }
 
-    /// [`Self::distort`] in pixels of a sensor of `rows` x `columns`: where the ideal point (row, column) lands.
+    /// [`Self::distort`] in pixels of a sensor of `rows` x `columns`: where the ideal point (row,
+    /// column) lands.
     pub fn distort_px(&self, row: f64, column: f64, rows: usize, columns: usize) -> (f64, f64) {
         let frame = SensorFrame::new(rows, columns);
         let (u, v) = frame.units(row, column);
@@ -132,8 +135,8 @@ impl Distortion {
 
     /// Row at which the ideal edge row = `edge`(column) crosses a column of the distorted image.
     ///
-    /// Solves distorted column(c) = `column` for the ideal column c by secant steps; good to 1e-10 px for edges whose
-    /// slope stays below about 100.
+    /// Solves distorted column(c) = `column` for the ideal column c by secant steps; good to 1e-10
+    /// px for edges whose slope stays below about 100.
     pub fn edge_row(&self, column: f64, rows: usize, columns: usize, edge: impl Fn(f64) -> f64) -> f64 {
         let seen = |c: f64| self.distort_px(edge(c), c, rows, columns);
         let start = self.undistort_px(edge(column), column, rows, columns).1;

@@ -4,9 +4,10 @@
 //! g(u,v) = V(r) · (1 + gu·u + gv·v - s·r²),   V(r) = 1 - v2 r² - v4 r⁴
 //! ```
 //!
-//! u, v the column and row from the centre, r their distance, all in half diagonals of the sensor. The factor is 1 in the
-//! centre; it multiplies light, not the black level. A gradient shifts an edge's 50 % point by about σ²·g'/g: that is real,
-//! the gauge has to live with it. [`FieldLight::natural`] gives cos⁴ fall-off of an entocentric lens to fourth order.
+//! u, v the column and row from the centre, r their distance, all in half diagonals of the sensor.
+//! The factor is 1 in the centre; it multiplies light, not the black level. A gradient shifts an
+//! edge's 50 % point by about σ²·g'/g: that is real, the gauge has to live with it.
+//! [`FieldLight::natural`] gives cos⁴ fall-off of an entocentric lens to fourth order.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -83,7 +84,8 @@ impl FieldLight {
         )
     }
 
-    /// Factors of one row of a sensor of `[rows, columns]`: `out[i]` belongs to column `column0 + i`.
+    /// Factors of one row of a sensor of `[rows, columns]`: `out[i]` belongs to column `column0 +
+    /// i`.
     pub fn row(&self, row: usize, column0: usize, [rows, columns]: [usize; 2], out: &mut [f32]) {
         for (i, f) in out.iter_mut().enumerate() {
             *f = self.at_px(row as f64, (column0 + i) as f64, rows, columns) as f32;

@@ -2,7 +2,8 @@
 //!
 //! - [`Distortion`]: radial and tangential, forward and inverse;
 //! - [`FieldLight`]: vignetting and gradient of the backlight, a factor for every pixel;
-//! - [`entocentric`]: outlines seen in perspective, and the envelope over z that tilt makes of a shoulder.
+//! - [`entocentric`]: outlines seen in perspective, and the envelope over z that tilt makes of a
+//!   shoulder.
 
 mod distortion;
 pub mod entocentric;

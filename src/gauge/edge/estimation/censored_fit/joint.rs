@@ -226,7 +226,8 @@ impl Joint<'_> {
         }
     }
 
-    /// One step of Fisher scoring; the largest change as a share of contrast or blur. `None` where the equations are singular.
+    /// One step of Fisher scoring; the largest change as a share of contrast or blur. `None` where
+    /// the equations are singular.
     fn step(&mut self, windows: &Windows, slope: &[f32], seen: f64) -> Option<f64> {
         let (sums, scores) = self.sums(windows, slope);
         let step = sums.normal.cholesky()?.solve(&sums.right);
@@ -312,8 +313,9 @@ impl Joint<'_> {
         })
     }
 
-    /// Leaves the columns out that show a stray pixel, a hot one of the sensor as a rule, where as many as state the noise are free of them:
-    /// the remaining influence of a stray pixel moves the levels, and those move all edges alike.
+    /// Leaves the columns out that show a stray pixel, a hot one of the sensor as a rule, where as
+    /// many as state the noise are free of them: the remaining influence of a stray pixel moves the
+    /// levels, and those move all edges alike.
     pub(super) fn leave_out_strays(&mut self, windows: &Windows, slope: &[f32]) {
         let (_, scores) = self.sums(windows, slope);
         let free = scores.iter().filter(|score| score.stray == 0).count();

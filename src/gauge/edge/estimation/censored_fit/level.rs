@@ -1,4 +1,5 @@
-//! A level along the shaft as the censored fit varies it: a known curve with an offset, or knots of its own.
+//! A level along the shaft as the censored fit varies it: a known curve with an offset, or knots of
+//! its own.
 
 /// A level: `base` plus hats on equidistant knots (a constant where there is one).
 #[derive(Clone, Debug)]

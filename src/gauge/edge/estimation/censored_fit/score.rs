@@ -82,8 +82,9 @@ pub(super) struct Score {
     pub(crate) chi2: f64,
     /// What that sum is expected to be.
     pub(super) informative: f64,
-    /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the flank: their ratio is the noise's gain. What the
-    /// column's own place has taken of the squares is added.
+    /// Σ(m − μ)² less the noise at its known level, and Σ(μ − that level), over pixels on the
+    /// flank: their ratio is the noise's gain. What the column's own place has taken of the squares
+    /// is added.
     pub(crate) flank: [f64; 2],
     /// Pixels on the flank.
     pub(super) on_flank: f64,
@@ -102,7 +103,8 @@ impl<'a> Likelihood<'a> {
         Self { shape, ends, noise, terms: [0.0; TERMS], separated: ShapeTerms::default(), strict: false }
     }
 
-    /// Edge and shape terms in the pixels of a window of `width`, the edge at `x` from its central pixel.
+    /// Edge and shape terms in the pixels of a window of `width`, the edge at `x` from its central
+    /// pixel.
     fn samples(&self, width: usize, x: f64, sigma: f64, out: &mut [Sample]) {
         let table = NormalTable::get();
         let first = -(half(width) as f64);
@@ -140,7 +142,8 @@ impl<'a> Likelihood<'a> {
         self.separated = ShapeTerms::separate(samples.into_iter());
     }
 
-    /// What the pixels of a column's window state, those left out not; their number, and that of hot ones.
+    /// What the pixels of a column's window state, those left out not; their number, and that of
+    /// hot ones.
     fn pixels(
         &self,
         Placed { window, x, column }: Placed<'_>,

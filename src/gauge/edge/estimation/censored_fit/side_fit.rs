@@ -1,4 +1,5 @@
-//! Edges beside light or shadow that is clipped at an end of the grey scale: censored maximum likelihood.
+//! Edges beside light or shadow that is clipped at an end of the grey scale: censored maximum
+//! likelihood.
 //!
 //! Levels along the shaft, blur and two shape terms of the edge-spread function are estimated once
 //! a side from many columns, together with the position of each column (`score`, `joint`). A level
@@ -74,7 +75,8 @@ pub(crate) struct ClippedSide {
     pub(crate) sigma: f64,
     /// Levels of dark and light, counts.
     pub(crate) levels: [Vec<f32>; 2],
-    /// Standard uncertainty of an edge by the shape of what is clipped, √2 for both edges included, px.
+    /// Standard uncertainty of an edge by the shape of what is clipped, √2 for both edges included,
+    /// px.
     pub(crate) u_px: f64,
 }
 
@@ -96,8 +98,10 @@ pub(crate) fn fit_side(
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
         return None;
     };
-    // What a misfit beyond the noise has moved the levels by does not average: as much as in one column.
-    let hidden = if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
+    // What a misfit beyond the noise has moved the levels by does not average: as much as in one
+    // column.
+    let hidden =
+        if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
     let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
@@ -136,7 +140,8 @@ fn first_placed(windows: &Windows, columns: &[usize]) -> Vec<FittedColumn> {
     columns.iter().map(|&index| FittedColumn { index, place: windows.first_place(index) }).collect()
 }
 
-/// The fit to few columns (`scouts`) with the number of knots that they ask for, and the contrast seen; `able`: all that may be fitted.
+/// The fit to few columns (`scouts`) with the number of knots that they ask for, and the contrast
+/// seen; `able`: all that may be fitted.
 fn with_best_knots<'a>(
     windows: &Windows,
     slope: &[f32],
@@ -302,7 +307,8 @@ fn fit_column(
     let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
     let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
     let model = if held > 0.0 { held * held } else { model };
-    // Where no model fits, columns are judged by what the model leaves of all of them, which is in their own u.
+    // Where no model fits, columns are judged by what the model leaves of all of them, which is in
+    // their own u.
     let expected = if held > 0.0 { settled.reduced_chi2.max(1.0) } else { 1.0 };
     let edge = Edge {
         row_px: windows.row(column, x as f32),
