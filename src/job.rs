@@ -127,7 +127,7 @@ impl Default for Job {
 }
 
 impl Job {
-    /// The bench of the simulator, put together.
+    /// The optical setup of the simulator, put together.
     pub fn setup_settings(&self) -> SetupSettings {
         SetupSettings {
             camera: self.camera.clone(),

@@ -14,7 +14,7 @@ pub(super) struct SimulatedCut<'c, 'r> {
     cell: &'c mut SimulatedCell<'r>,
     plan: PassPlan,
     follow: FollowPlan,
-    /// The bench with spindle and carriage in motion.
+    /// The optical setup with spindle and carriage in motion.
     setup: OpticalSetup,
     pass: FollowedPass,
     next: usize,

@@ -36,7 +36,7 @@ impl TurningCell for SimulatedCell<'_> {
 
     fn scan_master(&mut self, index: usize, frames: usize) -> Result<Box<dyn FrameSource + '_>, CellError> {
         let diameter_mm = self.masters.diameter_mm[index];
-        // the calibration's pins lie as the seed says; a pin looked at again after a pass lies
+        // the calibration's pins lie as the seed states; a pin looked at again after a pass lies
         // elsewhere
         let again = u64::from(self.pass) << 40;
         let poses =

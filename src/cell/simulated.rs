@@ -179,7 +179,7 @@ impl SimulatedCell<'_> {
     }
 }
 
-/// True diameters of the masters: drawn from what their certificates say.
+/// True diameters of the masters: drawn from what their certificates state.
 fn true_masters_mm(pins: &[MasterCertificate], seed: u64) -> Vec<f64> {
     let mut random = Pcg64::seed_from_u64(seed ^ MASTER_STREAM);
     pins.iter()

@@ -112,7 +112,7 @@ pub trait TurningCell {
         None
     }
 
-    /// The part's axis as the last pass was looked at; `None` where nobody knows. For comparison
+    /// The part's axis as the last pass was looked at; `None` where no one has. For comparison
     /// only.
     fn true_axis(&self) -> Option<TrueAxis> {
         None

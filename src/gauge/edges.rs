@@ -123,7 +123,7 @@ impl FrameFigures {
     }
 }
 
-/// Columns over which residuals are averaged to tell a misfit that neighbours share.
+/// Columns over which residuals are averaged to find a systematic residual that neighbours share.
 pub(crate) const RESIDUAL_BLOCK: usize = 128;
 
 /// Both edges of every column of a frame.
@@ -135,7 +135,7 @@ pub struct FrameEdges {
     pub bottom: Vec<Edge>,
     /// Columns over which `u_shared_px` is shared, at the upper and lower edge.
     pub shared_length: [f32; 2],
-    /// The part of `u_shared_px` that a misfit of the edge model states, one for every
+    /// The part of `u_shared_px` that a systematic residual of the edge model states, one for every
     /// [`RESIDUAL_BLOCK`] columns of the upper and lower edge.
     pub model_uncertainty_px: [Vec<f32>; 2],
     /// The part of `u_shared_px` that the unknown shape of what is clipped of the upper and lower
@@ -167,7 +167,8 @@ impl FrameEdges {
         self.top.iter().zip(&self.bottom).filter(|(t, b)| t.is_usable() && b.is_usable()).count()
     }
 
-    /// Variance of a column's width by what a misfit of the edge model states at both edges, px².
+    /// Variance of a column's width by what a systematic residual of the edge model states at both
+    /// edges, px².
     pub(crate) fn model_variance(&self, column: usize) -> f64 {
         let side = |side: &Vec<f32>| side.get(column / RESIDUAL_BLOCK).map_or(0.0, |u| f64::from(*u).powi(2));
         self.model_uncertainty_px.iter().map(side).sum()

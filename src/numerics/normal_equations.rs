@@ -29,7 +29,7 @@ impl<const N: usize> NormalEquations<N> {
         Some(self.normal.try_inverse()? * self.right)
     }
 
-    /// Coefficients by Cholesky's decomposition; `None` where the points do not tell them.
+    /// Coefficients by Cholesky's decomposition; `None` where the points do not determine them.
     pub(crate) fn by_cholesky(&self) -> Option<SVector<f64, N>> {
         Some(self.normal.cholesky()?.solve(&self.right))
     }

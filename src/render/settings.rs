@@ -1,8 +1,8 @@
 //! What a user sets about camera, optics, light and sensor: the nominal optical setup.
 //!
-//! The true bench differs from it by seeded amounts ([`SetupDeviations`]) that only `truth` knows;
-//! the gauge gets frames and has to calibrate. Levels are grey values in counts, electrons follow
-//! from them by the sensor's gain.
+//! The true optical setup differs from it by seeded amounts ([`SetupDeviations`]) that only `truth`
+//! has; the gauge gets frames and has to calibrate. Levels are grey values in counts, electrons
+//! follow from them by the sensor's gain.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -201,7 +201,7 @@ impl Default for SetupDeviations {
 }
 
 impl SetupDeviations {
-    /// A bench exactly as its nominal values say.
+    /// An optical setup exactly as its nominal values state.
     pub fn none() -> Self {
         Self { magnification_rel: 0.0, blur_rel: 0.0, gain_rel: 0.0 }
     }

@@ -203,7 +203,7 @@ impl Piece {
     /// The frame with contamination of one kind before the shaft or on it.
     ///
     /// # Errors
-    /// Where the matter cannot be drawn.
+    /// Where the contamination cannot be drawn.
     pub fn dirty(&self, contaminant: Contaminant) -> Result<Frame, DrawError> {
         let settings = contaminant.settings();
         if contaminant == Contaminant::Films {

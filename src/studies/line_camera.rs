@@ -29,7 +29,7 @@ pub const BLOCK: usize = 256;
 const STEP_PX: f64 = 0.01;
 /// Readings after which a stream pools as many as it keeps.
 const SETTLED: usize = 32;
-/// Step from one reading's edge to the next that a block allows, px: a part does not wander farther
+/// Step from one reading's edge to the next that a block allows, px: a part does not move farther
 /// within 60 µs.
 const MOST_STEP_PX: f64 = 3.0;
 

@@ -199,7 +199,7 @@ pub struct Draws {
 }
 
 /// Propagates the distributions of everything that a diameter depends on; `None` where the masters
-/// determine no bench.
+/// determine no optical setup.
 pub fn uncertainty(
     calibration: &Calibration,
     adjustment: &Adjustment,

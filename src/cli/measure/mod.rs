@@ -214,13 +214,11 @@ fn rings(
     }
 }
 
-/// The edge-spread function of the command line; without one, that of the masters' edges, else the
-/// Gaussian.
+/// The edge-spread function of the command line, else that of the masters' edges, else the Gaussian.
 fn edge_model(args: &MeasureArgs, calibration: Option<&Calibration>) -> Result<EsfModel, Failure> {
     match &args.esf {
         Some(text) => esf_model(text, calibration.map(|c| 1e3 * c.scale_mm_per_px)),
-        // The outline of a ring is read with Gaussian edges: a calibration of others does not hold
-        // for it.
+        // A ring's outline is read with Gaussian edges: a calibration of others does not hold.
         None if args.shape == Shape::Ring => Ok(EsfModel::default()),
         None => Ok(calibration.and_then(Calibration::edge_model).unwrap_or_default()),
     }

@@ -128,7 +128,7 @@ impl Series<'_> {
     }
 }
 
-/// The true optical setup: what only truth may know.
+/// The true optical setup: what only truth may contain.
 fn true_setup(scene: &Scene) -> String {
     let setup = scene.setup();
     let json = serde_json::json!({

@@ -143,7 +143,7 @@ impl Law for ModelLaw {
 }
 
 impl ModelLaw {
-    /// Where the pass before was not believed: this one took off as much as the next is to.
+    /// Where the pass before was not accepted: this one took off as much as the next is to.
     fn one_more(&self, seen: &Observation<'_>) -> f64 {
         match seen.next {
             Some(next) => 2.0 * seen.plan.nominal_mm - next.nominal_mm,

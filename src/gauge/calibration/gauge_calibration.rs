@@ -106,7 +106,7 @@ impl Calibration {
         })
     }
 
-    /// From a bench's adjustment.
+    /// From an optical setup's adjustment.
     pub fn of_setup(adjusted: &Adjusted, masters: Vec<MasterFigure>, setup: SetupCalibration) -> Self {
         let sum = |i: usize, j: usize| setup.parts.iter().map(|p| p.matrix[i][j]).sum::<f64>();
         Self {

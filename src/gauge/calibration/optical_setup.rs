@@ -136,7 +136,7 @@ pub struct ReadWidth {
 }
 
 impl SetupCalibration {
-    /// A bench from its adjustment.
+    /// An optical setup from its adjustment.
     pub fn new(adjusted: &Adjusted, size: (usize, usize), validity: Validity, sigma_px: f64) -> Self {
         Self {
             rows: size.0,

@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 /// bend that are adjusted within it: half a station carries a line (exactly 4), two thirds a
 /// parabola.
 const MOST_GAIN: f64 = 4.0;
-/// Fewest columns whose line says what was not seen.
+/// Fewest columns whose line states what was not seen.
 const LEAST_COLUMNS: f64 = 3.0;
 
 /// Sums over the columns seen of a station.

@@ -45,7 +45,7 @@ impl AngleSums {
         variance_of_mean(self.columns as f64, mean.gain * self.own, self.shared, self.length)
     }
 
-    /// Variance by noise of what the mean says was not seen, mm².
+    /// Variance by noise of what the mean states was not seen, mm².
     fn rest_noise(&self, mean: &StationMean) -> f64 {
         mean.rest_gain * self.own / (self.columns as f64).powi(2)
     }
@@ -113,7 +113,7 @@ struct AngleFit {
     /// Variance of the mean by what was not seen of the station at any angle, mm².
     rest: f64,
     /// Variance of one angle by surface texture over that of a whole station: a part of it, carried
-    /// on by a line, knows less.
+    /// on by a line, has less.
     share: f64,
     common_mm: f64,
 }
@@ -211,7 +211,7 @@ impl StationAverager {
         Ok(AngleFit { lobes, noise, rest, share, common_mm })
     }
 
-    /// The fit without the one angle that lies above what the others say, where that explains the
+    /// The fit without the one angle that lies above what the others state, where that explains the
     /// station's scatter.
     fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
         let mut best: Option<AngleFit> = None;

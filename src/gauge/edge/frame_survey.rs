@@ -8,7 +8,7 @@ use crate::gauge::edge::estimation::noise::NoiseModel;
 /// centred by their edges instead.
 const NOISY_AREA_PX: f64 = 0.05;
 
-/// What the frame says about itself.
+/// What the frame states about itself.
 pub(crate) struct FrameSurvey {
     pub(crate) noise: NoiseModel,
     /// Mean levels of both sides, counts.

@@ -44,7 +44,7 @@ pub(crate) struct Narrow {
     rows: usize,
     /// Readings kept.
     count: usize,
-    /// Readings kept that no lesson has seen.
+    /// Readings kept that no accumulator has seen.
     untaught: usize,
     edges: FrameEdges,
 }
@@ -305,8 +305,8 @@ impl Narrow {
         }
     }
 
-    /// Adds what the readings just measured leave of the edge model, where no lesson has seen any
-    /// of them.
+    /// Adds what the readings just measured leave of the edge model, where none has been added
+    /// before.
     pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator) {
         if self.untaught >= self.count && self.count >= LEAST {
             self.untaught = 0;

@@ -1,7 +1,7 @@
 //! A stream whose first readings of a line camera wait until there are enough to measure them by.
 //!
 //! A line camera's first reading shows levels, noise and width of the edge by its own pixels alone;
-//! a picture of thirty-two readings shows all of these to a fifth of that. Where nobody needs a
+//! a picture of thirty-two readings shows all of these to a fifth of that. Where no one needs a
 //! reading at once (a scan, a master pin), the first ones wait until the picture is full, are
 //! measured anew in it, and count like those that follow. An area camera's frames wait for nothing.
 

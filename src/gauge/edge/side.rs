@@ -91,7 +91,7 @@ impl SideState {
         self.expected = reduced_chi2.map(|m| Expected::new(m, side));
     }
 
-    /// Adds what the frame's edges leave of the model to a lesson; clipped light teaches nothing.
+    /// Adds what the frame's edges leave of the model to `residuals`; clipped light adds nothing.
     pub(crate) fn accumulate(&self, residuals: &mut ResidualAccumulator, side: usize, line: &[Edge]) {
         if self.figures.survey.ends.is_none() {
             let (windows, shape, slope) = (&self.windows, &self.shape, &self.slope[..]);
@@ -201,7 +201,7 @@ impl SideState {
         }
     }
 
-    /// What the windows say of levels and noise before the other side is known.
+    /// What the windows state of levels and noise before the other side is known.
     pub(crate) fn survey(&mut self, scale: GreyScaleLimits, estimate_noise: bool) {
         let levels = self.windows.level_sums();
         let mut spread = [Spread::default(); 2];
@@ -214,7 +214,7 @@ impl SideState {
         } else {
             None
         };
-        // Clipped light says nothing of how it falls off; a clipped shadow leaves it as it is.
+        // Clipped light states nothing of how it falls off; a clipped shadow leaves it as it is.
         if ends.is_none_or(|ends| !self.gradient.is_clipped(ends.low, ends.high)) {
             self.gradient.level(&mut self.windows, ends.map_or(f32::NEG_INFINITY, |ends| ends.low as f32));
         }

@@ -21,7 +21,8 @@ pub(crate) struct SideFigures {
     pub(crate) jump: f64,
     /// Rows of the edges, where there are no gaps.
     pub(crate) rows: Vec<CoarseEdge>,
-    /// Standard uncertainty by a misfit of the edge model, px, one for every block of columns.
+    /// Standard uncertainty by a systematic residual of the edge model, px, one for every block of
+    /// columns.
     pub(crate) model_uncertainty_px: Vec<f32>,
     /// Standard uncertainty of an edge by what is clipped of its shape, px.
     pub(crate) clipped_px: f64,
@@ -43,7 +44,7 @@ impl Default for SideFigures {
 /// What neighbouring columns are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnKind {
-    /// Whether neighbouring columns are readings one after the other: where their edges lie says
+    /// Whether neighbouring columns are readings one after the other: where their edges lie states
     /// nothing of a slope.
     pub(crate) level_lines: bool,
     /// Whether columns are copies of one another: their grey values pile up wherever they lie, and

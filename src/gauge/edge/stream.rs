@@ -206,7 +206,7 @@ impl AreaStream {
             return false;
         }
         self.update_track(out, last.size, last.frames + 1);
-        // The yardstick stays that of the search, so that a slow loss of focus is noticed.
+        // The reference stays that of the search, so that a slow loss of focus is noticed.
         if let Some(kept) = &mut self.last {
             kept.reduced_chi2 = last.reduced_chi2;
         }
@@ -366,8 +366,8 @@ impl AreaStream {
         if any { self.survey(scale) } else { Ok(survey) }
     }
 
-    /// Learns each side's edge-spread function and fits again; a side that does not tell it keeps
-    /// the Gaussian.
+    /// Learns each side's edge-spread function and fits again; a side that does not determine it
+    /// keeps the Gaussian.
     fn learn(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) {
         for _ in 0..LESSONS {
             let [top, bottom] = &mut self.sides;
@@ -559,7 +559,7 @@ impl AreaStream {
         true
     }
 
-    /// Whether the frame as a whole is believable.
+    /// Whether the frame as a whole is plausible.
     fn accept_frame(&self, out: &FrameEdges) -> Result<(), FrameRefused> {
         let jump_px = acceptance::jump_px(&self.settings);
         let contours = self.is_unbroken() && self.sides.iter().all(|side| side.figures.jump <= jump_px);

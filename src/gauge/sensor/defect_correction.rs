@@ -44,8 +44,8 @@ impl Grey for f32 {
     }
 }
 
-/// Heals defects (row, column), sorted, of an image of so many columns. A line that is defective
-/// from end to end takes what its neighbours across the shaft show.
+/// Interpolates defects (row, column), sorted, of an image of so many columns. A line that is
+/// defective from end to end takes what its neighbours across the shaft show.
 pub(super) fn interpolate_defects<T: Grey>(
     pixels: &mut [T],
     columns: usize,

@@ -110,7 +110,7 @@ pub(super) struct Modal {
     tool_called: bool,
 }
 
-/// How positions are to be read, as far as the program has said it.
+/// How positions are to be read, as far as the program has stated it.
 #[derive(Clone, Debug, Default)]
 struct Positions {
     /// Diameter of one unit of X.

@@ -98,7 +98,7 @@ impl Scene {
         Self { wiped: true, ..self }
     }
 
-    /// The true bench.
+    /// The true optical setup.
     pub fn setup(&self) -> &OpticalSetup {
         &self.setup
     }

@@ -39,12 +39,12 @@ pub struct OpticalSetup {
     pub tables: TableCache,
     /// Key of the sensor's fixed pattern: the same camera in every frame.
     pub pattern_seed: u64,
-    /// What soils the view, where anything does.
+    /// What contaminates the view, where anything does.
     pub contamination: Option<Arc<ContaminationModel>>,
 }
 
 impl OpticalSetup {
-    /// Draws the true bench; the same settings and seed give the same bench.
+    /// Draws the true optical setup; the same settings and seed give the same optical setup.
     ///
     /// # Errors
     /// Refuses settings outside their ranges, naming the key.

@@ -121,9 +121,9 @@ pub struct SimulatedPlan {
     pub motion: Motion,
     /// Contamination of window, air and shaft.
     pub contamination: Contamination,
-    /// How far the true bench may lie from these values.
+    /// How far the true optical setup may lie from these values.
     pub departures: SetupDeviations,
-    /// Whether the lens is as the config says: a job's. Else its distortion, keystone and
+    /// Whether the lens is as the config states: a job's. Else its distortion, keystone and
     /// telecentricity are drawn within the data sheet's limits about it.
     #[serde(skip)]
     pub lens_as_configured: bool,
@@ -150,7 +150,7 @@ impl Default for SimulatedPlan {
 }
 
 impl SimulatedPlan {
-    /// The bench's settings.
+    /// The optical setup's settings.
     pub fn setup(&self) -> SetupSettings {
         SetupSettings {
             camera: self.camera.clone(),
@@ -183,7 +183,7 @@ impl SimulatedPlan {
         }
     }
 
-    /// Whether no table of a bench of its own is given.
+    /// Whether no table of an optical setup of its own is given.
     pub fn has_no_setup(&self) -> bool {
         self.setup() == SetupSettings::default()
     }

@@ -42,7 +42,7 @@ pub struct Laid {
     pub angle_deg: f64,
 }
 
-/// The bench as it is.
+/// The optical setup as it is.
 pub struct SimulatedSetup<'a> {
     renderer: &'a Renderer,
     setup: OpticalSetup,
@@ -53,12 +53,12 @@ pub struct SimulatedSetup<'a> {
 }
 
 impl<'a> SimulatedSetup<'a> {
-    /// A bench with this telecentricity error.
+    /// An optical setup with this telecentricity error.
     pub fn new(renderer: &'a Renderer, setup: OpticalSetup, telecentricity_per_mm: f64, seed: u64) -> Self {
         Self { renderer, setup, telecentricity_per_mm, seed, frame_id: 0 }
     }
 
-    /// The true bench.
+    /// The true optical setup.
     pub fn setup(&self) -> &OpticalSetup {
         &self.setup
     }
@@ -198,7 +198,7 @@ impl SimulatedPlan {
     /// about the config's, unless the config itself is the truth.
     ///
     /// # Errors
-    /// A bench that cannot be.
+    /// An optical setup that cannot be.
     fn true_setup(&self, lens: &LensLimits, draws: &mut Draws) -> Result<OpticalSetup, RenderError> {
         let mut settings = self.setup();
         if self.lens_as_configured {
@@ -250,12 +250,12 @@ impl<'a> SimulatedRecordings<'a> {
         Ok(Self { setup, simulate, draws, true_mm, thermal, lying: Vec::new() })
     }
 
-    /// The bench, to be measured with.
+    /// The optical setup, to be measured with.
     pub fn into_setup(self) -> SimulatedSetup<'a> {
         self.setup
     }
 
-    /// The bench.
+    /// The optical setup.
     pub fn setup(&self) -> &SimulatedSetup<'a> {
         &self.setup
     }

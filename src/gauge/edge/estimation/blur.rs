@@ -202,7 +202,8 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
             break;
         }
     }
-    // The course along the field is told from more columns than the width itself needs to converge.
+    // The course along the field is determined from more columns than the width itself needs to
+    // converge.
     table.fill(context.shape, context.tabulation(sigma));
     for (block, sum) in sums.iter_mut().enumerate() {
         *sum = block_sums(context, table, sample(block, columns, FINAL_PER_BLOCK), normalised);
@@ -315,7 +316,7 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
 /// hundredths otherwise at the ends of a field.
 const LIKELY_COURSE: f64 = 0.03;
 /// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course
-/// along the field is dirt.
+/// along the field is contamination.
 const ROUGH: f64 = 3.0;
 
 /// The parabola that a shaft's distance from the focal plane draws along the field, its trend and

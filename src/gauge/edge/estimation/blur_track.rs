@@ -1,7 +1,7 @@
 //! The blur of a frame that a stream follows: a shaft that sags towards the camera, or turns out of
 //! the centre, is out of focus otherwise in every frame.
 //!
-//! Noise that grows with the light gives the shadow's foot more weight, so that a blur off by δ
+//! Noise that grows with the light gives the shadow's base more weight, so that a blur off by δ
 //! moves an edge by −δ·I_xσ/I_xx: both edges outwards or both inwards. The score for σ at the edges
 //! just placed, summed over blocks along the shaft, gives the change of a parabola σ(t) since the
 //! frame before, and the edges just placed are moved by it to first order, or placed anew. Nothing

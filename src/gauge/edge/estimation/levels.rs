@@ -14,7 +14,7 @@
 
 /// Columns of a bin.
 const BIN: usize = 16;
-/// Price of a knot in units of χ².
+/// Penalty of a knot in units of χ².
 const KNOT_PENALTY: f64 = 4.0;
 /// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight
 /// degrees of freedom.
@@ -114,7 +114,7 @@ impl LevelPool {
                 reduced_chi2 = if freedom < 1.0 { 1.0 } else { chi2 / freedom };
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
-            // Even the best conceivable fit with more knots cannot be cheaper.
+            // Even the best conceivable fit with more knots cannot be of less cost.
             if KNOT_PENALTY * (2 * knots - 1) as f64 > least {
                 break;
             }
@@ -127,7 +127,7 @@ impl LevelPool {
 /// Result of a search for the number of knots.
 #[derive(Clone, Copy, Debug)]
 struct Found {
-    /// χ² + price of the knots.
+    /// χ² + penalty of the knots.
     penalised: f64,
     /// χ² a degree of freedom.
     reduced_chi2: f64,
@@ -325,8 +325,8 @@ impl Fit {
             self.knots[left + 1].value += count * t * mean;
         }
         // Knots without data (a part that ends inside the field) lean on their neighbours with a
-        // millionth of a bin's weight. One bin alone (readings of a line camera) says nothing of a
-        // slope: its knots stand at one level.
+        // millionth of a bin's weight. One bin alone (readings of a line camera) states nothing of
+        // a slope: its knots stand at one level.
         let weight = if bins.0.len() == 1 { 1e3 } else { 1e-6 };
         let lean = weight * total / bins.0.len() as f64;
         for k in 0..knots - 1 {

@@ -112,7 +112,7 @@ impl ResidualAccumulator {
     }
 
     /// What the edges leave; `None` where the model fits them as well as their noise lets it be
-    /// told.
+    /// determined.
     pub fn finish(self) -> Option<SystematicResidual> {
         let chi2 = self.chi2 / self.edges.max(1.0);
         if !(chi2 > 1.0 + LEAST_EXCESS) {

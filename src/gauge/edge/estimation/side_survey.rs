@@ -16,7 +16,7 @@ pub(crate) struct GreyScaleLimits {
 }
 
 impl GreyScaleLimits {
-    /// Smallest variance of a pixel that is taken seriously, counts².
+    /// Smallest variance of a pixel that is taken into account, counts².
     pub(crate) fn floor(self, contrast: f64) -> f64 {
         self.floor.max((1e-4 * contrast).powi(2)).max(1e-20)
     }

@@ -38,7 +38,7 @@ const TABLE_PER_PX: f64 = 32.0;
 /// Slope above which a column is left out.
 const STEEPEST: f32 = 0.3;
 
-/// What a side knows of its frame.
+/// What a side has of its frame.
 pub(crate) struct EsfSamples<'a> {
     pub(crate) windows: &'a Windows,
     pub(crate) dark: &'a LevelCurve,

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
 
-/// Bounds of a believable blur, px; a table's lower one is its own
+/// Bounds of a plausible blur, px; a table's lower one is its own
 /// ([`EdgeSpreadFunction::least_sigma`]).
 pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
 
@@ -274,7 +274,7 @@ impl EdgeSpreadFunction {
 
     /// How far into the shadow of where a table that was learnt puts the edge it may truly lie, px:
     /// the geometric edge stands at half the light under incoherent light and at a quarter of it
-    /// (half the amplitude) under coherent light, and a frame does not tell which.
+    /// (half the amplitude) under coherent light, and a frame does not determine which.
     pub(crate) fn position_ambiguity(&self, sigma: f64) -> f64 {
         match self {
             Self::Gaussian => 0.0,

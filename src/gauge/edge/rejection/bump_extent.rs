@@ -6,11 +6,11 @@ use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
 
 /// Columns whose mean widths are compared on the way down.
 const MEAN_COLUMNS: usize = 8;
-/// Widening behind a refused stretch from which on it is a hill's flank, px; shoulders are steeper
-/// than so many px a column.
+/// Widening behind a refused stretch from which on it is a local bump's flank, px; shoulders are
+/// steeper than so many px a column.
 const RISE_PX: f64 = 0.1;
 const SHOULDER: f64 = 0.3;
-/// Share of a hill's height down to which it is one.
+/// Share of a local bump's height down to which it is one.
 const BASE_FRACTION: f64 = 0.2;
 
 impl AxisScratch {
@@ -19,8 +19,9 @@ impl AxisScratch {
         self.refused[column] || !self.departures[column].is_finite()
     }
 
-    /// Extends refused stretches and gaps down the slopes of the shadow's width: matter on both
-    /// sides at one place leaves the middle alone, and what hides an edge darkens its neighbours.
+    /// Extends refused stretches and gaps down the slopes of the shadow's width: contamination on
+    /// both sides at one place leaves the middle alone, and what hides an edge darkens its
+    /// neighbours.
     pub(crate) fn extend_to_base(&mut self) {
         let line = fit(self.blocks.iter().map(|b| (b.x, b.width)), false);
         let taper = line.map_or(0.0, |l| l[1]) * 2.0 / self.departures.len().max(1) as f64;
@@ -30,8 +31,8 @@ impl AxisScratch {
         }
     }
 
-    /// Refuses the rest of hills of which a flank is refused: where films on both sides meet, the
-    /// middle shows only what they differ in. Gives whether there were any.
+    /// Refuses the rest of local bumps of which a flank is refused: where films on both sides meet,
+    /// the middle shows only what they differ in. Gives whether there were any.
     fn cross_bumps(&mut self, taper: f64) -> bool {
         let columns = self.departures.len();
         let (mut from, mut any) = (0, false);

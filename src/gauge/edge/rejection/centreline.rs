@@ -17,12 +17,12 @@ pub(super) const CALM_PX: f64 = 0.05;
 /// and bend up to which the parabola may be the axis of the part, px.
 const BETTER: f64 = 0.35;
 const BEND_OF_PART_PX: f64 = 0.3;
-/// Widening over twice the departure of the middle that tells matter from an axis that wanders: 1
-/// and 0.
+/// Widening over twice the departure of the middle that separates contamination from an axis that
+/// is wavy: 1 and 0.
 pub(super) const LEAST_WIDENING_RATIO: f64 = 0.5;
 pub(super) const MOST_WIDENING_RATIO: f64 = 1.6;
-/// A stretch bulges where it stands out by so many times what tells it from the axis, and a frame
-/// where most of what leaves the axis does.
+/// A stretch protrudes where it stands out by so many times what separates it from the axis, and a
+/// frame where most of what leaves the axis does.
 const PROMINENT: f64 = 1.5;
 const PROTRUDING: f64 = 0.75;
 /// Usual bend of the axis over half a field, px (a shaft bent by 0.1 mm on 500 mm bends by 0.03 px
@@ -46,8 +46,8 @@ impl AxisScratch {
     pub(super) fn axis(&mut self, plain: Vector3<f64>, noise: f64) -> Option<Vector3<f64>> {
         let mut found = self.candidates(&plain)?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Matter bulges from the axis, or half of the field agrees with a straighter axis far
-        // better; where neither is so, or the rest would be dents, the axis itself wanders.
+        // Contamination protrudes from the axis, or half of the field agrees with a straighter axis
+        // far better; where neither is so, or the rest would be recesses, the axis itself is wavy.
         let shares = found.map(|(_, axis)| self.protrusions(&axis));
         for ((cost, axis), (protruding, _)) in found.iter().zip(shares) {
             if cost.is_finite() && protruding > PROTRUDING {
@@ -108,9 +108,10 @@ impl AxisScratch {
         Some(axis)
     }
 
-    /// Which share of what leaves an axis bulges, and which is dents: matter on one side widens the
-    /// shadow by twice what it moves the middle by; an axis that wanders moves both edges alike,
-    /// texture dents as often as it bulges; a chip taken for the part leaves the part a dent.
+    /// Which share of what leaves an axis protrudes, and which recedes: contamination on one side
+    /// widens the shadow by twice what it moves the middle by; an axis that is wavy moves both
+    /// edges alike, texture has as many recesses as protrusions; a chip taken for the part leaves
+    /// the part a recess.
     fn protrusions(&mut self, axis: &Vector3<f64>) -> (f64, f64) {
         let limit = (3.0 * self.spread(axis)).max(FLOOR_PX);
         let leaves = |b: &Block| far(axis, limit, b);

@@ -71,9 +71,9 @@ impl AxisScratch {
         any
     }
 
-    /// Finds the hills at one reach, the largest first, and marks those that exceed what the same
-    /// comparison gives where they have no part in it; without the largest, the two largest, … of
-    /// them, as one hill may hide the others.
+    /// Finds the local bumps at one reach, the largest first, and marks those that exceed what the
+    /// same comparison gives where they have no part in it; without the largest, the two largest, …
+    /// of them, as one local bump may hide the others.
     fn mark_bumps(
         &mut self,
         axis: &Vector3<f64>,
@@ -146,8 +146,8 @@ impl AxisScratch {
         (over(departure(a), departure(b), departure(c)), over(a.width, b.width, c.width))
     }
 
-    /// The block that bulges most as matter does, within the field or near its border, with those
-    /// of its neighbours that bulge too.
+    /// The block that protrudes most as contamination does, within the field or near its border,
+    /// with those of its neighbours that protrude too.
     fn bump(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<LocalBump> {
         let n = self.blocks.len();
         let mut most: Option<LocalBump> = None;

@@ -19,9 +19,9 @@ use crate::profile::Reason;
 const LEAST_BLOCKS: usize = 8;
 /// Number of times that the axis is fitted again to the columns not yet refused.
 const PASSES: usize = 3;
-/// Share of the columns that matter hides from which a field counts as dirty, and the spread about
-/// the axis, px, above which nothing vouches for what is left of a dirty field: among much matter a
-/// middle that wanders is matter too, sooner than form.
+/// Share of the columns that contamination hides from which a field counts as contaminated, and the
+/// spread about the axis, px, above which nothing confirms what is left of a contaminated field:
+/// among much contamination a middle that is wavy is contamination too, sooner than form.
 const CONTAMINATED: f64 = 0.05;
 const CONFIRMED_PX: f64 = 0.08;
 
@@ -39,7 +39,7 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
     refused
 }
 
-/// Whether matter hides much of a field.
+/// Whether contamination hides much of a field.
 fn is_contaminated(top: &[Edge], bottom: &[Edge]) -> bool {
     let by_contamination =
         |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));

@@ -40,17 +40,17 @@ pub(crate) fn take_noise_back(line: &mut [Edge], share: f64) {
     }
 }
 
-/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a misfit: a block of a
-/// clean frame hardly ever does, and its u stays what the noise says.
+/// Standard deviations by which a block's mean χ² ratio must exceed 1 to be a systematic residual:
+/// a block of a clean frame hardly ever does, and its u stays what the noise states.
 const EXCESS_LIMIT: f32 = 5.0;
-/// Relative standard uncertainty of the noise variance that one frame tells.
+/// Relative standard uncertainty of the noise variance that one frame determines.
 const NOISE_KNOWN_TO: f32 = 0.02;
 
-/// Adds to the shared uncertainty what a common misfit may hide. Where the mean residual of
-/// neighbours exceeds the noise by λ = ν(χ² − 1), something that all of them share is not in the
-/// model (light that falls off across the edge, a film of mist); as much as the residual shows of
-/// it may have moved the edge: u = u_own·√λ. `left_px` is what an expected misfit leaves to be
-/// stated; what is stated goes to `stated`, one value a block.
+/// Adds to the shared uncertainty what a common systematic residual may hide. Where the mean
+/// residual of neighbours exceeds the noise by λ = ν(χ² − 1), something that all of them share is
+/// not in the model (light that falls off across the edge, a film of mist); as much as the residual
+/// shows of it may have moved the edge: u = u_own·√λ. `left_px` is what an expected systematic
+/// residual leaves to be stated; what is stated goes to `stated`, one value a block.
 pub(crate) fn add_model_uncertainty(line: &mut [Edge], freedom: f64, left_px: f64, stated: &mut Vec<f32>) {
     stated.clear();
     for block in line.chunks_mut(RESIDUAL_BLOCK) {
@@ -83,8 +83,9 @@ pub(crate) fn refuse_residuals(line: &mut [Edge], limit: f32) {
 }
 
 /// Standard uncertainty beyond which an edge is none, px: what joins the contour of a cloud or of a
-/// chip fits so badly that the misfit stated comes to pixels, where a part's faint edge has a
-/// fraction of one. Edges with a reason of their own (clipped light, stated with √2) may have more.
+/// chip fits so badly that the systematic residual stated comes to pixels, where a part's faint
+/// edge has a fraction of one. Edges with a reason of their own (clipped light, stated with √2) may
+/// have more.
 const UNCERTAIN_PX: f64 = 0.5;
 const UNCERTAIN_IMPAIRED_PX: f64 = 2.9;
 

@@ -41,7 +41,7 @@ pub(crate) struct Noise {
     pub(crate) gain: f64,
     /// Least variance, counts².
     pub(crate) floor: f64,
-    /// Variance of the misfit, counts².
+    /// Variance of the systematic residual, counts².
     pub(crate) unexplained: f64,
 }
 

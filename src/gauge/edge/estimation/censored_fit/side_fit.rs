@@ -26,7 +26,7 @@ const SAMPLE_COLUMNS: usize = 512;
 const SCOUTS: usize = 128;
 /// Numbers of knots of a clipped level.
 const KNOTS: [usize; 4] = [2, 3, 5, 9];
-/// Price of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
+/// Penalty of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
 const KNOT_PENALTY: f64 = 4.0;
 /// Steepest edges that take part in learning, rows per column.
 const MOST_SLOPE: f32 = 0.2;
@@ -98,8 +98,8 @@ pub(crate) fn fit_side(
         line.extend((0..columns).map(|column| Edge::gap(gap(column))));
         return None;
     };
-    // What a misfit beyond the noise has moved the levels by does not average: as much as in one
-    // column.
+    // What a systematic residual beyond the noise has moved the levels by does not average: as much
+    // as in one column.
     let hidden =
         if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
     let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
