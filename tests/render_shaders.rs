@@ -142,6 +142,7 @@ fn twin_has_every_function_of_the_shader() {
         let name = function.name.as_deref().unwrap();
         let twin_name = name
             .replace("flat_pixel", "flat_pixels")
+            .replace("shaped", "noise_polynomial")
             .replace("fill_word", "fill_block")
             .replace("even_word", "fill_block");
         assert!(twin.contains(&format!("fn {twin_name}")), "{name} has no twin");

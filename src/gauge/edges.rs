@@ -73,6 +73,7 @@ pub struct FrameFigures {
     /// How far into the shadow of the place stated the geometric edge may lie because its
     /// edge-spread function was learnt from the frame itself, px; 0 with any other. Masters
     /// measured in the same way take it out.
+    #[serde(rename = "unknown_place_px")]
     pub position_ambiguity_px: [f64; 2],
     /// Mean dark level at the upper and lower edge, counts.
     pub dark: [f64; 2],
@@ -85,6 +86,7 @@ pub struct FrameFigures {
     /// Residual χ² of the best fitting fifth over its expectation: 1 where model and noise describe
     /// the frame, or where the edges leave what the calibration's masters left. Uncertainties are
     /// multiplied by its root where it exceeds 1.2.
+    #[serde(rename = "misfit")]
     pub reduced_chi2: f64,
     /// Whether grey values are whole counts.
     pub quantised: bool,

@@ -184,7 +184,7 @@ impl Light {
 
 /// How far the true bench may lie from the nominal one: standard deviations of the seeded draws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(rename = "Departures", deny_unknown_fields, default)]
 pub struct SetupDeviations {
     /// Relative standard deviation of the magnification.
     pub magnification_rel: f64,
@@ -219,7 +219,7 @@ impl SetupDeviations {
 
 /// Everything a user sets about the bench.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(rename = "BenchSettings", deny_unknown_fields, default)]
 pub struct SetupSettings {
     /// The pixel matrix.
     pub camera: Camera,

@@ -22,6 +22,7 @@ const ALLOWED_UM: f64 = 1.0;
 #[derive(Clone, Debug, Serialize)]
 pub struct KindResult {
     /// The kind.
+    #[serde(rename = "matter")]
     pub contaminant: Contaminant,
     /// Frames drawn.
     pub frames: usize,

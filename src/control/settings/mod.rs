@@ -26,6 +26,7 @@ pub struct ControlSettings {
     /// The controller in use.
     pub controller: ControllerName,
     /// Build a controller although its closed loop is unstable at `plant_gain`.
+    #[serde(rename = "insist_on_unstable")]
     pub allow_unstable: bool,
     /// Plant gain g for which stability is judged: change of diameter over change of command, 0 < g ≤ 2. A slender
     /// shaft between chuck and tailstock has .9-1 (1 would be a rigid one).

@@ -50,11 +50,11 @@ pub struct Calibration {
     /// The masters it was made from.
     pub masters: Vec<MasterFigure>,
     /// Lens, sensor, validity and every source's share, where `calibrate` made it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "bench", default, skip_serializing_if = "Option::is_none")]
     pub setup: Option<Box<SetupCalibration>>,
     /// What the masters' edges left of the edge model, where it was more than noise: its share of
     /// the edge offset is in `offset_mm`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "misfit", default, skip_serializing_if = "Option::is_none")]
     pub systematic_residual: Option<Box<SystematicResidual>>,
     /// The edge-spread function fitted, where it was given as a table (`edge_model` = "table").
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -284,7 +284,7 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
     let course = match far {
         _ if context.level_lines => None,
         true => parabola(sums),
-        false => likely_course(sums, variance, sigma),
+        false => likely_course(sums, variance, sigma, residual < MISFIT * context.relative_variance),
     };
     let Some(parabola) = course else {
         return BlurEstimate::uniform(plain(sigma));
@@ -315,6 +315,13 @@ fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
 /// the blur: a shaft that sags by half a millimetre towards the camera is blurred by some
 /// hundredths otherwise at the ends of a field.
 const LIKELY_COURSE: f64 = 0.03;
+/// Least difference along the field, as a share of the blur, that counts: it moves an edge by a
+/// thousandth of a pixel. Frames without noise show smaller ones of the edge model.
+const LEAST_COURSE: f64 = 0.002;
+/// Residuals over the noise from which on they are the edge model's, and χ² of a trend and a bend
+/// (two degrees of freedom, 1 %) that are significant then.
+const MISFIT: f64 = 2.0;
+const SIGNIFICANT: f64 = 9.2;
 /// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course
 /// along the field is contamination.
 const ROUGH: f64 = 3.0;
@@ -322,7 +329,15 @@ const ROUGH: f64 = 3.0;
 /// The parabola that a shaft's distance from the focal plane draws along the field, its trend and
 /// bend weighed against what is likely of them: a test of significance would leave out what most
 /// frames of a bent shaft show too weakly, and all of them alike.
-fn likely_course(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option<nalgebra::Vector3<f64>> {
+///
+/// Where the residuals are the edge model's and not the noise's (`is_noise` false), they are alike
+/// in all frames: there the course must be significant.
+fn likely_course(
+    sums: &[BlurSums; BLOCKS],
+    variance: f64,
+    sigma: f64,
+    is_noise: bool,
+) -> Option<nalgebra::Vector3<f64>> {
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     let (mut total, mut known) = (0.0, 0.0_f64);
@@ -339,7 +354,11 @@ fn likely_course(sums: &[BlurSums; BLOCKS], variance: f64, sigma: f64) -> Option
     normal[(2, 2)] += likely;
     let p = normal.try_inverse()? * right;
     let is_smooth = total - p.dot(&right) < ROUGH * (known - 3.0).max(1.0);
-    is_smooth.then(|| nalgebra::Vector3::new(p[0] - p[2] / 12.0, p[1], p[2]))
+    let spread = (0.5 * p[1]).abs() + (0.25 * p[2]).abs();
+    let by_level = right[0] * right[0] / normal[(0, 0)];
+    let is_likely = is_noise || p.dot(&right) - by_level > SIGNIFICANT;
+    let counts = is_smooth && is_likely && spread > LEAST_COURSE * sigma;
+    counts.then(|| nalgebra::Vector3::new(p[0] - p[2] / 12.0, p[1], p[2]))
 }
 
 /// A parabola through the blocks' blurs, or a line where few of them are known.
