@@ -1,9 +1,9 @@
 //! Frames: what a camera delivers and a gauge reads.
 //!
 //! Images have `row` (down) and `column` (right), pixel centres at integers. With p mm per pixel
-//! and the machine's axes (z along the spindle, x up in the image, y towards the camera): row = r0
-//! - x/p, column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central column c0
-//! = (columns - 1)/2.
+//! and the machine's axes (z along the spindle, x up in the image, y towards the camera):
+//! row = r0 - x/p, column = c0 + z/p. [`FrameMeta::z_mm`] is the machine z of the image's central
+//! column c0 = (columns - 1)/2.
 
 mod encoding;
 

@@ -137,7 +137,7 @@ fn station(edges: &FrameEdges, columns: std::ops::Range<usize>, min_fill: f64) -
     }
     let mean = seen.mean();
     let u = (mean.gain * own / (count * count) + shared / count + mean.rest.powi(2)).sqrt();
-    (count >= (min_fill * length).max(1.0)).then(|| (mean.mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
+    (count >= (min_fill * length).max(1.0)).then_some((mean.mean * PIXEL_UM, 2.0 * u * PIXEL_UM))
 }
 
 /// What one frame came to.

@@ -204,7 +204,7 @@ fn a_calibration_is_made_and_used() {
     assert!((random / number(&frame["u_max_mm"]) - 1.0).abs() < 1e-9);
     // One value has no scatter.
     let first = path(folder.path(), "part/000.png");
-    let single = json(&shadowgauge(&["measure", &first, "--um-per-px", "15.27", "--json", "--budget"]));
+    let single = json(&shadowgauge(["measure", &first, "--um-per-px", "15.27", "--json", "--budget"]));
     assert!(single["statistics"]["sd_mm"].is_null() && number(&single["statistics"]["u_mean_mm"]) > 0.0);
     let stated = single["frames"][0]["budget"].as_array().unwrap();
     assert!(stated.iter().any(|row| row["input"] == "not stated" && row["u_mm"] == 0.0), "{stated:?}");

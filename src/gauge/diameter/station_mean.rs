@@ -154,7 +154,7 @@ mod tests {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(11);
         for part in [(-1.0, 0.2), (-1.0, 0.7), (0.2, 1.0)] {
             let (mut square, mut rests, mut stated) = (0.0, 0.0, StationMean::default());
-            let columns = (200.0 * (part.1 - part.0)) as f64;
+            let columns = 200.0 * (part.1 - part.0);
             for _ in 0..2000 {
                 let draws: Vec<f64> = (0..1000).map(|_| StandardNormal.sample(&mut rng)).collect();
                 stated = seen(&[part], |t| draws[((t + 1.0) * 400.0) as usize]);
