@@ -285,14 +285,34 @@ pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mu
     robust_mean(squares).map(|mean| (mean / 6.0).sqrt())
 }
 
-/// Mean of squares without those beyond 36 times the median one; `None` of too few.
+/// Mean of squares without those beyond 36 times the median one; `None` of too few. Where most are
+/// 0 (whole counts, a scatter below half a step), those beyond four of the least steps seen are left
+/// out: hot pixels, which such a scatter does not reach.
 pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
     if squares.len() < PAIRS {
         return None;
     }
     let median = upper_median(squares, f32::total_cmp)?;
-    let cut = 36.0 * 2.2 * median;
-    let kept = squares.iter().filter(|s| median == 0.0 || **s <= cut);
+    let step = || squares.iter().copied().filter(|s| *s > 0.0).fold(f32::INFINITY, f32::min);
+    let cut = if median > 0.0 { 36.0 * 2.2 * median } else { 16.0 * step() };
+    let kept = squares.iter().filter(|s| **s <= cut);
     let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), s| (sum + f64::from(*s), count + 1.0));
     Some(sum / f64::max(count, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hot_pixel_is_no_scatter_of_a_quiet_level() {
+        let mut squares = vec![0.0_f32; 100];
+        squares[..20].fill(1.0);
+        let quiet = robust_mean(&mut squares.clone()).unwrap();
+        assert!((quiet - 0.2).abs() < 1e-6, "{quiet}");
+        squares[99] = 239.0 * 239.0;
+        let hot = robust_mean(&mut squares).unwrap();
+        assert!((hot - 20.0 / 99.0).abs() < 1e-6, "{hot}");
+        assert_eq!(robust_mean(&mut [0.0; 50]), Some(0.0));
+    }
 }
