@@ -1,10 +1,12 @@
 //! A gauge that follows the tool: frames of a shaft bent by the force of the moment, and control within the pass.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use shadowgauge::cell::SimulatedCell;
-use shadowgauge::closed_loop::{ClosedLoop, PassResult};
+#[path = "support/turned.rs"]
+mod turned;
+
+use shadowgauge::closed_loop::PassResult;
 use shadowgauge::job::{Job, ScanWhen};
-use shadowgauge::render::{BackendChoice, Renderer};
+use turned::turn;
 
 /// A short, slender shaft before a small camera: the field shows 12 mm of a 6 mm shaft of 120 mm.
 fn job(when: &str, within: &str) -> Job {
@@ -59,17 +61,6 @@ fn job(when: &str, within: &str) -> Job {
     let job = shadowgauge::config::parse(&text, "short.toml").unwrap();
     job.check().and_then(|()| job.check_coverage()).unwrap();
     job
-}
-
-fn turn(job: &Job) -> Vec<PassResult> {
-    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let cell = SimulatedCell::new(job, &renderer).unwrap();
-    let mut turning = ClosedLoop::start(job, Box::new(cell), None).unwrap();
-    let mut passes = Vec::new();
-    while turning.next_pass().is_some() {
-        passes.push(turning.run_pass(&mut |_, _| {}).unwrap());
-    }
-    passes
 }
 
 fn worst_mm(pass: &PassResult) -> f64 {

@@ -3,6 +3,8 @@
 
 #[path = "support/program.rs"]
 mod program;
+#[path = "support/turned.rs"]
+mod turned;
 
 use shadowgauge::cell::{SimulatedCell, TurningCell};
 use shadowgauge::closed_loop::{Calibrated, ClosedLoop, LoopError, PassResult, part_verdict};
@@ -13,6 +15,7 @@ use shadowgauge::job::Job;
 use shadowgauge::probe::{ProbeSettings, Sides, Stylus};
 use shadowgauge::process::GuidewayPoint;
 use shadowgauge::render::{BackendChoice, Renderer};
+use turned::turn;
 
 fn job() -> Job {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/probe_000.toml");
@@ -21,17 +24,6 @@ fn job() -> Job {
 
 fn probe(job: &mut Job) -> &mut ProbeSettings {
     job.probe.as_mut().expect("a probe")
-}
-
-fn turn(job: &Job) -> Vec<PassResult> {
-    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let cell = SimulatedCell::new(job, &renderer).unwrap();
-    let mut turning = ClosedLoop::start(job, Box::new(cell), None).unwrap();
-    let mut passes = Vec::new();
-    while turning.next_pass().is_some() {
-        passes.push(turning.run_pass(&mut |_, _| {}).unwrap());
-    }
-    passes
 }
 
 /// (measured − true, u) of every station.

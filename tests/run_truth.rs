@@ -1,11 +1,13 @@
 //! What a run states against what it cut: diameters of several sizes against their uncertainty, the axis against the process' own beam.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
-use shadowgauge::cell::SimulatedCell;
-use shadowgauge::closed_loop::{ClosedLoop, PassResult};
+#[path = "support/turned.rs"]
+mod turned;
+
+use shadowgauge::closed_loop::PassResult;
 use shadowgauge::job::{Job, ScanWhen};
-use shadowgauge::render::{BackendChoice, Renderer};
 use shadowgauge::shaft::AxisKnot;
+use turned::turn;
 
 /// Columns of the shortened frames.
 const COLUMNS: u32 = 1200;
@@ -31,17 +33,6 @@ fn job(diameter_mm: f64, length_mm: f64, seed: u64) -> Job {
     job.scan.fields = (length_mm / (0.8 * pixel_mm * f64::from(COLUMNS))).ceil() as usize;
     job.check().and_then(|()| job.check_coverage()).unwrap();
     job
-}
-
-fn turn(job: &Job) -> Vec<PassResult> {
-    let renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-    let cell = SimulatedCell::new(job, &renderer).unwrap();
-    let mut turning = ClosedLoop::start(job, Box::new(cell), None).unwrap();
-    let mut passes = Vec::new();
-    while turning.next_pass().is_some() {
-        passes.push(turning.run_pass(&mut |_, _| {}).unwrap());
-    }
-    passes
 }
 
 /// Errors over u of every station read.

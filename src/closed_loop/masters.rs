@@ -3,9 +3,7 @@
 use super::error::LoopError;
 use crate::cell::TurningCell;
 use crate::gauge::calibration::Conditions;
-use crate::gauge::{
-    Calibration, FrameEdges, Gauge, MasterCertificate, MasterMeasurement, ResidualAccumulator, SettledStream,
-};
+use crate::gauge::{Calibration, FrameEdges, Gauge, MasterMeasurement, ResidualAccumulator, SettledStream};
 use crate::job::Job;
 
 /// Calibrates on the masters; where their edges leave more of the edge model than noise does, they
@@ -43,12 +41,7 @@ fn masters(
         if frames.is_empty() {
             return Err(LoopError::Master { pin: index + 1, why });
         }
-        let certificate = MasterCertificate {
-            diameter_mm: pin.diameter_mm,
-            expanded_u_mm: pin.expanded_u_mm,
-            coverage_factor: pin.coverage_factor,
-        };
-        measurements.push(MasterMeasurement { certificate, frames });
+        measurements.push(MasterMeasurement { certificate: *pin, frames });
     }
     Ok(measurements)
 }

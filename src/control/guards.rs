@@ -298,10 +298,9 @@ fn check_undersize(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Resu
     }
 }
 
-/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w, w(k) =
-/// e(k) − (1 − g) e(k−1)
-/// + g o(k) what came besides offset and copying, carried on by as much as it grew since the pass
-///   before.
+/// Diameter the next pass is predicted to leave: r + e with e = (1 − g) e(k) − g o(k+1) + w,
+/// w(k) = e(k) − (1 − g) e(k−1) + g o(k) what came besides offset and copying, carried on by as much
+/// as it grew since the pass before.
 fn predicted_mm(g: &Guarded<'_>, next: &NextPass, offsets_mm: &[f64]) -> Vec<f64> {
     let (e, o, gain) = (&g.errors.e_mm, &g.plan.offset.o_mm, g.plant_gain);
     let before = |passes: u32| {

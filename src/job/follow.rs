@@ -9,7 +9,7 @@ use crate::gauge::calibration::Conditions;
 use crate::plan::{FollowFrame, FollowPlan, ScanPlan};
 use crate::process::FeedDirection;
 use crate::render::motion::Motion;
-use crate::setting::SettingError as JobError;
+use crate::setting::SettingError;
 
 /// Room between the tool and the field's edge, mm: chip and insert stand out from the tip.
 const CLEAR_OF_TOOL_MM: f64 = 2.0;
@@ -151,13 +151,16 @@ impl Job {
     }
 
     /// Whether a gauge can follow the tool.
-    pub(super) fn check_follow(&self) -> Result<(), JobError> {
+    pub(super) fn check_follow(&self) -> Result<(), SettingError> {
         let (rise, limit) = (self.scan.part_rise_k, self.scan.limit_part_rise_k);
         if !(-70.0..=380.0).contains(&rise) {
-            return Err(JobError::at("scan.part_rise_k", format!("{rise} K must lie between -70 and 380")));
+            return Err(SettingError::at(
+                "scan.part_rise_k",
+                format!("{rise} K must lie between -70 and 380"),
+            ));
         }
         if !(0.0..=100.0).contains(&limit) {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "scan.limit_part_rise_k",
                 format!("{limit} K must lie between 0 and 100"),
             ));
@@ -166,10 +169,10 @@ impl Job {
             let why =
                 "nothing is read while the pass is cut: set scan.when = \"during_cut\", or leave it out";
             let idle = self.control.within_pass.is_some();
-            return if idle { Err(JobError::at("control.within_pass", why)) } else { Ok(()) };
+            return if idle { Err(SettingError::at("control.within_pass", why)) } else { Ok(()) };
         }
         if self.probe.is_some() {
-            return Err(JobError::at(
+            return Err(SettingError::at(
                 "scan.when",
                 "a touch probe reads a part that stands still: leave out [probe], or scan after_pass",
             ));
@@ -182,14 +185,14 @@ impl Job {
                 "{behind} mm: the tool would stand in the field and hide the edge there; at least {least:.1} mm (half the field, and \
                  {CLEAR_OF_TOOL_MM} mm that insert and chip stand out from the tip)"
             );
-            return Err(JobError::at("scan.behind_tool_mm", why));
+            return Err(SettingError::at("scan.behind_tool_mm", why));
         }
         if !(behind < self.part.length_mm) {
             let why = format!(
                 "{behind} mm: the field must lie on the part, below its length of {} mm",
                 self.part.length_mm
             );
-            return Err(JobError::at("scan.behind_tool_mm", why));
+            return Err(SettingError::at("scan.behind_tool_mm", why));
         }
         // The last pass turns fastest.
         let follow = self.follow_plan(self.part.passes() as u32);

@@ -23,8 +23,8 @@ pub(crate) fn student(freedom: f64, probability: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * probability))
 }
 
-/// Quantile of χ²_ν over ν after Wilson and Hilferty; `z` is the normal quantile. Within 1 % for ν
-/// ≥ 5.
+/// Quantile of χ²_ν over ν after Wilson and Hilferty; `z` is the normal quantile. Within 1 %
+/// for ν ≥ 5.
 pub(crate) fn chi2_ratio_limit(freedom: f64, z: f64) -> f64 {
     let h = 2.0 / (9.0 * freedom.max(1.0));
     (1.0 - h + z * h.sqrt()).powi(3)

@@ -1,5 +1,5 @@
-//! The sensor, from photons to counts, and sensors with published EMVA 1288 figures: `sensor.preset
-//! = "…"` fills in what the table does not set itself.
+//! The sensor, from photons to counts, and sensors with published EMVA 1288 figures:
+//! `sensor.preset = "…"` fills in what the table does not set itself.
 //!
 //! | preset | sensor | source |
 //! |---|---|---|

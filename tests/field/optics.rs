@@ -318,7 +318,7 @@ fn a_job_is_calibrated_by_its_own_config() {
     }
 }
 
-/// A level pin teaches nothing: it was fitted by a Gaussian under another name.
+/// A level pin shows no edge-spread function: it was fitted by a Gaussian under another name.
 #[test]
 fn a_level_pin_teaches_no_edge_model() {
     let folder = Folder::new();

@@ -125,7 +125,7 @@ impl Calibration {
         Self { systematic_residual: systematic_residual.map(Box::new), ..self }
     }
 
-    /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::expecting`].
+    /// What the masters' edges left of the edge model, for [`crate::gauge::Gauge::with_systematic_residual`].
     pub fn systematic_residual(&self) -> Option<&SystematicResidual> {
         self.systematic_residual.as_deref()
     }

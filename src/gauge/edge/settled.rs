@@ -97,7 +97,7 @@ impl<T> SettledStream<T> {
         self.stream.settings()
     }
 
-    /// As [`EdgeStream::teach`], for the frame measured last; of a line camera once for every
+    /// As [`EdgeStream::accumulate`], for the frame measured last; of a line camera once for every
     /// picture of readings, so that no reading counts twice.
     pub fn accumulate(&mut self, residuals: &mut ResidualAccumulator, measured: &FrameEdges) {
         self.stream.accumulate(residuals, measured);

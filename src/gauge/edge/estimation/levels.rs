@@ -12,6 +12,8 @@
 //! short frame beyond the noise of its bins widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40
 //! (1932) 207).
 
+use crate::numerics::normal_equations::NormalEquations;
+
 /// Columns of a bin.
 const BIN: usize = 16;
 /// Penalty of a knot in units of χ².
@@ -184,7 +186,7 @@ impl Bins {
     /// The quartic of least squares over all bins, without its constant and line; `None` where few
     /// bins show it.
     fn bend(&self, columns: usize) -> Option<Bend> {
-        let mut fit = crate::numerics::normal_equations::NormalEquations::new();
+        let mut fit = NormalEquations::new();
         for Bin { at, mean, count } in &self.0 {
             let [p2, p3, p4] = legendre(*at, columns);
             let t = 2.0 * at / (columns.max(2) - 1) as f64 - 1.0;

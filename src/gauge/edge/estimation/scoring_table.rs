@@ -91,8 +91,8 @@ pub(crate) struct CorePhase<const C: usize> {
     pub(crate) inverse_variances: [[f32; 8]; C],
 }
 
-/// The phases of the core in its constant length, which lets the compiler unroll: 16 pixels up to σ
-/// = 1.2 px, 24 up to 2.5 px.
+/// The phases of the core in its constant length, which lets the compiler unroll: 16 pixels up
+/// to σ = 1.2 px, 24 up to 2.5 px.
 #[derive(Clone, Debug)]
 pub(crate) enum Cores {
     /// 16 pixels.

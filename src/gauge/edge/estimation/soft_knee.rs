@@ -59,8 +59,8 @@ pub(crate) fn trusted([dark, light]: [f64; 2], step: f64) -> f64 {
 }
 
 /// Variance of a normal deviate of variance 1 whose share `at_end` is clipped at an upper end: with
-/// z the end's distance above the mean and d what a deviate lies below it, E[d] = zΦ + φ and E[d²]
-/// = (z² + 1)Φ + zφ.
+/// z the end's distance above the mean and d what a deviate lies below it, `E[d] = zΦ + φ` and
+/// `E[d²] = (z² + 1)Φ + zφ`.
 fn clipped_variance(at_end: f64) -> f64 {
     let z = inverse_tail(at_end.clamp(1e-9, 1.0 - 1e-9));
     let (cdf, pdf) = (phi_cdf(z), phi_pdf(z));

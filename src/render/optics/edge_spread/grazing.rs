@@ -90,8 +90,8 @@ impl GrazingReflection {
         radius_mm * 1e3 * (theta - alpha) * (theta + 3.0 * alpha) / 8.0
     }
 
-    /// Reflectance of the polished share for unpolarised light at the glancing angle γ (Fresnel, n
-    /// + ik).
+    /// Reflectance of the polished share for unpolarised light at the glancing angle γ (Fresnel,
+    /// n + ik).
     ///
     /// With c = sin γ the cosine of incidence, for metals |n + ik|² ≫ 1 (Born & Wolf 14.2):
     /// R⊥ = |(c - m)/(c + m)|², R∥ = |(m²c - q)/(m²c + q)|², q = √(m² - 1 + c²), m = n + ik.
