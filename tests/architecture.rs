@@ -23,7 +23,10 @@ const FILE_SYSTEM_ROOMS: [&str; 5] = ["source", "files", "run_folder", "config",
 /// What stands in a room, bottom to top: a file imports its own folder and what is listed before it, and nothing inside
 /// a room imports the room's `mod.rs`.
 const ROOMS: [(&str, &str); 3] = [
-    ("gauge", "form sensor settings edges edge width calibration diameter uncertainty ring instrument"),
+    (
+        "gauge",
+        "limit form sensor settings edges edge width calibration diameter uncertainty ring thresholds instrument",
+    ),
     ("render", "error optics motion form silhouette kernel contamination sensor settings gpu scene renderer"),
     (
         "cli",

@@ -20,9 +20,11 @@ mod edge;
 mod edges;
 pub mod form;
 mod instrument;
+pub(crate) mod limit;
 pub mod ring;
 pub mod sensor;
 mod settings;
+pub mod thresholds;
 pub mod uncertainty;
 mod width;
 
@@ -46,6 +48,7 @@ pub use edge::parallel::Lanes;
 pub use edge::settled::SettledStream;
 pub use edges::{Edge, EdgeState, FrameEdges, FrameFigures, FrameRefused, Mean, ShadowsSeen};
 pub use instrument::Gauge;
+pub use limit::{Limit, replace as replace_limit};
 pub use settings::{
     Blur, EsfModel, EsfSamples, GaugeSettings, Levels, Noise, Polarity, Rejection, StationSettings, Which,
 };

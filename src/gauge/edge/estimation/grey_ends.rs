@@ -9,31 +9,37 @@
 //! the same way, with signs turned.
 
 use crate::gauge::edge::image::scan_windows::Windows;
+use crate::gauge::limit::limits;
 use crate::numerics::distributions::{inverse_tail, phi_cdf};
 use crate::numerics::robust::upper_median;
 
-/// Columns looked at before anything looks clipped.
-const GLANCE: usize = 64;
-/// Share of the flat pixels that may lie beyond an end: hot pixels. Less than this clipped moves a
-/// level by 0.016 standard deviations.
-const BEYOND: f64 = 0.04;
-/// Share of the flat pixels at one grey value from which on it may be an end.
-const AT_ONE: f64 = 0.015;
-/// Times as many pixels at an end as in the step before it.
-const PILED: f64 = 1.5;
-/// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
-/// once in 20 000.
-const EXPECTED: f64 = 10.0;
-/// Share of the pixels expected beyond an end that may be seen there: hot ones.
-const SEEN: f64 = 0.2;
-/// Fewest pairs of pixels from which a noise is estimated.
-const PAIRS: usize = 32;
-/// Largest number of flat pixels evaluated.
-const CLOSELY: usize = 4096;
-/// Scatter that counts as noise, in steps of the grey scale (a level half-way between two steps
-/// toggles under the least noise: √(1/4 − 1/12) = 0.41 are left without rounding's own) and of the
-/// contrast.
-const NOISE: (f64, f64) = (0.45, 1e-3);
+limits! {
+    /// What separates the end of a grey scale from a level that has a few equal pixels.
+    GreyEndLimits = "grey_ends";
+    /// Columns looked at before anything looks clipped.
+    glance_columns: usize = 64;
+    /// Share of the flat pixels that may lie beyond an end: hot pixels. Less than this clipped
+    /// moves a level by 0.016 standard deviations.
+    beyond: f64 = 0.04;
+    /// Share of the flat pixels at one grey value from which on it may be an end.
+    at_one: f64 = 0.015;
+    /// Times as many pixels at an end as in the step before it.
+    piled: f64 = 1.5;
+    /// Pixels expected beyond an end, none seen, that are evidence of it: chance leaves none of ten
+    /// once in 20 000.
+    expected: f64 = 10.0;
+    /// Share of the pixels expected beyond an end that may be seen there: hot ones.
+    seen: f64 = 0.2;
+    /// Fewest pairs of pixels from which a noise is estimated.
+    least_pairs: usize = 32;
+    /// Largest number of flat pixels evaluated.
+    most_pixels: usize = 4096;
+    /// Scatter that counts as noise, in steps of the grey scale: a level half-way between two steps
+    /// toggles under the least noise: √(1/4 − 1/12) = 0.41 are left without rounding's own.
+    least_noise_steps: f64 = 0.45;
+    /// Scatter that counts as noise where the grey scale has no step, of the contrast.
+    least_noise_contrast: f64 = 1e-3;
+}
 
 /// Which flat end of the windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +73,7 @@ pub(crate) struct Elsewhere {
 
 /// Whether there is any evidence of an end at a level, from a few pixels.
 pub(crate) fn may_end(windows: &Windows, level: Level, pool: &mut Vec<f32>) -> bool {
-    collect(windows, level, GLANCE, pool);
+    collect(windows, level, GreyEndLimits::get().glance_columns, pool);
     candidate(pool).is_some_and(|end| stands_out(pool, end))
 }
 
@@ -88,7 +94,7 @@ pub(crate) fn find_end(
     elsewhere: &Elsewhere,
     (pool, squares): (&mut Vec<f32>, &mut Vec<f32>),
 ) -> Option<(f32, f64)> {
-    collect(windows, level, CLOSELY / windows.flat.max(1), pool);
+    collect(windows, level, GreyEndLimits::get().most_pixels / windows.flat.max(1), pool);
     let contrast = elsewhere.levels[1] - elsewhere.levels[0];
     let found = judge(pool, elsewhere.step, contrast, |end, least, step| {
         reference_noise(windows, level, Presumed { end, least, step }, elsewhere, squares)
@@ -112,10 +118,14 @@ pub(crate) fn judge(
     let count = |from: f32, to: f32| pool.iter().filter(|v| **v >= from && **v < to).count() as f64;
     let at_end = pool.iter().filter(|v| **v == end).count() as f64;
     // At least a step is looked at below: for most levels this suffices, without their noise.
-    if !(at_end > PILED * count(end - step as f32, end)) {
+    if !(at_end > GreyEndLimits::get().piled * count(end - step as f32, end)) {
         return None;
     }
-    let least = (NOISE.0 * step).max(if known_step > 0.0 { 0.0 } else { NOISE.1 * contrast });
+    let least = (GreyEndLimits::get().least_noise_steps * step).max(if known_step > 0.0 {
+        0.0
+    } else {
+        GreyEndLimits::get().least_noise_contrast * contrast
+    });
     let noise = noise(end, least, step);
     if !(noise > least) {
         return None;
@@ -127,7 +137,10 @@ pub(crate) fn judge(
     let beyond = all * phi_cdf(-(inverse_tail(share) + apart / noise));
     // Hot pixels stand anywhere beyond, the other half of a bell right behind.
     let behind = count(end, end + 2.0 * (noise as f32).max(apart as f32)) - at_end;
-    (at_end > PILED * before && beyond > EXPECTED && behind < SEEN * beyond).then_some((end, step))
+    (at_end > GreyEndLimits::get().piled * before
+        && beyond > GreyEndLimits::get().expected
+        && behind < GreyEndLimits::get().seen * beyond)
+        .then_some((end, step))
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.
@@ -155,15 +168,15 @@ fn collect(windows: &Windows, level: Level, columns: usize, pool: &mut Vec<f32>)
     }
 }
 
-/// The grey value that all but [`BEYOND`] of the pixels stay at or below, where many stand at it.
+/// The grey value that all but [`GreyEndLimits::beyond`] of the pixels stay at or below, where many stand at it.
 fn candidate(pool: &mut [f32]) -> Option<f32> {
     if pool.len() < 24 {
         return None;
     }
-    let at = ((1.0 - BEYOND) * pool.len() as f64) as usize;
+    let at = ((1.0 - GreyEndLimits::get().beyond) * pool.len() as f64) as usize;
     let end = *pool.select_nth_unstable_by(at, f32::total_cmp).1;
     let equal = pool.iter().filter(|v| **v == end).count();
-    (equal as f64 >= AT_ONE * pool.len() as f64).then_some(end)
+    (equal as f64 >= GreyEndLimits::get().at_one * pool.len() as f64).then_some(end)
 }
 
 /// Smallest distance of two grey values; 0 where there is one only.
@@ -212,7 +225,7 @@ fn reference_noise(
 fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>) -> Option<f64> {
     let range = level.pixels(windows);
     let columns = windows.centre.len();
-    let step = columns.div_ceil(2 * CLOSELY / windows.flat.max(1)).max(2);
+    let step = columns.div_ceil(2 * GreyEndLimits::get().most_pixels / windows.flat.max(1)).max(2);
     squares.clear();
     for column in (0..columns.saturating_sub(1)).step_by(step) {
         if windows.centre[column].is_err() || windows.centre[column + 1].is_err() {
@@ -234,7 +247,7 @@ pub(crate) fn light_scatter(
 ) -> Option<(f64, f64)> {
     let range = Level::Light.pixels(windows);
     let columns = windows.centre.len();
-    let step = columns.div_ceil(2 * CLOSELY / windows.flat.max(1)).max(2);
+    let step = columns.div_ceil(2 * GreyEndLimits::get().most_pixels / windows.flat.max(1)).max(2);
     squares.clear();
     let (mut at_end, mut all) = (0.0, 0.0_f64);
     for column in (0..columns.saturating_sub(1)).step_by(step) {
@@ -249,7 +262,7 @@ pub(crate) fn light_scatter(
     }
     // Most pairs of clipped light are equal: their median is no measure of scatter.
     let mean = match end {
-        Some(_) if squares.len() >= PAIRS => {
+        Some(_) if squares.len() >= GreyEndLimits::get().least_pairs => {
             squares.iter().map(|s| f64::from(*s)).sum::<f64>() / squares.len() as f64
         }
         _ => robust_mean(squares)?,
@@ -262,7 +275,7 @@ pub(crate) fn light_scatter(
 pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
     let middle = (0.5 * (elsewhere.levels[0] + elsewhere.levels[1])) as f32;
     let columns = windows.centre.len();
-    let step = columns.div_ceil(CLOSELY).max(1);
+    let step = columns.div_ceil(GreyEndLimits::get().most_pixels).max(1);
     squares.clear();
     for column in (1..columns.saturating_sub(1)).step_by(step) {
         let Ok(centre) = windows.centre[column] else { continue };
@@ -289,7 +302,7 @@ pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mu
 /// 0 (whole counts, a scatter below half a step), those beyond four of the least steps seen are left
 /// out: hot pixels, which such a scatter does not reach.
 pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
-    if squares.len() < PAIRS {
+    if squares.len() < GreyEndLimits::get().least_pairs {
         return None;
     }
     let median = upper_median(squares, f32::total_cmp)?;
