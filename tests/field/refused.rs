@@ -221,7 +221,7 @@ fn wires() -> Vec<Case> {
             "a clipped wire",
             Picture::new(|r, c| 15.0 + 300.0 * shadow(62.3, 77.9, 1.0)(r, c)),
             wires,
-            ["of the pixels stand at the largest grey value", "below 24 px", "expose less"],
+            ["of the pixels in the light stand at the largest grey value", "below 24 px", "expose less"],
         ),
         (
             "a wire at the border",

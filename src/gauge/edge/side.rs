@@ -254,7 +254,7 @@ impl SideState {
             known.or_else(|| self.spread(in_light, least).variance()).map_or(f64::NAN, f64::sqrt)
         });
         let mean = [levels.dark, levels.light].map(|sum| sum / levels.count);
-        let elsewhere = Elsewhere { noise, levels: mean, step: scale.step() };
+        let elsewhere = Elsewhere { noise, levels: mean, step: scale.step(), turned: self.kind.turned };
         let mut squares = std::mem::take(&mut self.work.differences);
         let mut find =
             |level| grey_ends::find_end(&self.windows, level, &elsewhere, (&mut floats, &mut squares));

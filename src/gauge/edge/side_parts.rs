@@ -41,7 +41,7 @@ impl Default for SideFigures {
     }
 }
 
-/// What neighbouring columns are.
+/// What neighbouring columns and their grey values are.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnKind {
     /// Whether neighbouring columns are readings one after the other: where their edges lie states
@@ -50,6 +50,8 @@ pub(crate) struct ColumnKind {
     /// Whether columns are copies of one another: their grey values pile up wherever they lie, and
     /// are alike in every row as a stuck row's.
     pub(crate) copies: bool,
+    /// Whether grey values have their signs turned: a lit part before a dark ground.
+    pub(crate) turned: bool,
 }
 
 /// Memory that is kept from frame to frame.

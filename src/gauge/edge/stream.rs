@@ -98,10 +98,12 @@ impl AreaStream {
             }
             EsfModel::Gaussian {} | EsfModel::Learnt {} | EsfModel::Optics {} => EdgeSpreadFunction::Gaussian,
         };
+        let mut sides = [SideState::new(Side::Top), SideState::new(Side::Bottom)];
+        sides.iter_mut().for_each(|side| side.kind.turned = settings.polarity == Polarity::BrightOnDark);
         Self {
             shape,
             settings,
-            sides: [SideState::new(Side::Top), SideState::new(Side::Bottom)],
+            sides,
             coarse: Coarse::default(),
             axis: AxisScratch::default(),
             one_sided: 0.0,

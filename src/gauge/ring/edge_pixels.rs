@@ -28,6 +28,8 @@ pub(super) struct EdgePixel {
 pub(super) struct Band {
     /// Pixels of each sector.
     pub(super) sectors: Vec<Vec<EdgePixel>>,
+    /// Whether the signs of the grey values are turned.
+    turned: bool,
 }
 
 /// Geometry of a band.
@@ -78,7 +80,7 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
             }
         }
     }
-    Band { sectors }
+    Band { sectors, turned: order.bright_on_dark }
 }
 
 /// Share of the band's half width beyond which pixels are flat.
@@ -115,20 +117,21 @@ impl Band {
         let contrast = mean(&light) + mean(&dark);
         // Light too far beyond the end for a fit: the noise of an ordinary frame.
         let flank = if flank.is_finite() { flank } else { 0.01 * contrast };
-        let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY).unwrap_or(0.0));
+        let unit = if whole { 1.0 } else { 0.0 };
+        let scatter = [&dark, &light].map(|v| pairs_below(v, f32::INFINITY, unit).unwrap_or(0.0));
         let find = |level: Level, values: &[Vec<f32>], other: f64| {
             let mut pool: Vec<f32> = values.iter().flatten().copied().collect();
-            let unit = if whole { 1.0 } else { 0.0 };
             let found = grey_ends::judge(&mut pool, unit, contrast, |end, least, step| {
                 let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
-                let below = pairs_below(values, end).map_or(0.0, free);
+                let below = pairs_below(values, end, step).map_or(0.0, free);
                 // The residuals of the flank are not noise only: they do not show that of the
-                // shadow.
-                let flank = if level == Level::Light { free(flank) } else { 0.0 };
+                // level of less light.
+                let brighter = (level == Level::Light) != self.turned;
+                let flank = if brighter { free(flank) } else { 0.0 };
                 if below > least {
                     below
                 } else {
-                    grey_ends::expected_noise(level, (flank, 0.0), free(other))
+                    grey_ends::expected_noise(brighter, (flank, 0.0), free(other))
                 }
             });
             found.map(|(end, step)| (level.sign() * end, step))
@@ -139,10 +142,11 @@ impl Band {
     }
 }
 
-/// Noise of successive flat pixels of a sector below an end, counts; `None` of too few.
-fn pairs_below(sectors: &[Vec<f32>], end: f32) -> Option<f64> {
+/// Noise of successive flat pixels of a sector below an end, counts; `None` of too few. `step` is the
+/// distance of two grey values, counts, 0 where there is none.
+fn pairs_below(sectors: &[Vec<f32>], end: f32, step: f64) -> Option<f64> {
     let pairs = sectors.iter().flat_map(|sector| sector.windows(2));
     let mut squares: Vec<f32> =
         pairs.filter(|w| w[0] < end && w[1] < end).map(|w| (w[1] - w[0]).powi(2)).collect();
-    grey_ends::robust_mean(&mut squares).map(|mean| (0.5 * mean).sqrt())
+    grey_ends::robust_mean(&mut squares, step).map(|mean| (0.5 * mean).sqrt())
 }

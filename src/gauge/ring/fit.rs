@@ -327,7 +327,7 @@ impl<const P: usize> State<P> {
             }
         }
         let counts = zones.each_ref().map(Vec::len);
-        let spread = zones.map(|mut z| robust_mean(&mut z).unwrap_or(0.0).max(self.least_variance));
+        let spread = zones.map(|mut z| robust_mean(&mut z, 0.0).unwrap_or(0.0).max(self.least_variance));
         let [dark, middle, light] = spread;
         let dark = if counts[0] >= 100 && ends.low.is_infinite() { dark } else { middle };
         // Where the light is clipped the remaining pixels are those that read too low.

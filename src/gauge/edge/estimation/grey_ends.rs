@@ -41,6 +41,10 @@ limits! {
     least_noise_contrast: f64 = 1e-3;
 }
 
+/// Variance of a mean of squared second differences of successive pixels, over that of as many
+/// independent ones: neighbours share pixels, correlations −4/6 and 1/6, so 1 + 2·(16 + 1)/36.
+const SECOND_DIFFERENCES: f64 = 1.0 + 2.0 * 17.0 / 36.0;
+
 /// Which flat end of the windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
@@ -69,6 +73,9 @@ pub(crate) struct Elsewhere {
     pub(crate) levels: [f64; 2],
     /// Step of the grey scale, counts; 0 where there is none.
     pub(crate) step: f64,
+    /// Whether grey values have their signs turned (a lit part before a dark ground): photons' noise
+    /// is then that of the level called dark.
+    pub(crate) turned: bool,
 }
 
 /// Whether there is any evidence of an end at a level, from a few pixels.
@@ -144,14 +151,15 @@ pub(crate) fn judge(
 }
 
 /// Noise expected of a level from that on the flank and that of the other level, counts.
-/// `known_to` is the relative standard uncertainty of the flank's variance.
-pub(crate) fn expected_noise(level: Level, (flank, known_to): (f64, f64), other: f64) -> f64 {
-    match level {
+/// `brighter`: whether it is the level of more light; `known_to` is the relative standard uncertainty
+/// of the flank's variance.
+pub(crate) fn expected_noise(brighter: bool, (flank, known_to): (f64, f64), other: f64) -> f64 {
+    match brighter {
         // Light has the noise of the dark, and its photons'.
-        Level::Light => flank.max(other),
+        true => flank.max(other),
         // In the dark the photons' noise is missing: the intercept of a line through light and
         // flank remains.
-        Level::Dark => {
+        false => {
             let left = 2.0 * flank * flank - other * other;
             if left > (6.0 * known_to).max(0.3) * flank * flank { left.sqrt() } else { 0.0 }
         }
@@ -179,10 +187,13 @@ fn candidate(pool: &mut [f32]) -> Option<f32> {
     (equal as f64 >= GreyEndLimits::get().at_one * pool.len() as f64).then_some(end)
 }
 
-/// Smallest distance of two grey values; 0 where there is one only.
+/// Smallest distance of two grey values of the level; 0 where there is one only. What hot pixels and
+/// dead ones show is no value of the level.
 fn grid(pool: &mut [f32]) -> f32 {
     pool.sort_unstable_by(f32::total_cmp);
-    let apart = pool.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0);
+    let defects = (GreyEndLimits::get().beyond * pool.len() as f64) as usize;
+    let level = &pool[defects..pool.len() - defects];
+    let apart = level.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0);
     let least = apart.fold(f32::INFINITY, f32::min);
     if least.is_finite() { least } else { 0.0 }
 }
@@ -208,21 +219,33 @@ fn reference_noise(
     squares: &mut Vec<f32>,
 ) -> f64 {
     let rounding = step * step / 12.0;
-    let below = below_noise(windows, level, end, squares).map_or(0.0, |s| (s * s - rounding).max(0.0).sqrt());
+    let below =
+        below_noise(windows, level, (end, step), squares).map_or(0.0, |s| (s * s - rounding).max(0.0).sqrt());
     if below > least {
         return below;
     }
-    let flank = flank_noise(windows, elsewhere, squares).map_or(0.0, |s| (s * s - rounding).max(0.0).sqrt());
-    let known_to = (2.0 / squares.len().max(1) as f64).sqrt();
+    // A flank without noise that moves by half a step a column rounds up and down in turn: its second
+    // differences are then all one step, and their variance over 6 twice that of rounding. In the
+    // dark, where twice the flank's variance is extrapolated from, that would be a noise.
+    let brighter = (level == Level::Light) != elsewhere.turned;
+    let flank_rounding = if brighter { rounding } else { 2.0 * rounding };
+    let flank =
+        flank_noise(windows, elsewhere, squares).map_or(0.0, |s| (s * s - flank_rounding).max(0.0).sqrt());
+    let known_to = (2.0 * SECOND_DIFFERENCES / squares.len().max(1) as f64).sqrt();
     let other = |k: usize| {
         let s = elsewhere.noise[k];
         if s.is_finite() { (s * s - rounding).max(0.0).sqrt() } else { 0.0 }
     };
-    expected_noise(level, (flank, known_to), other(if level == Level::Light { 0 } else { 1 }))
+    expected_noise(brighter, (flank, known_to), other(if level == Level::Light { 0 } else { 1 }))
 }
 
 /// Noise of neighbouring flat pixels neither of which stands at the end.
-fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>) -> Option<f64> {
+fn below_noise(
+    windows: &Windows,
+    level: Level,
+    (end, apart): (f32, f64),
+    squares: &mut Vec<f32>,
+) -> Option<f64> {
     let range = level.pixels(windows);
     let columns = windows.centre.len();
     let step = columns.div_ceil(2 * GreyEndLimits::get().most_pixels / windows.flat.max(1)).max(2);
@@ -235,14 +258,15 @@ fn below_noise(windows: &Windows, level: Level, end: f32, squares: &mut Vec<f32>
         let inside = |v: &f32| level.sign() * v < end;
         squares.extend(pair.filter(|(a, b)| inside(a) && inside(b)).map(|(a, b)| (a - b).powi(2)));
     }
-    robust_mean(squares).map(|mean| (0.5 * mean).sqrt())
+    robust_mean(squares, apart).map(|mean| (0.5 * mean).sqrt())
 }
 
 /// Variance of the flat light by neighbouring columns, clipped pixels included, counts², and the
-/// share of them at the end or beyond; `None` of too few.
+/// share of them at the end or beyond; `None` of too few. `apart` is the distance of two grey values,
+/// counts.
 pub(crate) fn light_scatter(
     windows: &Windows,
-    end: Option<f32>,
+    (end, apart): (Option<f32>, f64),
     squares: &mut Vec<f32>,
 ) -> Option<(f64, f64)> {
     let range = Level::Light.pixels(windows);
@@ -265,13 +289,13 @@ pub(crate) fn light_scatter(
         Some(_) if squares.len() >= GreyEndLimits::get().least_pairs => {
             squares.iter().map(|s| f64::from(*s)).sum::<f64>() / squares.len() as f64
         }
-        _ => robust_mean(squares)?,
+        _ => robust_mean(squares, apart)?,
     };
     Some((0.5 * mean, at_end / all.max(1.0)))
 }
 
-/// Noise on the flank by second differences along the shaft of the two pixels nearest to the middle
-/// of the levels, less what an edge that moves would do to both: structure of the part is no noise.
+/// Noise on the flank by second differences along the shaft of the two pixels about the middle of
+/// the levels, less what an edge that moves would do to both: structure of the part is no noise.
 pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mut Vec<f32>) -> Option<f64> {
     let middle = (0.5 * (elsewhere.levels[0] + elsewhere.levels[1])) as f32;
     let columns = windows.centre.len();
@@ -283,7 +307,9 @@ pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mu
             continue;
         }
         let window = &windows.of(column)[..windows.width - 1];
-        let off = |at: &usize| (window[*at] - middle).abs();
+        // The pair whose mean is the middle: one of the pixel nearest to it and the next into the
+        // light would state a noise nearer to the light's.
+        let off = |at: &usize| (0.5 * (window[*at] + window[*at + 1]) - middle).abs();
         let Some(nearest) = (1..window.len() - 2).min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
         let [before, after] = [column - 1, column + 1].map(|c| windows.of(c));
         let bend = |at: usize| before[at] - 2.0 * window[at] + after[at];
@@ -295,19 +321,24 @@ pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mu
             squares.push(own * own);
         }
     }
-    robust_mean(squares).map(|mean| (mean / 6.0).sqrt())
+    robust_mean(squares, elsewhere.step).map(|mean| (mean / 6.0).sqrt())
 }
 
 /// Mean of squares without those beyond 36 times the median one; `None` of too few. Where most are
-/// 0 (whole counts, a scatter below half a step), those beyond four of the least steps seen are left
-/// out: hot pixels, which such a scatter does not reach.
-pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
+/// 0 (whole counts, a scatter below half a step), those beyond four steps are left out: hot pixels,
+/// which such a scatter does not reach. `step` is the distance of two grey values, counts; where it
+/// is 0, the root of the least square that is not takes its place.
+pub(crate) fn robust_mean(squares: &mut [f32], step: f64) -> Option<f64> {
     if squares.len() < GreyEndLimits::get().least_pairs {
         return None;
     }
     let median = upper_median(squares, f32::total_cmp)?;
-    let step = || squares.iter().copied().filter(|s| *s > 0.0).fold(f32::INFINITY, f32::min);
-    let cut = if median > 0.0 { 36.0 * 2.2 * median } else { 16.0 * step() };
+    let least = || squares.iter().copied().filter(|s| *s > 0.0).fold(f32::INFINITY, f32::min);
+    let cut = match (median > 0.0, step > 0.0) {
+        (true, _) => 36.0 * 2.2 * median,
+        (false, true) => 16.0 * (step * step) as f32,
+        (false, false) => 16.0 * least(),
+    };
     let kept = squares.iter().filter(|s| **s <= cut);
     let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), s| (sum + f64::from(*s), count + 1.0));
     Some(sum / f64::max(count, 1.0))
@@ -321,11 +352,15 @@ mod tests {
     fn a_hot_pixel_is_no_scatter_of_a_quiet_level() {
         let mut squares = vec![0.0_f32; 100];
         squares[..20].fill(1.0);
-        let quiet = robust_mean(&mut squares.clone()).unwrap();
+        let quiet = robust_mean(&mut squares.clone(), 1.0).unwrap();
         assert!((quiet - 0.2).abs() < 1e-6, "{quiet}");
         squares[99] = 239.0 * 239.0;
-        let hot = robust_mean(&mut squares).unwrap();
+        let hot = robust_mean(&mut squares, 1.0).unwrap();
         assert!((hot - 20.0 / 99.0).abs() < 1e-6, "{hot}");
-        assert_eq!(robust_mean(&mut [0.0; 50]), Some(0.0));
+        assert_eq!(robust_mean(&mut [0.0; 50], 1.0), Some(0.0));
+        // Nothing but hot pixels differs: without a step they are the scatter, with one they are not.
+        let mut lone = vec![0.0_f32; 99];
+        lone.push(240.0 * 240.0);
+        assert_eq!(robust_mean(&mut lone, 1.0), Some(0.0));
     }
 }

@@ -26,7 +26,8 @@ const NOISE: (f64, f64) = (1e-3, 0.1);
 const TRUSTED: f64 = 0.65;
 
 /// The grey value from which on the light may be compressed, and the distance of two grey values;
-/// `None` where its noise is a linear sensor's. `hard` is the end at which the light was found to
+/// `None` where its noise is a linear sensor's, and where what is called light is the dark ground of a
+/// lit part. `hard` is the end at which the light was found to
 /// be clipped, if it was; `elsewhere` holds levels and noise, `squares` is scratch.
 pub(crate) fn find(
     windows: &Windows,
@@ -37,10 +38,10 @@ pub(crate) fn find(
     let step = elsewhere.step;
     let rounding = step * step / 12.0;
     let noise = elsewhere.noise[0] / (elsewhere.levels[1] - elsewhere.levels[0]);
-    if noise < NOISE.0 || noise > NOISE.1 {
+    if elsewhere.turned || noise < NOISE.0 || noise > NOISE.1 {
         return None;
     }
-    let (seen, at_end) = light_scatter(windows, hard, squares)?;
+    let (seen, at_end) = light_scatter(windows, (hard, step), squares)?;
     let seen = (seen - rounding).max(0.0);
     if hard.is_none() && !(seen + rounding < elsewhere.noise[0].powi(2)) {
         return None;

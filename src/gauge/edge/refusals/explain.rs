@@ -266,7 +266,7 @@ pub(crate) fn clipped_wire(share: f64) -> FrameRefused {
     refused(
         Reason::Saturated,
         format!(
-            "{:.1} % of the pixels stand at the largest grey value, as light does that is clipped; a wire below {} px is measured in light that is not clipped: expose less",
+            "{:.1} % of the pixels in the light stand at the largest grey value, as light does that is clipped; a wire below {} px is measured in light that is not clipped: expose less",
             100.0 * share,
             crate::gauge::edge::image::window_layout::WIDEST_PX
         ),

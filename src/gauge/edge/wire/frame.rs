@@ -1,6 +1,7 @@
 //! A frame of a wire: the fit of [`crate::gauge::edge::wire::joint_fit`], with the tests of other
 //! edges.
 
+use super::clipped::clipped_share;
 use super::joint_fit::Wire;
 use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
 use crate::gauge::edge::image::part_localisation::Coarse;
@@ -17,14 +18,6 @@ use crate::profile::Reason;
 /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them
 /// the middle still has 13 % of the light.
 const LEAST_IN_BLURS: f64 = 3.0;
-/// Share of the pixels at the largest grey value from which light may be clipped.
-const CLIPPED_FRACTION: f64 = 0.01;
-/// Second differences along the shadow of so many steps, and their share where there is noise: a
-/// shadow that toggles between two grey values has none above two, noise of half a step has 8 %.
-const TOGGLES: f32 = 2.5;
-const NOISY: f64 = 0.02;
-/// Share of the range of grey values that is shadow.
-const SHADOW: f32 = 0.15;
 /// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as
 /// for other frames.
 const LEAST_VALID: usize = 8;
@@ -41,7 +34,7 @@ pub(crate) fn measure<T: Sample>(
     (shape, settings, scale): (&EdgeSpreadFunction, &GaugeSettings, GreyScaleLimits),
     out: &mut FrameEdges,
 ) -> Result<(), FrameRefused> {
-    if let Some(share) = clipped_share(plane, scale) {
+    if let Some(share) = clipped_share(plane, coarse, scale) {
         return Err(explain::clipped_wire(share));
     }
     let fitted = Wire::fit(plane, (&coarse.top, &coarse.bottom), shape, scale.floor(1.0));
@@ -123,32 +116,4 @@ fn judge(settings: &GaugeSettings, freedom: f64, out: &mut FrameEdges) -> f64 {
         }
     }
     most
-}
-
-/// Share of the pixels that stand at the light's largest grey value, where light is clipped there:
-/// noise leaves the largest value to few pixels and the next one to more, a clip piles them up. A
-/// frame without noise on the other side is not clipped but drawn.
-fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: GreyScaleLimits) -> Option<f64> {
-    if !(scale.floor > 0.0) {
-        return None;
-    }
-    let rows = || (0..plane.rows).step_by((plane.rows / 64).max(1));
-    // A column of one grey value is a stuck one: the wire would show in it.
-    let live: Vec<usize> = (0..plane.columns)
-        .filter(|column| rows().any(|row| plane.at(row, *column) != plane.at(0, *column)))
-        .collect();
-    let values: Vec<f32> =
-        rows().flat_map(|row| live.iter().map(move |column| plane.at(row, *column))).collect();
-    let (least, most) =
-        values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    let count = |over: &dyn Fn(f32) -> bool| values.iter().filter(|v| over(**v)).count() as f64;
-    let at_most = count(&|v| v >= most);
-    let step = scale.step() as f32;
-    let next = count(&|v| v >= most - step) - at_most;
-    let shadow = least + SHADOW * (most - least);
-    let dark = values.windows(3).filter(|w| w[0].max(w[1]).max(w[2]) < shadow);
-    let scatters = |w: &[f32]| (w[0] - 2.0 * w[1] + w[2]).abs() > TOGGLES * step;
-    let (noisy, all) = dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(scatters(w))), n + 1.0));
-    let share = at_most / values.len() as f64;
-    (share > CLIPPED_FRACTION && at_most > 2.0 * next && noisy > NOISY * all).then_some(share)
 }

@@ -6,6 +6,7 @@
 //! frame and rejects as for other edges. One more cause of error of a thin shadow is one more file
 //! with a function over the fitted wire.
 
+pub(crate) mod clipped;
 pub(crate) mod frame;
 pub(crate) mod joint_fit;
 pub(crate) mod rounding;

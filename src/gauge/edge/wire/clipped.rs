@@ -1,0 +1,74 @@
+//! Whether the light beside a wire is clipped: by the pile of its grey values at the largest one,
+//! as for the flat ends of wider shadows.
+
+use crate::gauge::edge::estimation::grey_ends;
+use crate::gauge::edge::estimation::side_survey::GreyScaleLimits;
+use crate::gauge::edge::image::part_localisation::Coarse;
+use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::limit::limits;
+
+limits! {
+    /// Pixels beside a wire that are looked at for a clip.
+    WireClipLimits = "wire_clip";
+    /// Rows from a coarse edge outwards from which a pixel is light, px: the reach of an edge of 2 px
+    /// blur, beyond which wires are refused by their width.
+    beside_px: i32 = 8;
+    /// Rows from a coarse edge inwards from which a pixel is shadow, px: a wire is too narrow for more.
+    inside_px: i32 = 2;
+    /// Number of rows and of columns sampled: 64 x 64 pixels determine a share of 1 % to a sixth of
+    /// itself.
+    samples: usize = 64;
+}
+
+/// Pairs of horizontally neighbouring pixels.
+type Pairs = Vec<[f32; 2]>;
+
+/// Share of the light's pixels at their largest grey value, where light is clipped there. A frame
+/// without noise on the other side is not clipped but drawn.
+pub(super) fn clipped_share<T: Sample>(
+    plane: &Plane<'_, T>,
+    coarse: &Coarse,
+    scale: GreyScaleLimits,
+) -> Option<f64> {
+    if !(scale.floor > 0.0) {
+        return None;
+    }
+    let (dark, light) = pairs_beside(plane, coarse);
+    let mean = |pairs: &Pairs| {
+        pairs.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / (2 * pairs.len().max(1)) as f64
+    };
+    let step = scale.step();
+    let mut pool: Vec<f32> = light.iter().flatten().copied().collect();
+    let all = pool.len() as f64;
+    let (end, _) = grey_ends::judge(&mut pool, step, mean(&light) - mean(&dark), |end, least, step| {
+        let free = |s: f64| (s * s - step * step / 12.0).max(0.0).sqrt();
+        let below = scatter_below(&light, end, step).map_or(0.0, free);
+        let dark = scatter_below(&dark, f32::INFINITY, step).map_or(0.0, free);
+        // A wire's flank shows the noise of neither: the least that light has is that of the dark.
+        if below > least { below } else { grey_ends::expected_noise(plane.sign > 0.0, (0.0, 0.0), dark) }
+    })?;
+    Some(pool.iter().filter(|v| **v >= end).count() as f64 / all)
+}
+
+/// Pairs in the shadow and in the light.
+fn pairs_beside<T: Sample>(plane: &Plane<'_, T>, coarse: &Coarse) -> (Pairs, Pairs) {
+    let limits = WireClipLimits::get();
+    let strides = [plane.rows, plane.columns].map(|n| (n / limits.samples).max(1));
+    let (mut dark, mut light) = (Pairs::new(), Pairs::new());
+    for column in (0..plane.columns.saturating_sub(1)).step_by(strides[1]) {
+        let (Ok(top), Ok(bottom)) = (coarse.top[column], coarse.bottom[column]) else { continue };
+        let pair = |row: usize| [plane.at(row, column), plane.at(row, column + 1)];
+        let is_light = |row: i32| row < top - limits.beside_px || row > bottom + limits.beside_px;
+        light.extend((0..plane.rows).step_by(strides[0]).filter(|row| is_light(*row as i32)).map(pair));
+        let inside = (top + limits.inside_px).max(0)..=(bottom - limits.inside_px).min(plane.rows as i32 - 1);
+        dark.extend(inside.map(|row| pair(row as usize)));
+    }
+    (dark, light)
+}
+
+/// Scatter of pairs neither of which stands at an end, counts.
+fn scatter_below(pairs: &Pairs, end: f32, step: f64) -> Option<f64> {
+    let below = pairs.iter().filter(|[a, b]| *a < end && *b < end);
+    let mut squares: Vec<f32> = below.map(|[a, b]| (a - b).powi(2)).collect();
+    grey_ends::robust_mean(&mut squares, step).map(|mean| (0.5 * mean).sqrt())
+}
