@@ -10,25 +10,35 @@ use crate::gauge::edge::refusals::explain;
 use crate::gauge::edge::rejection::neighbour_test::{self, OutlierScratch};
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::{GaugeSettings, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
-/// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them
-/// the middle still has 13 % of the light.
-const LEAST_IN_BLURS: f64 = 3.0;
-/// Share of the pixels at the largest grey value from which light may be clipped.
-const CLIPPED_FRACTION: f64 = 0.01;
-/// Second differences along the shadow of so many steps, and their share where there is noise: a
-/// shadow that toggles between two grey values has none above two, noise of half a step has 8 %.
-const TOGGLES: f32 = 2.5;
-const NOISY: f64 = 0.02;
-/// Share of the range of grey values that is shadow.
-const SHADOW: f32 = 0.15;
-/// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as
-/// for other frames.
-const LEAST_VALID: usize = 8;
-const LEAST_CHI2: f64 = 2.0;
+limits! {
+    /// What a frame of a wire must show.
+    WireFrameLimits = "wire_frame";
+    /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of
+    /// them the middle still has 2Φ(−1.5) = 13 % of the light.
+    least_in_blurs: f64 = 3.0;
+    /// Share of the pixels at the largest grey value from which light may be clipped: less than
+    /// this clipped moves a level by .0034 standard deviations of its noise, φ(z) − z·p at p = 1 −
+    /// Φ(z) = 0.01.
+    clipped_share: f64 = 0.01;
+    /// Second differences along the shadow, in steps of the grey scale, that show noise: a shadow
+    /// that toggles between two grey values has none above two.
+    toggles_steps: f32 = 2.5;
+    /// Share of the second differences in the shadow that are larger than that where there is
+    /// noise: noise of half a step gives 7 % of them, of 0.4 steps 3 %.
+    noisy_share: f64 = 0.02;
+    /// Share of the range of grey values up to which a pixel is in the shadow: the middle of a wire
+    /// of `least_in_blurs` lies below it.
+    shadow_share: f32 = 0.15;
+    /// Fewest columns with both edges, as for other frames.
+    least_columns: usize = 8;
+    /// Reduced χ² from which the noise does not explain what the model leaves, as for other frames.
+    least_chi2: f64 = 2.0;
+}
 
 /// Measures the wire that the coarse search found into `out`.
 ///
@@ -41,6 +51,7 @@ pub(crate) fn measure<T: Sample>(
     (shape, settings, scale): (&EdgeSpreadFunction, &GaugeSettings, GreyScaleLimits),
     out: &mut FrameEdges,
 ) -> Result<(), FrameRefused> {
+    let limits = WireFrameLimits::get();
     if let Some(share) = clipped_share(plane, scale) {
         return Err(explain::clipped_wire(share));
     }
@@ -55,8 +66,8 @@ pub(crate) fn measure<T: Sample>(
     if !(snr >= settings.min_snr) {
         return Err(explain::too_faint((dark, light), snr, settings.min_snr));
     }
-    if !(width >= LEAST_IN_BLURS * sigma) {
-        return Err(explain::blurred_wire(width, sigma, LEAST_IN_BLURS));
+    if !(width >= limits.least_in_blurs * sigma) {
+        return Err(explain::blurred_wire(width, sigma, limits.least_in_blurs));
     }
     lay_out(coarse, out);
     wire.write(&mut out.top, &mut out.bottom);
@@ -81,11 +92,11 @@ pub(crate) fn measure<T: Sample>(
         shadows: coarse.shadows.seen,
     };
     let valid = out.valid();
-    if valid < LEAST_VALID {
-        return Err(explain::too_few(out, valid, LEAST_VALID));
+    if valid < limits.least_columns {
+        return Err(explain::too_few(out, valid, limits.least_columns));
     }
     let residual = reduced_chi2.sqrt() / snr;
-    if reduced_chi2 > LEAST_CHI2 && residual > settings.max_residual_rel {
+    if reduced_chi2 > limits.least_chi2 && residual > settings.max_residual_rel {
         return Err(explain::no_fit(residual, snr.recip(), settings.max_residual_rel));
     }
     Ok(())
@@ -132,6 +143,7 @@ fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: GreyScaleLimits) -> Opt
     if !(scale.floor > 0.0) {
         return None;
     }
+    let limits = WireFrameLimits::get();
     let rows = || (0..plane.rows).step_by((plane.rows / 64).max(1));
     // A column of one grey value is a stuck one: the wire would show in it.
     let live: Vec<usize> = (0..plane.columns)
@@ -145,10 +157,11 @@ fn clipped_share<T: Sample>(plane: &Plane<'_, T>, scale: GreyScaleLimits) -> Opt
     let at_most = count(&|v| v >= most);
     let step = scale.step() as f32;
     let next = count(&|v| v >= most - step) - at_most;
-    let shadow = least + SHADOW * (most - least);
+    let shadow = least + limits.shadow_share * (most - least);
     let dark = values.windows(3).filter(|w| w[0].max(w[1]).max(w[2]) < shadow);
-    let scatters = |w: &[f32]| (w[0] - 2.0 * w[1] + w[2]).abs() > TOGGLES * step;
+    let scatters = |w: &[f32]| (w[0] - 2.0 * w[1] + w[2]).abs() > limits.toggles_steps * step;
     let (noisy, all) = dark.fold((0.0, 0.0), |(u, n), w| (u + f64::from(u8::from(scatters(w))), n + 1.0));
     let share = at_most / values.len() as f64;
-    (share > CLIPPED_FRACTION && at_most > 2.0 * next && noisy > NOISY * all).then_some(share)
+    (share > limits.clipped_share && at_most > 2.0 * next && noisy > limits.noisy_share * all)
+        .then_some(share)
 }
