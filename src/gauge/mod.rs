@@ -41,7 +41,7 @@ pub(crate) use diameter::station_mean::StationColumns;
 pub use diameter::{ColumnDiameters, StationAverager};
 pub use edge::edge_stream::EdgeStream;
 pub use edge::estimation::model_bias::ResidualAccumulator;
-pub use edge::estimation::slanted_edge::LEAST_TRAVEL;
+pub use edge::estimation::slanted_edge::least_travel_px;
 pub use edge::model::edge_table::EdgeTable;
 pub use edge::model::systematic_residual::SystematicResidual;
 pub use edge::parallel::Lanes;

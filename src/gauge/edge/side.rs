@@ -7,7 +7,7 @@ use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::SystematicResidual;
 use super::rejection::neighbour_test;
 use super::side_parts::{ColumnKind, SideFigures, TABLE_BYTES, Workspace};
-use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate};
+use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurLimits};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, Placed, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::column_fit::{ColumnJob, score_columns};
@@ -16,7 +16,7 @@ use crate::gauge::edge::estimation::level_gradient::LevelGradient;
 use crate::gauge::edge::estimation::levels::LevelCurve;
 use crate::gauge::edge::estimation::model_bias::{Expected, ResidualAccumulator, SideView};
 use crate::gauge::edge::estimation::noise::{NoiseModel, Spread};
-use crate::gauge::edge::estimation::scoring_table::{FINE, Table, Tabulation};
+use crate::gauge::edge::estimation::scoring_table::{ScoringTableLimits, Table, Tabulation};
 use crate::gauge::edge::estimation::slanted_edge::{self, EsfSamples};
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
@@ -382,7 +382,8 @@ impl SideState {
         if let Some(found) = self.work.tables.iter().position(near) {
             return found;
         }
-        let table = Table::new(&self.shape, Tabulation { sigma, kappa, width, free_levels, per_px: FINE });
+        let per_px = ScoringTableLimits::get().fine;
+        let table = Table::new(&self.shape, Tabulation { sigma, kappa, width, free_levels, per_px });
         let held: usize = self.work.tables.iter().map(Table::bytes).sum();
         if held + table.bytes() > self.work.most_table_bytes {
             self.work.tables.clear();
@@ -521,7 +522,8 @@ impl SideState {
     /// End of the columns from `from` on that share a blur.
     fn end_of_run(&self, from: usize, sigma: f64) -> usize {
         let columns = self.windows.centre.len();
-        let level = |slope: &f32| slope.abs() < blur::LEVEL;
+        let level_slope = BlurLimits::get().level_slope;
+        let level = |slope: &f32| slope.abs() < level_slope;
         if self.slope.iter().all(level) {
             return self.blur.end_of_run(from, columns);
         }

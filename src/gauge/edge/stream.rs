@@ -17,7 +17,7 @@ use super::rounded_frame::Rounding;
 use super::side::SideState;
 use crate::frame::FrameView;
 use crate::gauge::edge::estimation::blur::BlurEstimate;
-use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, MOST_REFITS};
+use crate::gauge::edge::estimation::blur_track::{BlurTrack, BlurTrackLimits, Change};
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edge::estimation::noise::NoiseModel;
@@ -218,7 +218,7 @@ impl AreaStream {
     /// Gives the edges just fitted the frame's own blur; false where it is not near the last
     /// frame's.
     fn follow_blur(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) -> bool {
-        for _ in 0..=MOST_REFITS {
+        for _ in 0..=BlurTrackLimits::get().most_refits {
             let [top, bottom] = &mut self.sides;
             let changes = [
                 top.follow_blur(&survey.noise, &mut out.top),

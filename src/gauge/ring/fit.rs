@@ -14,7 +14,7 @@ use super::model::square_edge;
 use crate::gauge::edge::estimation::censored::{Censored, Ends};
 use crate::gauge::edge::estimation::grey_ends::robust_mean;
 use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
-use crate::gauge::edge::model::shape_terms::{AMPLITUDE, ShapeTerms, TERMS, term_border};
+use crate::gauge::edge::model::shape_terms::{ShapeTermLimits, ShapeTerms, TERMS, term_border};
 use crate::numerics::distributions::phi_pdf;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};
 
@@ -209,9 +209,10 @@ impl<const P: usize> State<P> {
 
     /// Adds the prior of the shape terms.
     fn add_priors(&self, normal: &mut Matrix<P>, right: &mut Vector<P>) {
+        let amplitude = ShapeTermLimits::get().amplitude;
         for k in POOLED..P {
-            normal[(k, k)] += AMPLITUDE.powi(-2);
-            right[k] -= self.pooled[k] * AMPLITUDE.powi(-2);
+            normal[(k, k)] += amplitude.powi(-2);
+            right[k] -= self.pooled[k] * amplitude.powi(-2);
         }
     }
 
@@ -276,7 +277,8 @@ impl<const P: usize> State<P> {
         let contrast = self.pooled[3];
         let tame = |step: f64, limit: f64| (limit / step.abs().max(f64::MIN_POSITIVE)).min(1.0);
         let scale = tame(full[SIGMA], 0.3 * self.pooled[SIGMA]).min(tame(full[3], 0.2 * contrast));
-        let scale = (POOLED..P).fold(scale, |scale, k| scale.min(tame(full[k], 2.0 * AMPLITUDE)));
+        let amplitude = ShapeTermLimits::get().amplitude;
+        let scale = (POOLED..P).fold(scale, |scale, k| scale.min(tame(full[k], 2.0 * amplitude)));
         let change = full * scale;
         self.pooled += change;
         if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
@@ -513,7 +515,8 @@ fn finish<const P: usize>(state: &State<P>, band: &Band) -> Option<EdgeFit> {
     let all = lever.dot(&(covariance * lever));
     // A lens that departs from its edge model in the visible part departs as much in the clipped
     // one.
-    let beyond = (POOLED..P).fold(1.0, |most: f64, k| most.max(state.pooled[k].abs() / AMPLITUDE));
+    let amplitude = ShapeTermLimits::get().amplitude;
+    let beyond = (POOLED..P).fold(1.0, |most: f64, k| most.max(state.pooled[k].abs() / amplitude));
     let shape = match beyond > 1.0 {
         true => (all - known_shape(&normal, &lever)?).max(0.0) * (beyond * beyond - 1.0),
         false => 0.0,

@@ -26,8 +26,8 @@ use crate::gauge::calibration::{
 use crate::gauge::photon_transfer::{FramePair, PhotonTransfer, photon_transfer};
 use crate::gauge::sensor::{FlatField, FlatFieldError, NoResponse, Response, response};
 use crate::gauge::{
-    Calibration, CalibrationError, Edge, EsfModel, FrameEdges, Gauge, GaugeSettings, LEAST_TRAVEL,
-    MasterFigure, ResidualAccumulator, SettledStream, SystematicResidual,
+    Calibration, CalibrationError, Edge, EsfModel, FrameEdges, Gauge, GaugeSettings, MasterFigure,
+    ResidualAccumulator, SettledStream, SystematicResidual, least_travel_px,
 };
 
 /// Edges of a pin's frames with where they were taken.
@@ -276,9 +276,9 @@ fn pin_edges(
         Some((_, columns)) if !unlearnt.is_empty() => Err(CalibrateError::Unlearnt {
             pin,
             frames: unlearnt.len(),
-            needed: LEAST_TRAVEL,
+            needed: least_travel_px(),
             travel: unlearnt.into_iter().fold(0.0, f64::max),
-            tilt_mrad: 1e3 * LEAST_TRAVEL / columns as f64,
+            tilt_mrad: 1e3 * least_travel_px() / columns as f64,
         }),
         _ => Err(CalibrateError::Pin { pin, why }),
     }

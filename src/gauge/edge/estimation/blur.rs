@@ -7,25 +7,65 @@
 
 use super::levels::LevelCurve;
 use super::scoring::{dot, locate, normalise};
-use super::scoring_table::{COARSE, Table, Tabulation};
+use super::scoring_table::{ScoringTableLimits, Table, Tabulation};
 use crate::gauge::edge::image::scan_windows::Windows;
-use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, SIGMA_RANGE};
+use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, EdgeSpreadLimits};
 use crate::gauge::edge::model::gaussian::column_sigma;
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
+
+limits! {
+    /// From which columns the blur of a side is estimated, and what counts as its course along the
+    /// field.
+    BlurLimits = "blur";
+    /// Columns looked at per block while the blur converges: its last step takes `final_per_block`.
+    /// Tuned: see study limits.
+    per_block: usize = 32;
+    /// Columns looked at per block in the last step and in what a stream follows: in these a frame
+    /// by itself and a stream look at the same columns, so that they differ by what the frames
+    /// before add alone. Tuned: see study limits.
+    final_per_block: usize = 128;
+    /// Fewest columns of a block whose blur counts as known where a course is laid through the
+    /// blocks. Tuned: see study limits.
+    least_count: f64 = 6.0;
+    /// Contrast of a window's ends over the largest contrast in the window above which it contains
+    /// one edge alone: noise of a tenth of the contrast and light that falls by 4:1 over a field
+    /// leave more, a second edge leaves less.
+    least_at_ends: f32 = 0.7;
+    /// Slope of an edge, rows per column, above which a column takes no part in estimates of blur
+    /// and shape: the blur along the column is then √(1 + 0.3²), 4 % more than that across the
+    /// edge.
+    steepest: f64 = 0.3;
+    /// Relative half width within which the width of a ringed pattern may differ from its nominal
+    /// one: √(λz/2) of a distance z that is given to within −28 and +32 %.
+    ringed_search: f64 = 0.15;
+    /// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring
+    /// converges from half of it.
+    ring_phase: f64 = 1.0;
+    /// Standard deviation of trend and bend of the blur along the field that are likely, as a share
+    /// of the blur: a shaft that sags by half a millimetre towards the camera is blurred by some
+    /// hundredths otherwise at the ends of a field.
+    likely_course: f64 = 0.03;
+    /// Least difference along the field, as a share of the blur, that counts: it moves an edge by a
+    /// thousandth of a pixel. Frames without noise show smaller ones of the edge model.
+    least_course: f64 = 0.002;
+    /// Mean square of the residuals over the noise variance from which on they are the edge
+    /// model's: then half of it is.
+    systematic_ratio: f64 = 2.0;
+    /// χ² of a trend and a bend (two degrees of freedom) that is significant where the residuals
+    /// are the edge model's: false alarms in 1 % of the frames.
+    significant_chi2: f64 = 9.2;
+    /// Most that the blocks may leave of χ² about trend and bend, each degree of freedom: noise
+    /// leaves more of five degrees in 1 % of the frames. What is no smooth course along the field
+    /// is contamination.
+    rough_chi2: f64 = 3.0;
+    /// Slope of an edge, rows per column, below which the blur along the column is taken for that
+    /// across the edge: σ²(1 + t²) + t²/12 is off by 0.2 % of σ at most (σ ≥ 0.4 px).
+    level_slope: f32 = 0.05;
+}
 
 /// Blocks along the shaft.
 pub(crate) const BLOCKS: usize = 8;
-/// Columns looked at per block while the blur converges, and for its last step and what a stream
-/// follows: in these a frame by itself and a stream look at the same columns, so that they differ
-/// by what the frames before add alone.
-const PER_BLOCK: usize = 32;
-pub(crate) const FINAL_PER_BLOCK: usize = 128;
-/// Columns of a block from which its blur is known.
-const LEAST_COUNT: f64 = 6.0;
-/// Contrast of a window's ends over the largest contrast in the window above which it contains one
-/// edge alone: noise of a tenth of the contrast and light that falls by 4:1 over a field leave
-/// more, a second edge leaves less.
-const LEAST_AT_ENDS: f32 = 0.7;
 
 /// Sums for the blur of one block.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,7 +108,8 @@ impl BlurEstimate {
 
     /// Keeps the blur of all blocks within its bounds.
     pub(crate) fn limit(&mut self, least: f64) {
-        self.sigma.iter_mut().for_each(|s| *s = s.clamp(least, SIGMA_RANGE.1));
+        let most = EdgeSpreadLimits::get().most_sigma_px;
+        self.sigma.iter_mut().for_each(|s| *s = s.clamp(least, most));
     }
 
     pub(crate) fn mean(&self) -> f64 {
@@ -85,12 +126,14 @@ pub(crate) fn sample(block: usize, columns: usize, most: usize) -> impl Iterator
 
 /// Number of columns that a frame's blur is estimated from.
 pub(crate) fn estimated_from(columns: usize) -> usize {
-    (0..BLOCKS).map(|block| sample(block, columns, FINAL_PER_BLOCK).count()).sum()
+    let most = BlurLimits::get().final_per_block;
+    (0..BLOCKS).map(|block| sample(block, columns, most).count()).sum()
 }
 
 /// Columns of all blocks that are looked at.
 pub(crate) fn samples(columns: usize) -> impl Iterator<Item = usize> {
-    (0..BLOCKS).flat_map(move |block| sample(block, columns, PER_BLOCK))
+    let most = BlurLimits::get().per_block;
+    (0..BLOCKS).flat_map(move |block| sample(block, columns, most))
 }
 
 /// Rough blur from Σ n(1 − n) = (total standard deviation)/√π over the windows' central parts;
@@ -119,12 +162,14 @@ pub(crate) fn rough(windows: &Windows, pool: &mut Vec<f32>) -> Option<f64> {
     let middle = pool.len() / 2;
     let (_, median, _) = pool.select_nth_unstable_by(middle, f32::total_cmp);
     let total = f64::from(*median) * std::f64::consts::PI.sqrt();
-    Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(SIGMA_RANGE.0, SIGMA_RANGE.1))
+    let EdgeSpreadLimits { least_sigma_px, most_sigma_px, .. } = *EdgeSpreadLimits::get();
+    Some((total * total - 1.0 / 12.0).max(0.04).sqrt().clamp(least_sigma_px, most_sigma_px))
 }
 
 /// Whether most windows contain one edge alone: their outermost pixels hold most of the contrast in
 /// the window. Where a window reaches another shadow, or the part's other edge, they do not.
 pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
+    let least_at_ends = BlurLimits::get().least_at_ends;
     let (mut alone, mut seen) = (0_usize, 0_usize);
     for place in (0..windows.centre.len()).filter(|place| windows.centre[*place].is_ok()) {
         let window = windows.of(place);
@@ -136,7 +181,7 @@ pub(crate) fn sees_one_edge(windows: &Windows) -> bool {
         }
         let ends = mean(&used[used.len() - 3..]) - mean(&used[..3]);
         seen += 1;
-        alone += usize::from(ends > LEAST_AT_ENDS * (high - low));
+        alone += usize::from(ends > least_at_ends * (high - low));
     }
     2 * alone > seen
 }
@@ -161,7 +206,7 @@ impl BlurContext<'_> {
     /// The table of a blur tried.
     fn tabulation(&self, sigma: f64) -> Tabulation {
         let (kappa, width) = (self.kappa, self.windows.width);
-        Tabulation { sigma, kappa, width, free_levels: false, per_px: COARSE }
+        Tabulation { sigma, kappa, width, free_levels: false, per_px: ScoringTableLimits::get().coarse }
     }
 }
 
@@ -180,6 +225,7 @@ impl BlurScratch {
 
 /// Refines the blur of one side from `start`, px.
 pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> BlurEstimate {
+    let limits = BlurLimits::get();
     let columns = context.windows.centre.len();
     let mut sigma = if context.shape.is_ringed() { best_of_rings(context, start, scratch) } else { start };
     let mut sums = [BlurSums::default(); BLOCKS];
@@ -188,7 +234,7 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     for _ in 0..8 {
         table.fill(context.shape, context.tabulation(sigma));
         for (block, sum) in sums.iter_mut().enumerate() {
-            *sum = block_sums(context, table, sample(block, columns, PER_BLOCK), normalised);
+            *sum = block_sums(context, table, sample(block, columns, limits.per_block), normalised);
         }
         let score: f64 = sums.iter().map(|s| s.score).sum();
         let information: f64 = sums.iter().map(|s| s.information).sum();
@@ -206,28 +252,23 @@ pub(crate) fn refine(context: &BlurContext<'_>, start: f64, scratch: &mut BlurSc
     // converge.
     table.fill(context.shape, context.tabulation(sigma));
     for (block, sum) in sums.iter_mut().enumerate() {
-        *sum = block_sums(context, table, sample(block, columns, FINAL_PER_BLOCK), normalised);
+        *sum = block_sums(context, table, sample(block, columns, limits.final_per_block), normalised);
     }
     join(context, sigma, &sums)
 }
-
-/// Relative half width within which the width of a ringed pattern may differ from its nominal one.
-const RINGED_SEARCH: f64 = 0.15;
-/// Greatest change of the phase of the farthest ring between two widths tried, rad: scoring
-/// converges from half of it.
-const RING_PHASE: f64 = 1.0;
 
 /// The width that leaves the smallest residual of rings among some around `start`: their phase,
 /// πv²/2 at v units √(λz/2) from the edge, is proportional to its square, so that scoring from afar
 /// would converge on a neighbouring ring.
 fn best_of_rings(context: &BlurContext<'_>, start: f64, scratch: &mut BlurScratch) -> f64 {
+    let limits = BlurLimits::get();
     let columns = context.windows.centre.len();
     let BlurScratch { table, normalised } = scratch;
     normalised.resize(context.windows.width, 0.0);
     // σ₀ is half a unit: the steepest slope of the pattern is 0.8 a unit.
     let v = context.shape.reach(start) / (2.0 * start);
-    let step = RING_PHASE / (std::f64::consts::PI * v * v).max(1.0);
-    let steps = (RINGED_SEARCH / step).ceil() as i32;
+    let step = limits.ring_phase / (std::f64::consts::PI * v * v).max(1.0);
+    let steps = (limits.ringed_search / step).ceil() as i32;
     let mut best = (f64::INFINITY, start);
     for k in -steps..=steps {
         let sigma = start * (1.0 + f64::from(k) * step);
@@ -248,10 +289,11 @@ fn block_sums(
     columns: impl Iterator<Item = usize>,
     normalised: &mut [f32],
 ) -> BlurSums {
+    let steepest = BlurLimits::get().steepest as f32;
     let mut sums = BlurSums::default();
     for column in columns {
         let refused = context.line.is_some_and(|line| !line[column].is_usable());
-        if context.windows.centre[column].is_err() || context.slope[column].abs() > 0.3 || refused {
+        if context.windows.centre[column].is_err() || context.slope[column].abs() > steepest || refused {
             continue;
         }
         let (dark, light) = (context.dark.level[column], context.light.level[column]);
@@ -280,11 +322,12 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
     let good = |s: &&BlurSums| s.information > 0.0;
     let chi2: f64 = sums.iter().filter(good).map(|s| s.score * s.score / s.information / variance).sum();
     let spread = sums.iter().filter(good).map(|s| (s.score / s.information).abs()).fold(0.0, f64::max);
+    let systematic = BlurLimits::get().systematic_ratio;
     let far = chi2 >= 26.0 && spread >= 0.01 * sigma;
     let course = match far {
         _ if context.level_lines => None,
         true => parabola(sums),
-        false => likely_course(sums, variance, sigma, residual < MISFIT * context.relative_variance),
+        false => likely_course(sums, variance, sigma, residual < systematic * context.relative_variance),
     };
     let Some(parabola) = course else {
         return BlurEstimate::uniform(plain(sigma));
@@ -299,32 +342,18 @@ fn join(context: &BlurContext<'_>, sigma: f64, sums: &[BlurSums; BLOCKS]) -> Blu
 }
 
 fn mean_square_slope(context: &BlurContext<'_>) -> f64 {
+    let steepest = BlurLimits::get().steepest;
     let columns = context.windows.centre.len();
     let (mut sum, mut count) = (0.0, 0.0_f64);
     for column in samples(columns) {
         let slope = f64::from(context.slope[column]);
-        if slope.is_finite() && slope.abs() <= 0.3 {
+        if slope.is_finite() && slope.abs() <= steepest {
             sum += slope * slope;
             count += 1.0;
         }
     }
     sum / count.max(1.0)
 }
-
-/// Standard deviation of trend and bend of the blur along the field that are likely, as a share of
-/// the blur: a shaft that sags by half a millimetre towards the camera is blurred by some
-/// hundredths otherwise at the ends of a field.
-const LIKELY_COURSE: f64 = 0.03;
-/// Least difference along the field, as a share of the blur, that counts: it moves an edge by a
-/// thousandth of a pixel. Frames without noise show smaller ones of the edge model.
-const LEAST_COURSE: f64 = 0.002;
-/// Residuals over the noise from which on they are the edge model's, and χ² of a trend and a bend
-/// (two degrees of freedom, 1 %) that are significant then.
-const MISFIT: f64 = 2.0;
-const SIGNIFICANT: f64 = 9.2;
-/// Most that the rest may have of χ², each of its degrees of freedom: what is no smooth course
-/// along the field is contamination.
-const ROUGH: f64 = 3.0;
 
 /// The parabola that a shaft's distance from the focal plane draws along the field, its trend and
 /// bend weighed against what is likely of them: a test of significance would leave out what most
@@ -338,6 +367,7 @@ fn likely_course(
     sigma: f64,
     is_noise: bool,
 ) -> Option<nalgebra::Vector3<f64>> {
+    let limits = BlurLimits::get();
     let mut normal = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     let (mut total, mut known) = (0.0, 0.0_f64);
@@ -349,21 +379,22 @@ fn likely_course(
         total += sum.score * sum.score / sum.information / variance;
         known += 1.0;
     }
-    let likely = (LIKELY_COURSE * sigma).powi(-2);
+    let likely = (limits.likely_course * sigma).powi(-2);
     normal[(1, 1)] += likely;
     normal[(2, 2)] += likely;
     let p = normal.try_inverse()? * right;
-    let is_smooth = total - p.dot(&right) < ROUGH * (known - 3.0).max(1.0);
+    let is_smooth = total - p.dot(&right) < limits.rough_chi2 * (known - 3.0).max(1.0);
     let spread = (0.5 * p[1]).abs() + (0.25 * p[2]).abs();
     let by_level = right[0] * right[0] / normal[(0, 0)];
-    let is_likely = is_noise || p.dot(&right) - by_level > SIGNIFICANT;
-    let counts = is_smooth && is_likely && spread > LEAST_COURSE * sigma;
+    let is_likely = is_noise || p.dot(&right) - by_level > limits.significant_chi2;
+    let counts = is_smooth && is_likely && spread > limits.least_course * sigma;
     counts.then(|| nalgebra::Vector3::new(p[0] - p[2] / 12.0, p[1], p[2]))
 }
 
 /// A parabola through the blocks' blurs, or a line where few of them are known.
 fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
-    let known = sums.iter().filter(|s| s.count >= LEAST_COUNT).count();
+    let least = BlurLimits::get().least_count;
+    let known = sums.iter().filter(|s| s.count >= least).count();
     if known < 3 {
         return None;
     }
@@ -380,10 +411,7 @@ fn parabola(sums: &[BlurSums; BLOCKS]) -> Option<nalgebra::Vector3<f64>> {
     normal.try_inverse().map(|inverse| inverse * right)
 }
 
-/// Slope below which the blur along the column is that across the edge, to 0.2 %.
-pub(crate) const LEVEL: f32 = 0.05;
-
 /// Blur along a column of slope `slope` in a block.
 pub(crate) fn at_slope(sigma: f64, slope: f32) -> f64 {
-    if slope.abs() < LEVEL { sigma } else { column_sigma(sigma, f64::from(slope)) }
+    if slope.abs() < BlurLimits::get().level_slope { sigma } else { column_sigma(sigma, f64::from(slope)) }
 }

@@ -11,28 +11,36 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::blur::{BLOCKS, BlurEstimate, BlurSums, FINAL_PER_BLOCK, middle, sample};
+use super::blur::{BLOCKS, BlurEstimate, BlurLimits, BlurSums, middle, sample};
 use super::column_fit::ColumnJob;
 use super::scoring::{dot, normalise};
 use super::scoring_table::Table;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::PHASE_REACH;
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 
-/// Standard deviation of trend and bend of the blur along the field that are taken for possible
-/// without a frame that shows them, as a share of the blur.
-const LIKELY_TREND: f64 = 0.01;
-/// The same where columns are readings one after the other, and share their blur: none.
-const LEVEL_TREND: f64 = 1e-9;
-/// Largest change of the blur by which edges are moved to first order; what that leaves is its
-/// square, below 1e-4 px.
-const FIRST_ORDER: f64 = 0.01;
-/// The same among rings, the phase of whose farthest one it turns by a sixth of a radian.
-const FIRST_ORDER_OF_RINGS: f64 = 1e-3;
-/// Times that edges are placed anew for a change of the blur.
-pub(crate) const MOST_REFITS: usize = 2;
-/// Change beyond which the frame is searched anew.
-const LOST: f64 = 0.15;
+limits! {
+    /// How far a stream follows the blur of its frames.
+    BlurTrackLimits = "blur_track";
+    /// Standard deviation of trend and bend of the blur along the field, as a share of the blur,
+    /// that are possible from one frame to the next without showing: a third of what is likely of a
+    /// frame by itself ([`BlurLimits::likely_course`]). Tuned: see study limits.
+    likely_trend: f64 = 0.01;
+    /// The same where columns are readings one after the other, and share their blur: none.
+    level_trend: f64 = 1e-9;
+    /// Largest change of the blur, as a share of it, by which edges are moved to first order; what
+    /// that leaves is its square, below 1e-4 px.
+    first_order: f64 = 0.01;
+    /// The same among rings, the phase of whose farthest one it turns by a sixth of a radian.
+    first_order_of_rings: f64 = 1e-3;
+    /// Times that edges are placed anew for a change of the blur; a change of a tenth leaves a
+    /// hundredth after the first and a ten-thousandth after the second.
+    most_refits: usize = 2;
+    /// Change of the blur, as a share of it, beyond which the frame is searched anew. Tuned: see
+    /// study limits.
+    lost: f64 = 0.15;
+}
 
 /// What a followed frame does to a side's blur.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,13 +99,14 @@ impl BlurTrack {
         if !self.follows || columns.is_empty() {
             return;
         }
+        let BlurLimits { final_per_block, steepest, .. } = *BlurLimits::get();
         let count = job.windows.centre.len();
         let blocks = BlurEstimate::block(columns.start, count)..=BlurEstimate::block(columns.end - 1, count);
         for block in blocks {
             let sum = &mut self.sums[block];
-            for column in sample(block, count, FINAL_PER_BLOCK).filter(|c| columns.contains(c)) {
+            for column in sample(block, count, final_per_block).filter(|c| columns.contains(c)) {
                 let edge = &line[column];
-                if edge.is_usable() && slope[column].abs() <= 0.3 {
+                if edge.is_usable() && slope[column].abs() <= steepest as f32 {
                     add_column(sum, job, column, edge, normalised);
                 }
             }
@@ -113,6 +122,7 @@ impl BlurTrack {
         view: &TrackView<'_>,
         line: &mut [Edge],
     ) -> Change {
+        let limits = BlurTrackLimits::get();
         let (mut normal, mut score) = (Matrix3::zeros(), Vector3::zeros());
         for (block, sum) in self.sums.iter().enumerate().filter(|(_, s)| s.information > 0.0) {
             let (phi, information) = (basis(block), sum.information / relative_variance);
@@ -123,7 +133,7 @@ impl BlurTrack {
             return Change::None;
         }
         let sigma = blur.mean();
-        let likely = if view.level_lines { LEVEL_TREND } else { LIKELY_TREND };
+        let likely = if view.level_lines { limits.level_trend } else { limits.likely_trend };
         let trend = (likely * sigma).powi(-2);
         let likely = Matrix3::from_diagonal(&Vector3::new(0.0, trend, trend));
         let Some(change) = (normal + likely).try_inverse().map(|inverse| inverse * score) else {
@@ -134,11 +144,11 @@ impl BlurTrack {
             *value = basis(block).dot(&change);
         }
         let largest = delta.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
-        if !(largest < LOST * sigma) {
+        if !(largest < limits.lost * sigma) {
             return Change::Lost;
         }
         blur.sigma.iter_mut().zip(&delta).for_each(|(s, d)| *s += d);
-        let first_order = if view.is_ringed { FIRST_ORDER_OF_RINGS } else { FIRST_ORDER };
+        let first_order = if view.is_ringed { limits.first_order_of_rings } else { limits.first_order };
         if largest > first_order * sigma {
             return Change::Refit;
         }

@@ -13,14 +13,19 @@ use super::scoring::{FourWindows, Place, locate, locate_core, locate_four, norma
 use super::scoring_table::{CorePhase, Cores, Table};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::limit::limits;
 use crate::profile::Reason;
+
+limits! {
+    /// What makes a column's shadow another than the part's.
+    ColumnFitLimits = "column_fit";
+    /// Level of a column's shadow above the part's own, as a share of the contrast, from which it
+    /// is not that of the part but light dimmed by mist. Tuned: see study limits.
+    lit_shadow: f32 = 0.25;
+}
 
 /// Columns scored together.
 const FOUR: usize = 4;
-
-/// A shadow lit by more than this fraction of the contrast is not that of the part but light dimmed
-/// by mist.
-const LIT_SHADOW: f32 = 0.25;
 
 /// Columns that share a table.
 pub(crate) struct ColumnJob<'a> {
@@ -49,7 +54,10 @@ pub(crate) fn score_columns(
     match job.table.cores() {
         Cores::Two(phases) => score_run(job, phases, columns, normalised, line),
         Cores::Three(phases) => score_run(job, phases, columns, normalised, line),
-        Cores::Whole => line.extend(columns.map(|c| fit_column::<1>(job, &[], c, normalised))),
+        Cores::Whole => {
+            let lit_shadow = ColumnFitLimits::get().lit_shadow;
+            line.extend(columns.map(|c| fit_column::<1>(job, &[], c, normalised, lit_shadow)));
+        }
     }
 }
 
@@ -60,13 +68,15 @@ fn score_run<const C: usize>(
     normalised: &mut [f32],
     line: &mut Vec<Edge>,
 ) {
+    let lit_shadow = ColumnFitLimits::get().lit_shadow;
     let mut first = columns.start;
     while first < columns.end {
         let count = FOUR.min(columns.end - first);
-        let four = if count == FOUR { fit_four(job, phases, first) } else { None };
+        let four = if count == FOUR { fit_four(job, phases, first, lit_shadow) } else { None };
         match four {
             Some(edges) => line.extend_from_slice(&edges),
-            None => line.extend((first..first + count).map(|c| fit_column(job, phases, c, normalised))),
+            None => line
+                .extend((first..first + count).map(|c| fit_column(job, phases, c, normalised, lit_shadow))),
         }
         first += count;
     }
@@ -78,6 +88,7 @@ fn fit_four<const C: usize>(
     job: &ColumnJob<'_>,
     phases: &[CorePhase<C>],
     first: usize,
+    lit_shadow: f32,
 ) -> Option<[Edge; FOUR]> {
     let four = |values: &[f32]| values.get(first..)?.first_chunk::<FOUR>().map(|v| f32x4::from(*v));
     let centre = job.windows.centre.get(first..)?.first_chunk::<FOUR>()?;
@@ -93,7 +104,7 @@ fn fit_four<const C: usize>(
     let mut sound = contrast.simd_ge(f32x4::splat(job.min_snr) * variance.sqrt());
     if job.reject {
         let own = own_light - own_dark;
-        let most = f32x4::splat(LIT_SHADOW) * contrast.fast_max(f32x4::splat(job.contrast));
+        let most = f32x4::splat(lit_shadow) * contrast.fast_max(f32x4::splat(job.contrast));
         let dark_enough = (own_dark - f32x4::splat(job.shadow)).simd_le(most);
         let half = own.simd_gt(f32x4::splat(0.5) * contrast);
         sound = sound & dark_enough & half & own.simd_lt(f32x4::splat(2.0) * contrast);
@@ -140,6 +151,7 @@ fn fit_column<const C: usize>(
     phases: &[CorePhase<C>],
     column: usize,
     normalised: &mut [f32],
+    lit_shadow: f32,
 ) -> Edge {
     let windows = job.windows;
     if let Err(reason) = windows.centre[column] {
@@ -152,8 +164,8 @@ fn fit_column<const C: usize>(
         return Edge::gap(Reason::LowContrast);
     }
     let own = windows.light[column] - windows.dark[column];
-    let lit_shadow = windows.dark[column] - job.shadow > LIT_SHADOW * contrast.max(job.contrast);
-    if job.reject && (lit_shadow || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
+    let is_lit = windows.dark[column] - job.shadow > lit_shadow * contrast.max(job.contrast);
+    if job.reject && (is_lit || !(own > 0.5 * contrast && own < 2.0 * contrast)) {
         return Edge::gap(Reason::Contaminated);
     }
     let window = windows.of(column);
@@ -195,7 +207,7 @@ mod tests {
     use rand_pcg::Pcg64;
 
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::{FINE, Tabulation};
+    use crate::gauge::edge::estimation::scoring_table::Tabulation;
     use crate::gauge::edge::image::scan_windows::Side;
     use crate::gauge::edge::image::window_layout::{half, window_width};
     use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
@@ -257,7 +269,7 @@ mod tests {
             [(0.6, 5.0), (1.0, 50.0), (1.0, 10.0), (1.6, 20.0), (2.2, 50.0)].into_iter().enumerate()
         {
             let windows = scene(sigma, sd, seed as u64);
-            let of = Tabulation { sigma, kappa: 0.0, width: windows.width, free_levels: false, per_px: FINE };
+            let of = Tabulation { sigma, kappa: 0.0, width: windows.width, free_levels: false, per_px: 64 };
             let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
             let noise = Noise::PhotonTransfer {
                 gain_counts_per_electron: 0.0,

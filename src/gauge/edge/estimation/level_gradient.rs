@@ -25,54 +25,70 @@ use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
+
+limits! {
+    /// What counts as a gradient of the light, and what stays uncertain of it.
+    LevelGradientLimits = "level_gradient";
+    /// Columns looked at below which a tile is left out: a median of five holds against two
+    /// outlying ones.
+    least_columns: usize = 5;
+    /// Distance of the first pixel looked at from the end of the window, px. Tuned: see study
+    /// limits.
+    beyond_px: usize = 8;
+    /// Distance of the farther pixels from the far ones, px: nearly twice as far from the flat end,
+    /// so that the curvature shows beside the slope. Tuned: see study limits.
+    farther_px: usize = 14;
+    /// Change of the light between both places that counts, as a share of the contrast: a gradient
+    /// below this moves an edge by some thousandths of a pixel.
+    least_change: f64 = 0.005;
+    /// The same in standard uncertainties: a clean frame's uncertainty remains that of the noise
+    /// (false alarms in 6e-5 of the tiles).
+    significant: f64 = 4.0;
+    /// Share of the shift that stays uncertain where the change was taken out of the windows
+    /// without its curvature: the slope under a spot changes by a third of itself over the 20 px
+    /// between the edge and the far pixels.
+    left: f32 = 0.35;
+    /// The same with the curvature: what other light departs from the model.
+    left_bent: f32 = 0.04;
+    /// Share of what the curvature did that stays uncertain beside: light that falls linearly has
+    /// little of it, a spot much.
+    left_of_bend: f32 = 0.3;
+    /// Ratio of the slopes to the far and the farther pixels beyond which these show something else
+    /// than the same light. Tuned: see study limits.
+    most_bend: f32 = 2.0;
+    /// Departure of the logarithm of the farther pixels' light from a straight fall beyond which
+    /// they show something else: a spot of 4:1 within the field departs by 7 %.
+    most_bent: f32 = 0.12;
+    /// Fewest tiles from which a side's curvature is estimated: one shows no scatter.
+    least_bent: usize = 2;
+    /// Change of a tile, in its standard uncertainties, from which it is taken out: normal scatter
+    /// reaches it in 2e-9 of the tiles, and in 2e-5 where the scatter, a median of 16 columns, is
+    /// too small by its own standard uncertainty of 1.17/√16 = 29 %.
+    plain: f32 = 6.0;
+    /// Least factor of the contrast by which a pixel of a window is divided: farther into the
+    /// shadow there is no light. Tuned: see study limits.
+    least_factor: f32 = 0.25;
+    /// Least change that is taken out, as a share of the contrast: ripples and tails of an
+    /// edge-spread function change by 2 % beyond a window, and less than that moves an edge by some
+    /// thousandths of a pixel, which are stated.
+    least_levelled: f32 = 0.03;
+    /// Largest change that is removed, as a fraction of the contrast: a larger one is not a
+    /// gradient of the light but a cloud or another part.
+    most_change: f32 = 0.5;
+    /// Change over the far pixels as a share of that from the flat end to them from which they see
+    /// an edge: light that falls off changes by a quarter over them, beside its crest by a half.
+    most_step: f32 = 0.75;
+}
 
 /// Columns of a tile, whose light falls off alike, and the distance of those looked at.
 const TILE: usize = 64;
 const STEP: usize = 4;
-/// Columns looked at below which a tile is left out.
-const LEAST: usize = 5;
-/// Pixels looked at, and the distance of the first from the end of the window, px.
+/// Pixels looked at in a column.
 const FAR: usize = 4;
-const BEYOND: usize = 8;
-/// Change of the light between both places that counts, as a share of the contrast and in standard
-/// deviations: a clean frame's uncertainty remains that of the noise. A gradient below this moves
-/// an edge by some thousandths of a pixel.
-const LEAST_CHANGE: f64 = 0.005;
-const LIMIT: f64 = 4.0;
-/// Standard deviation of a median over that of a mean.
+/// Standard deviation of a median over that of a mean, √(π/2).
 const MEDIAN: f64 = 1.2533;
-/// Distance of the farther pixels from the far ones, px.
-const FARTHER: usize = 14;
-/// Share of the shift that stays uncertain where the change was taken out of the windows: without
-/// its curvature, the slope under a spot changes by a third of itself over the 20 px between the
-/// edge and the far pixels; with it, what other light departs from, and a share of what the
-/// curvature did (light that falls linearly has little of it, a spot much).
-const LEFT: f32 = 0.35;
-const LEFT_BENT: f32 = 0.04;
-const LEFT_OF_BEND: f32 = 0.3;
-/// Ratio of the slopes to the far and the farther pixels, and departure of the farther ones from a
-/// straight fall, beyond which these show something else than the same light: a spot of 4:1 within
-/// the field departs by 7 %.
-const MOST_BEND: f32 = 2.0;
-const MOST_BENT: f32 = 0.12;
-/// Fewest tiles from which a side's curvature is estimated.
-const LEAST_BENT: usize = 2;
-/// Standard uncertainties of a tile's change from which it is taken out.
-const PLAIN: f32 = 6.0;
-/// Least factor of the contrast by which a pixel of a window is divided: farther into the shadow
-/// there is no light.
-const LEAST_FACTOR: f32 = 0.25;
-/// Least change that is taken out, as a share of the contrast: ripples and tails of an edge-spread
-/// function change by 2 % beyond a window, and less than that moves an edge by some thousandths of
-/// a pixel, which are stated.
-const LEAST_LEVELLED: f32 = 0.03;
-/// Largest change that is removed, as a fraction of the contrast: a larger one is not a gradient of
-/// the light but a cloud or another part.
-const MOST_CHANGE: f32 = 0.5;
-/// Change over the far pixels as a share of that from the flat end to them from which they see an
-/// edge: light that falls off changes by a quarter over them, beside its crest by a half.
-const MOST_STEP: f32 = 0.75;
 
 /// How the light of a side changes outwards, tile by tile.
 #[derive(Clone, Debug, Default)]
@@ -114,12 +130,13 @@ struct Change {
 
 /// Distance of the flat end's middle from that of the far pixels, px.
 fn apart(flat: usize) -> f32 {
-    BEYOND as f32 + 0.5 * (FAR as f32 + flat as f32)
+    LevelGradientLimits::get().beyond_px as f32 + 0.5 * (FAR as f32 + flat as f32)
 }
 
 impl LevelGradient {
     /// Looks at the light beyond the windows of a side.
     pub(crate) fn read<T: Sample>(&mut self, plane: &Plane<'_, T>, windows: &Windows) {
+        let limits = LevelGradientLimits::get();
         self.tiles.clear();
         (self.levelled, self.bend, self.inside) = (false, None, plane.sign < 0.0);
         let inside = self.inside;
@@ -127,9 +144,9 @@ impl LevelGradient {
         let sign = if down { 1 } else { -1 };
         // From the far pixels to the flat end's middle it is as far on either side.
         let from_centre = if inside {
-            BEYOND + 1 + half(windows.width)
+            limits.beyond_px + 1 + half(windows.width)
         } else {
-            windows.width - 1 + BEYOND - half(windows.width)
+            windows.width - 1 + limits.beyond_px - half(windows.width)
         };
         let ahead = from_centre as i32 * sign;
         let mut others = 0;
@@ -143,8 +160,8 @@ impl LevelGradient {
                 let (Ok(centre), column) = (centre, tile * TILE + offset) else { continue };
                 let mut far = [0.0_f32; FAR];
                 // Of light that falls along the tile, too, each column shows its own share.
-                let scale =
-                    contrast / (windows.light[column] - windows.dark[column]).max(LEAST_FACTOR * contrast);
+                let own = windows.light[column] - windows.dark[column];
+                let scale = contrast / own.max(limits.least_factor * contrast);
                 let outwards = |far: &[f32; FAR]| {
                     let mean = far.iter().sum::<f32>() / FAR as f32;
                     scale * if inside { windows.dark[column] - mean } else { mean - windows.light[column] }
@@ -155,7 +172,7 @@ impl LevelGradient {
                     changes[count] = outwards(&far);
                     steps[count] = scale * (far[FAR - 1] - far[0]);
                     count += 1;
-                    let first = (centre + ahead + FARTHER as i32 * sign) as isize;
+                    let first = (centre + ahead + limits.farther_px as i32 * sign) as isize;
                     if plane.gather(first, down, column, &mut far) {
                         farther[beyond] = outwards(&far);
                         beyond += 1;
@@ -164,9 +181,10 @@ impl LevelGradient {
             }
             let Change { counts: farther, scatter: farther_scatter, .. } = Change::of(&mut farther[..beyond]);
             let change = Change::of(&mut changes[..count]);
-            let stepped = Change::of(&mut steps[..count]).counts.abs() > MOST_STEP * change.counts.abs();
-            let other = change.counts < -MOST_CHANGE * contrast
-                || (stepped && change.counts < -LEAST_LEVELLED * contrast);
+            let stepped =
+                Change::of(&mut steps[..count]).counts.abs() > limits.most_step * change.counts.abs();
+            let other = change.counts < -limits.most_change * contrast
+                || (stepped && change.counts < -limits.least_levelled * contrast);
             others += usize::from(other);
             self.tiles.push(Change { farther, farther_scatter, other, ..change });
         }
@@ -194,6 +212,7 @@ impl LevelGradient {
         if self.levelled {
             return;
         }
+        let limits = LevelGradientLimits::get();
         let bend = self.side_bend(windows);
         let Some(mean) = self.trend(windows).or_else(|| self.bent(windows, bend)) else { return };
         (self.levelled, self.bend) = (true, bend);
@@ -203,7 +222,8 @@ impl LevelGradient {
             let own = self.tiles[tile].counts / mean_levels(windows, columns).1;
             // Beside a light known by its curvature every tile shows its own, also the one at which
             // it is level.
-            let plain = share * mean.signum() > LEAST_LEVELLED || (bend.is_some() && own.abs() < MOST_CHANGE);
+            let plain = share * mean.signum() > limits.least_levelled
+                || (bend.is_some() && own.abs() < limits.most_change);
             self.tiles[tile].taken = (if plain { own } else { mean }).ln_1p();
         }
         let width = windows.width;
@@ -223,7 +243,7 @@ impl LevelGradient {
             for k in 0..width {
                 let value = &mut window[if self.inside { width - 1 - k } else { k }];
                 if *value > low {
-                    *value = ground + (*value - ground) / factor.max(LEAST_FACTOR);
+                    *value = ground + (*value - ground) / factor.max(limits.least_factor);
                 }
                 (factor, ratio) = (factor * ratio, ratio * faster);
             }
@@ -239,7 +259,7 @@ impl LevelGradient {
             bends.push(bend);
             variance += u * u;
         }
-        if bends.len() < LEAST_BENT {
+        if bends.len() < LevelGradientLimits::get().least_bent {
             return None;
         }
         let n = bends.len() as f32;
@@ -251,14 +271,16 @@ impl LevelGradient {
     /// Mean change of a light that is level beside the windows but significantly curved: a spot in
     /// the row of the edge.
     fn bent(&self, windows: &Windows, bend: Option<(f32, f32)>) -> Option<f32> {
-        let far = apart(windows.flat) + FARTHER as f32;
-        bend.filter(|(bend, u)| bend.abs() > PLAIN * u && bend.abs() * far * far > LEAST_LEVELLED)?;
+        let LevelGradientLimits { farther_px, plain: sigmas, least_levelled, most_change, .. } =
+            *LevelGradientLimits::get();
+        let far = apart(windows.flat) + farther_px as f32;
+        bend.filter(|(bend, u)| bend.abs() > sigmas * u && bend.abs() * far * far > least_levelled)?;
         let (mut sum, mut known, mut plain) = (0.0, 0, 0);
         for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
             let contrast = mean_levels(windows, tile_columns(tile, windows)).1;
             known += 1;
-            if (change.counts / contrast).abs() < MOST_CHANGE
-                && change.farther.abs() > (LEAST_LEVELLED * contrast).max(PLAIN * change.farther_scatter)
+            if (change.counts / contrast).abs() < most_change
+                && change.farther.abs() > (least_levelled * contrast).max(sigmas * change.farther_scatter)
             {
                 sum += change.counts / contrast;
                 plain += 1;
@@ -271,14 +293,15 @@ impl LevelGradient {
     /// they are most of those known: so does light that a lamp leaves uneven; a cloud of mist is
     /// beside a few tiles, and the tails of an edge change less.
     fn trend(&self, windows: &Windows) -> Option<f32> {
+        let limits = LevelGradientLimits::get();
         let (mut sums, mut counts, mut known) = ([0.0_f32; 2], [0_usize; 2], 0);
         for (tile, change) in self.tiles.iter().enumerate().filter(|(_, c)| c.counts.is_finite()) {
             known += 1;
             // Most frames return here.
-            if change.counts.abs() > PLAIN * change.scatter {
+            if change.counts.abs() > limits.plain * change.scatter {
                 let share = change.share(windows, tile_columns(tile, windows));
                 let side = usize::from(share > 0.0);
-                if share.abs() > LEAST_LEVELLED {
+                if share.abs() > limits.least_levelled {
                     sums[side] += share;
                     counts[side] += 1;
                 }
@@ -311,6 +334,7 @@ impl LevelGradient {
         (dark, light): (&LevelCurve, &LevelCurve),
         (noise, table): (&NoiseModel, &Table),
     ) {
+        let limits = LevelGradientLimits::get();
         let flat = windows.flat as f64;
         let shift = shift(table, windows.flat) as f32;
         let near = apart(windows.flat);
@@ -325,9 +349,10 @@ impl LevelGradient {
             let level = f64::from(*if self.inside { ground } else { level });
             let variance = noise.variance(level) * (1.0 / flat + 1.0 / FAR as f64) / f64::from(seen.columns);
             let change = f64::from(seen.counts.abs());
-            let sloped = change > (LEAST_CHANGE * contrast).max(LIMIT * MEDIAN * variance.sqrt());
+            let sloped =
+                change > (limits.least_change * contrast).max(limits.significant * MEDIAN * variance.sqrt());
             let bent = seen.bend(windows, tile_columns(tile, windows)).filter(|(_, bend, u)| {
-                bend.abs() > (LIMIT as f32 * u).max(LEAST_CHANGE as f32 / (reach * reach))
+                bend.abs() > (limits.significant as f32 * u).max(limits.least_change as f32 / (reach * reach))
             });
             if !sloped && bent.is_none() {
                 continue;
@@ -338,11 +363,11 @@ impl LevelGradient {
             let moved = shift
                 * match (self.levelled, self.bend) {
                     (false, _) => at_edge,
-                    (true, None) => LEFT * at_edge,
+                    (true, None) => limits.left * at_edge,
                     // The curvature's error turns the slope about the far pixels: ln C at the edge
                     // by u·D·(D + their distance).
                     (true, Some((bend, u))) => {
-                        (LEFT_BENT * slope).hypot(LEFT_OF_BEND * bend * reach).hypot(u * reach)
+                        (limits.left_bent * slope).hypot(limits.left_of_bend * bend * reach).hypot(u * reach)
                     }
                 };
             for edge in edges.iter_mut().filter(|e| e.is_usable()) {
@@ -366,7 +391,7 @@ impl Change {
             columns: columns as u32,
             taken: 0.0,
         };
-        if columns < LEAST {
+        if columns < LevelGradientLimits::get().least_columns {
             return unknown;
         }
         let counts = *changes.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
@@ -381,23 +406,25 @@ impl Change {
     /// The change as a fraction of the contrast of its columns, where it is significant and within
     /// the limit of a gradient; else 0.
     fn share(&self, windows: &Windows, columns: std::ops::Range<usize>) -> f32 {
+        let limits = LevelGradientLimits::get();
         let share = self.counts / mean_levels(windows, columns).1;
-        let plain = self.counts.abs() > PLAIN * self.scatter && share.abs() < MOST_CHANGE;
+        let plain = self.counts.abs() > limits.plain * self.scatter && share.abs() < limits.most_change;
         if plain { share } else { 0.0 }
     }
 
     /// Mean slope of the light's logarithm to the far pixels, 1/px, its curvature, 1/px², and that
     /// one's standard uncertainty; `None` where the farther pixels show something else.
     fn bend(&self, windows: &Windows, columns: std::ops::Range<usize>) -> Option<(f32, f32, f32)> {
-        let (near, far) = (apart(windows.flat), apart(windows.flat) + FARTHER as f32);
+        let limits = LevelGradientLimits::get();
+        let (near, far) = (apart(windows.flat), apart(windows.flat) + limits.farther_px as f32);
         let contrast = mean_levels(windows, columns).1;
         let [share, farther] = [self.counts, self.farther].map(|counts| counts / contrast);
-        if !(share.abs() < MOST_CHANGE && farther > LEAST_FACTOR - 1.0) {
+        if !(share.abs() < limits.most_change && farther > limits.least_factor - 1.0) {
             return None;
         }
         let [a, b] = [share.ln_1p() / near, farther.ln_1p() / far];
-        let alike = a * b > 0.0 && a.abs().max(b.abs()) < MOST_BEND * a.abs().min(b.abs());
-        if !alike && (b - a).abs() * far > MOST_BENT {
+        let alike = a * b > 0.0 && a.abs().max(b.abs()) < limits.most_bend * a.abs().min(b.abs());
+        if !alike && (b - a).abs() * far > limits.most_bent {
             return None;
         }
         let u = (self.scatter / near).hypot(self.farther_scatter / far) / (contrast * (far - near));
@@ -431,7 +458,7 @@ fn shift(table: &Table, flat: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gauge::edge::estimation::scoring_table::{FINE, Tabulation};
+    use crate::gauge::edge::estimation::scoring_table::Tabulation;
     use crate::gauge::edge::image::window_layout::window_width;
     use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
     use crate::gauge::edge::model::gaussian::EdgeSample;
@@ -444,7 +471,7 @@ mod tests {
         for (sigma, kappa) in [(0.7, 0.0), (1.0, 1.5), (2.0, 0.8)] {
             let width = window_width(&shape, sigma);
             let table =
-                Table::new(&shape, Tabulation { sigma, kappa, width, free_levels: false, per_px: FINE });
+                Table::new(&shape, Tabulation { sigma, kappa, width, free_levels: false, per_px: 64 });
             let flat = 4;
             let middle = half(width) as f64;
             let mut samples = vec![EdgeSample::default(); width - 1];

@@ -12,19 +12,26 @@
 //! short frame beyond the noise of its bins widens its uncertainty by √(χ²/ν) (Birge, Phys. Rev. 40
 //! (1932) 207).
 
+use crate::gauge::limit::limits;
 use crate::numerics::normal_equations::NormalEquations;
+
+limits! {
+    /// How many knots a level has, and when its curve does not fit.
+    LevelLimits = "levels";
+    /// Penalty of a knot in units of χ², or of −2 ln of the likelihood: between Mallows' 2 and
+    /// Schwarz' 5 (the module's heading).
+    knot_penalty: f64 = 4.0;
+    /// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of
+    /// eight degrees of freedom.
+    excess_chi2: f64 = 3.5;
+    /// Bins below which a frame is short: in longer ones knots enough follow the light, and what
+    /// they leave is structure (reflections in the shadow), which is no error that neighbouring
+    /// columns share.
+    short_bins: usize = 64;
+}
 
 /// Columns of a bin.
 const BIN: usize = 16;
-/// Penalty of a knot in units of χ².
-const KNOT_PENALTY: f64 = 4.0;
-/// χ²/ν from which a curve does not fit its bins: noise reaches it in one of 2000 curves of eight
-/// degrees of freedom.
-const EXCESS_CHI2: f64 = 3.5;
-/// Bins below which a frame is short: in longer ones knots enough follow the light, and what they
-/// leave is structure (reflections in the shadow), which is no error that neighbouring columns
-/// share.
-const SHORT: usize = 64;
 
 /// A level along the columns, with the uncertainty that neighbouring columns share.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,6 +72,7 @@ impl LevelPool {
     /// Fits the columns' means (NaN where missing); `sd` is the standard deviation of one column's
     /// mean, counts. False, with `curve` untouched, without any column.
     pub(crate) fn pool(&mut self, means: &[f32], sd: f32, max_knots: usize, curve: &mut LevelCurve) -> bool {
+        let LevelLimits { knot_penalty, excess_chi2, short_bins } = *LevelLimits::get();
         self.bins.fill(means, sd);
         if self.bins.0.is_empty() {
             return false;
@@ -74,14 +82,14 @@ impl LevelPool {
         self.best.reserve(max_knots);
         let straight = self.search(means.len(), variance, max_knots);
         let (mut found, mut bend) = (straight, None);
-        let short = self.bins.0.len() < SHORT;
-        if straight.reduced_chi2 > EXCESS_CHI2 && short && max_knots > 2 {
+        let short = self.bins.0.len() < short_bins;
+        if straight.reduced_chi2 > excess_chi2 && short && max_knots > 2 {
             bend = self.bins.bend(means.len());
             if let Some(bend) = &bend {
                 self.bins.add(bend, -1.0);
                 found = self.search(means.len(), variance, max_knots);
             }
-            if !(found.penalised + 3.0 * KNOT_PENALTY < straight.penalised) {
+            if !(found.penalised + 3.0 * knot_penalty < straight.penalised) {
                 if let Some(bend) = bend.take() {
                     self.bins.add(&bend, 1.0);
                 }
@@ -91,7 +99,7 @@ impl LevelPool {
         if !found.penalised.is_finite() {
             return false;
         }
-        if found.reduced_chi2 > EXCESS_CHI2 && short {
+        if found.reduced_chi2 > excess_chi2 && short {
             self.best.widen(found.reduced_chi2);
         }
         self.best.curve(means.len(), curve);
@@ -103,12 +111,13 @@ impl LevelPool {
 
     /// Finds the number of knots with the least penalised χ²; the fit is the best one.
     fn search(&mut self, columns: usize, variance: f64, max_knots: usize) -> Found {
+        let penalty = LevelLimits::get().knot_penalty;
         let (mut least, mut reduced_chi2) = (f64::INFINITY, 1.0);
         let (mut knots, mut worse) = (2, 0);
         // Twice as many knots that serve worse twice in a row end the search.
         while knots <= max_knots.max(2) && (knots == 2 || 2 * knots <= self.bins.0.len()) && worse < 2 {
             let chi2 = self.trial.fit(&self.bins, columns, knots, variance);
-            let penalised = chi2 + KNOT_PENALTY * knots as f64;
+            let penalised = chi2 + penalty * knots as f64;
             worse = if penalised < least { 0 } else { worse + 1 };
             if penalised < least {
                 least = penalised;
@@ -117,7 +126,7 @@ impl LevelPool {
                 std::mem::swap(&mut self.trial, &mut self.best);
             }
             // Even the best conceivable fit with more knots cannot be of less cost.
-            if KNOT_PENALTY * (2 * knots - 1) as f64 > least {
+            if penalty * (2 * knots - 1) as f64 > least {
                 break;
             }
             knots = 2 * knots - 1;

@@ -11,26 +11,37 @@
 
 use nalgebra::Vector6;
 
+use crate::gauge::limit::limits;
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 
-/// Fewest pixels of light that show a field.
-const LEAST: usize = 200;
-/// Contrast below which a pixel is not light but contamination or another part, as a fraction of
-/// the median.
-const LEAST_CONTRAST: f64 = 0.15;
-/// Residuals beyond so many standard deviations count by their size only.
-const HUBER: f64 = 3.0;
-const ROUNDS: usize = 4;
-/// Scatter of the field over the pixels from which light is uneven: in standard deviations of what
-/// noise makes of even light, and at least. A light even to half a percent moves an edge by some
-/// thousandths of a pixel.
-const PLAIN: f64 = 6.0;
-const LEAST_SPREAD: f64 = 0.005;
-/// Scatter about the field over that of neighbouring pixels, and share of the contrast beside it,
-/// up to which the light is smooth.
-const SMOOTH: f64 = 1.5;
-const SMOOTH_SHARE: f64 = 0.01;
+limits! {
+    /// From which pixels the field of the light is estimated, and when it is one.
+    LightFieldLimits = "light_field";
+    /// Fewest pixels of light that show a field: 33 for each of its six parameters.
+    least_pixels: usize = 200;
+    /// Contrast below which a pixel is not light but contamination or another part, as a fraction
+    /// of the median. Tuned: see study limits.
+    least_contrast: f64 = 0.15;
+    /// Residuals beyond so many standard deviations count by their size only (P. J. Huber, Ann.
+    /// Math. Statist. 35 (1964) 73): noise alone is damped in 0.27 % of the pixels.
+    huber: f64 = 3.0;
+    /// Rounds of the reweighted fit. Tuned: see study limits.
+    rounds: usize = 4;
+    /// Scatter of the field over the pixels from which light is uneven, in standard deviations of
+    /// what noise makes of even light: χ² of the field's five terms is then 36 times its
+    /// expectation of 5, which noise alone does not reach. Tuned: see study limits.
+    plain: f64 = 6.0;
+    /// The same as a share of the light: a light even to half a percent moves an edge by some
+    /// thousandths of a pixel.
+    least_spread: f64 = 0.005;
+    /// Scatter about the field over that of neighbouring pixels up to which the light is smooth,
+    /// beside `smooth_share`. Tuned: see study limits.
+    smooth: f64 = 1.5;
+    /// Scatter about the field beyond that of neighbouring pixels, as a share of the contrast, that
+    /// smooth light may have: light that falls linearly is no quadratic of the logarithm.
+    smooth_share: f64 = 0.01;
+}
 
 /// A pixel of light: its place and its grey value above the shadow's, counts.
 #[derive(Clone, Copy, Debug)]
@@ -51,13 +62,14 @@ pub(crate) struct LightField {
 impl LightField {
     /// From pixels of light in the order of lines; `None` where the light is even, or not smooth.
     pub(crate) fn fit(points: &[Lit]) -> Option<Self> {
+        let limits = LightFieldLimits::get();
         let usual = median_of(points.iter().map(|p| p.contrast).collect());
         if !(usual > 0.0) {
             return None;
         }
         let points: Vec<Lit> =
-            points.iter().copied().filter(|p| p.contrast > LEAST_CONTRAST * usual).collect();
-        if points.len() < LEAST {
+            points.iter().copied().filter(|p| p.contrast > limits.least_contrast * usual).collect();
+        if points.len() < limits.least_pixels {
             return None;
         }
         let n = points.len() as f64;
@@ -67,14 +79,14 @@ impl LightField {
         let mut field = Self { centre, scale, by: Vector6::zeros() };
         field.by[0] = usual.ln();
         let mut noise = f64::INFINITY;
-        for _ in 0..ROUNDS {
+        for _ in 0..limits.rounds {
             let mut fit = NormalEquations::new();
             for p in &points {
                 let (terms, residual) = (field.terms(p.x, p.y), field.residual(p));
                 // A residual of the logarithm weighs by the contrast's square, near the field's
                 // own.
                 let expected = field.terms(p.x, p.y).dot(&field.by).exp();
-                let weight = expected.powi(2) * (HUBER * noise / residual.abs().max(1e-12)).min(1.0);
+                let weight = expected.powi(2) * (limits.huber * noise / residual.abs().max(1e-12)).min(1.0);
                 fit.add(terms, p.contrast.ln(), weight);
             }
             field.by = fit.by_cholesky()?;
@@ -95,11 +107,12 @@ impl LightField {
     }
 
     fn is_uneven(&self, points: &[Lit], noise: f64) -> bool {
+        let LightFieldLimits { plain, least_spread, .. } = *LightFieldLimits::get();
         let n = points.len() as f64;
         let logs: Vec<f64> = points.iter().map(|p| self.terms(p.x, p.y).dot(&self.by)).collect();
         let mean = logs.iter().sum::<f64>() / n;
         let spread = (logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / n).sqrt();
-        spread > (PLAIN * noise / mean.exp() * (5.0 / n).sqrt()).max(LEAST_SPREAD)
+        spread > (plain * noise / mean.exp() * (5.0 / n).sqrt()).max(least_spread)
     }
 
     /// Light at a place over that at the field's centre.
@@ -110,10 +123,11 @@ impl LightField {
 
 /// Whether the residual of the field is little more than the scatter of neighbouring pixels.
 fn is_smooth(points: &[Lit], noise: f64, usual: f64) -> bool {
+    let LightFieldLimits { smooth, smooth_share, .. } = *LightFieldLimits::get();
     let beside = points.windows(2).filter(|w| (w[0].x - w[1].x).hypot(w[0].y - w[1].y) < 1.5);
     let scatter = median_of(beside.map(|w| (w[0].contrast - w[1].contrast).abs()).collect());
     let scatter = if scatter.is_nan() { 0.0 } else { MEDIAN_TO_SD * scatter / std::f64::consts::SQRT_2 };
-    noise <= SMOOTH * scatter + SMOOTH_SHARE * usual
+    noise <= smooth * scatter + smooth_share * usual
 }
 
 #[cfg(test)]

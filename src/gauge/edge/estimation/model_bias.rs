@@ -19,35 +19,40 @@
 //!    kurtosis, …) it takes the share a(σ) = √2·|B₁|·√J/‖r‖ ≤ [`aliased`]: a third at σ = 0.4 px, 3
 //!    % at 0.8 px, nothing from 1.2 px.
 
+use super::blur::BlurLimits;
 use super::column_fit::ColumnJob;
 use super::levels::LevelCurve;
 use super::scoring::normalise;
-use super::scoring_table::FINE;
+use super::scoring_table::ScoringTableLimits;
+use super::slanted_edge::SlantedEdgeLimits;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::image::window_layout::half;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edge::model::systematic_residual::SystematicResidual;
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 use crate::numerics::smoothing_spline::SplineFit;
 
-/// Distance of the spline's knots: least, px (a quarter of the finest detail that a pixel's area
-/// lets through), and in blurs, whose optics pass nothing finer than a few of these.
-const KNOT_PX: f64 = 0.25;
-const KNOT_IN_BLURS: f64 = 0.4;
-/// Weight of a second difference of the spline's coefficients, in units of a knot's mean weight:
-/// bridges the phases that no master stood at, and takes 1 % of a ring as wide as two and a half
-/// blurs.
-const SMOOTHING: f64 = 1e-2;
-/// Distance of the values kept, px.
-const STEP_PX: f64 = 0.125;
-/// Mean excess of χ² over its expectation above which the masters' edges have a systematic
-/// residual: the relative standard uncertainty of the noise of a few frames is 2 %.
-const LEAST_EXCESS: f64 = 0.05;
-/// Fewest edges a side from which a residual is estimated.
-const LEAST_EDGES: u32 = 128;
-/// Slope above which a column is left out.
-const STEEPEST: f32 = 0.3;
+limits! {
+    /// How the residual of the masters' edges is estimated, and from which on it is one.
+    ModelBiasLimits = "model_bias";
+    /// Distance of the spline's knots in blurs, where that is more than
+    /// [`SlantedEdgeLimits::knot_px`]: Gaussian optics pass exp(−2π²·1.25²) = 4e-14 of the finest
+    /// wave that such knots follow, 1.25 per blur.
+    knot_in_blurs: f64 = 0.4;
+    /// Weight of a second difference of the spline's coefficients, in units of a knot's mean
+    /// weight: bridges the phases that no master stood at, and takes 1 % of a ring as wide as two
+    /// and a half blurs, (2 − 2 cos(2π/6.25))²/100.
+    smoothing: f64 = 1e-2;
+    /// Distance of the values kept, px: half the least distance of the knots, so that a line
+    /// between two values follows the spline.
+    step_px: f64 = 0.125;
+    /// Mean excess of χ² over its expectation above which the masters' edges have a systematic
+    /// residual: two and a half relative standard uncertainties of the noise of a few frames, 2 %
+    /// (false alarms in 0.6 % of the calibrations).
+    least_excess: f64 = 0.05;
+}
 
 /// Gathers residuals from the masters' frames.
 #[derive(Debug, Default)]
@@ -61,7 +66,7 @@ pub struct ResidualAccumulator {
 struct SideResiduals {
     reach: f64,
     fit: SplineFit,
-    edges: u32,
+    edges: usize,
 }
 
 /// One side of a frame: what its residuals are computed from.
@@ -82,9 +87,11 @@ impl ResidualAccumulator {
         line: &[Edge],
         sigma: impl Fn(usize) -> f64,
     ) {
+        let steepest = BlurLimits::get().steepest as f32;
         let windows = view.windows;
         let reach = half(windows.width) as f64 - 1.0;
-        let knot = (KNOT_IN_BLURS * sigma(line.len() / 2)).max(KNOT_PX);
+        let in_blurs = ModelBiasLimits::get().knot_in_blurs * sigma(line.len() / 2);
+        let knot = in_blurs.max(SlantedEdgeLimits::get().knot_px);
         let segments = (2.0 * reach / knot).ceil() as usize;
         let residuals = self.sides[side].get_or_insert_with(|| SideResiduals {
             reach,
@@ -95,7 +102,7 @@ impl ResidualAccumulator {
         let first = -(half(windows.width) as f64);
         let mut samples = vec![EdgeSample::default(); windows.width - 1];
         for (column, edge) in line.iter().enumerate().filter(|(_, e)| e.is_usable()) {
-            let (Ok(centre), true) = (windows.centre[column], view.slope[column].abs() < STEEPEST) else {
+            let (Ok(centre), true) = (windows.centre[column], view.slope[column].abs() < steepest) else {
                 continue;
             };
             let x = sign * (edge.row_px - f64::from(centre));
@@ -114,23 +121,25 @@ impl ResidualAccumulator {
     /// What the edges leave; `None` where the model fits them as well as their noise lets it be
     /// determined.
     pub fn finish(self) -> Option<SystematicResidual> {
+        let ModelBiasLimits { least_excess, step_px, .. } = *ModelBiasLimits::get();
         let chi2 = self.chi2 / self.edges.max(1.0);
-        if !(chi2 > 1.0 + LEAST_EXCESS) {
+        if !(chi2 > 1.0 + least_excess) {
             return None;
         }
         let [top, bottom] = self.sides.map(|side| side.and_then(SideResiduals::finish));
-        Some(SystematicResidual { step_px: STEP_PX, residual: [top?, bottom?], chi2 })
+        Some(SystematicResidual { step_px, residual: [top?, bottom?], chi2 })
     }
 }
 
 impl SideResiduals {
     fn finish(self) -> Option<Vec<f64>> {
-        if self.edges < LEAST_EDGES {
+        if self.edges < SlantedEdgeLimits::get().least_columns {
             return None;
         }
-        let half = (self.reach / STEP_PX).ceil() as i32;
-        let spline = self.fit.solve(SMOOTHING, false)?;
-        Some((-half..=half).map(|k| spline.at(f64::from(k) * STEP_PX).0).collect())
+        let ModelBiasLimits { smoothing, step_px, .. } = *ModelBiasLimits::get();
+        let half = (self.reach / step_px).ceil() as i32;
+        let spline = self.fit.solve(smoothing, false)?;
+        Some((-half..=half).map(|k| spline.at(f64::from(k) * step_px).0).collect())
     }
 }
 
@@ -144,8 +153,10 @@ fn aliased(sigma: f64) -> f64 {
 /// A side's expected residual, ready for use.
 #[derive(Clone, Debug)]
 pub(crate) struct Expected {
-    /// Values every 1/[`FINE`] px; the middle one at the edge.
+    /// Values at [`ScoringTableLimits::fine`] places per px; the middle one at the edge.
     values: Vec<f32>,
+    /// Their number per px.
+    per_px: u32,
     /// Sums over the edges tested so far: squares of the shifts by weights and phase, px², and
     /// number of edges.
     left: (f64, f64),
@@ -155,7 +166,8 @@ impl Expected {
     pub(crate) fn new(expected_residual: &SystematicResidual, side: usize) -> Self {
         let kept = &expected_residual.residual[side];
         let middle = (kept.len() / 2) as f64;
-        let fine = f64::from(FINE);
+        let per_px = ScoringTableLimits::get().fine;
+        let fine = f64::from(per_px);
         let reach = (middle * expected_residual.step_px * fine) as i32;
         let at = |k: i32| {
             let place = middle + f64::from(k) / fine / expected_residual.step_px;
@@ -163,7 +175,7 @@ impl Expected {
             let value = |k: usize| kept.get(k).copied().unwrap_or(0.0);
             (value(low) + share * (value(low + 1) - value(low))) as f32
         };
-        Self { values: (-reach..=reach).map(at).collect(), left: (0.0, 0.0) }
+        Self { values: (-reach..=reach).map(at).collect(), per_px, left: (0.0, 0.0) }
     }
 
     pub(crate) fn start(&mut self) {
@@ -217,7 +229,7 @@ impl Expected {
     /// Value at a pixel from the central one, for an edge at a phase.
     fn at(&self, pixel: i32, phase: f32) -> f32 {
         let middle = (self.values.len() / 2) as i32;
-        let index = middle + pixel * FINE as i32 - (phase * FINE as f32).round() as i32;
+        let index = middle + pixel * self.per_px as i32 - (phase * self.per_px as f32).round() as i32;
         usize::try_from(index).ok().and_then(|k| self.values.get(k)).copied().unwrap_or(0.0)
     }
 }

@@ -4,8 +4,17 @@
 //! Differences of horizontally neighbouring flat pixels carry twice the variance of one pixel,
 //! temporal noise and pixel-to-pixel response alike, and none of the light's slow variation.
 
+use crate::gauge::limit::limits;
 use crate::gauge::settings::Noise;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
+
+limits! {
+    /// What the scatter of whole counts shows of their noise.
+    NoiseLimits = "noise";
+    /// Scale of whole counts whose differences are 0 in the median, in steps of the grey scale: the
+    /// median of what they round may be up to half a step.
+    least_of_counts: f64 = MEDIAN_TO_SD * 0.5;
+}
 
 /// Noise variance as a function of the grey level: `offset + gain·level`, at least `floor`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,10 +57,6 @@ impl NoiseModel {
         (2.0 * (high - low) / (high + low)).clamp(-1.9, 1.9)
     }
 }
-
-/// Scale of whole counts whose differences are 0 in the median: they may scatter by up to this,
-/// counts.
-pub(crate) const LEAST_OF_COUNTS: f64 = MEDIAN_TO_SD * 0.5;
 
 /// Differences from which the cut is estimated.
 const MEDIAN_OF: usize = 512;
@@ -96,7 +101,7 @@ impl Spread {
             count[0] += 1.0;
         }
         // Half-way between one and two steps of whole counts.
-        let far = 1.5 / LEAST_OF_COUNTS as f32 * least;
+        let far = 1.5 / NoiseLimits::get().least_of_counts as f32 * least;
         let wide = differences.iter().filter(|d| d.abs() > far).count();
         Self { squares: squares.iter().sum(), count: count.iter().sum(), seen: differences.len(), wide }
     }

@@ -25,18 +25,34 @@ use super::noise::Spread;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 
-/// Noise in steps of the grey scale beyond which r is below 1e-5 of its largest value.
-pub(crate) const DITHERED: f64 = 0.55;
-/// Columns over which a local mean is taken: those of the largest diameter's median.
-const LOCAL: usize = 64;
-/// Pixels either side of the edge.
+limits! {
+    /// When rounding repeats, and over which columns.
+    RoundingLimits = "rounding";
+    /// Noise in steps of the grey scale beyond which r is below 1e-5 of its largest value:
+    /// 12·exp(−4π²·0.55²)/(2π²) = 4e-6.
+    dithered: f64 = 0.55;
+    /// Columns over which a local mean is taken: those of the largest diameter's median.
+    local_columns: usize = 64;
+    /// Columns whose phases are looked at, evenly along the edge. Tuned: see study limits.
+    looked_at: usize = 8;
+    /// Share of repetition in neighbouring edges that differences show beyond chance: of the few
+    /// hundred that there are at least, their variance is known to 10 % (false alarms in 0.6 % of
+    /// the sides).
+    shown: f64 = 0.25;
+    /// Fraction of differences of two steps and more below which grey values take only two
+    /// neighbouring steps: noise of 0.3 steps gives 0.9e-3 of them where the level lies half-way
+    /// between two, 4.6e-3 where it lies on one.
+    few_wide: f64 = 1e-3;
+    /// Noise then assumed, in steps: the scatter of two values determines where between them the
+    /// level lies, but hardly the noise, 0 to 0.28. The standard deviation √r of its repeated
+    /// rounding is 0.146 steps, half of that without noise and three times that at 0.28.
+    two_valued: f64 = 0.15;
+}
+
+/// Pixels either side of the edge that are looked at: 3.6 blurs and 1.25 px at a blur of 6 px.
 const REACH: i32 = 24;
-/// Columns whose phases are looked at.
-const LOOKED_AT: usize = 8;
-/// Share of repetition in neighbouring edges that differences show beyond chance: of the few
-/// hundred that there are at least, their variance is known to 10 %.
-const SHOWN: f64 = 0.25;
 
 /// Mean square of the rounding error that repeats, for noise of standard deviation `sd`, in steps²
 /// (both in steps of the grey scale).
@@ -55,10 +71,11 @@ pub(crate) fn repeated_variance(sd: f64) -> f64 {
 /// Standard deviation of the noise behind rounded grey values that scatter with a variance, over
 /// all places between two counts, both in steps of the grey scale: σ² + 1/12 − r(σ) = variance.
 pub(crate) fn noise_behind(variance: f64) -> f64 {
-    if variance > DITHERED * DITHERED + 1.0 / 12.0 {
+    let dithered = RoundingLimits::get().dithered;
+    if variance > dithered * dithered + 1.0 / 12.0 {
         return (variance - 1.0 / 12.0).sqrt();
     }
-    let (mut low, mut high) = (0.0, DITHERED);
+    let (mut low, mut high) = (0.0, dithered);
     for _ in 0..24 {
         let middle: f64 = 0.5 * (low + high);
         if middle * middle + 1.0 / 12.0 - repeated_variance(middle) < variance {
@@ -104,7 +121,8 @@ struct Sums {
 impl RoundedSide<'_> {
     /// Whether rounding repeats in this frame at all.
     pub(crate) fn repeats(noise: [f64; 2]) -> bool {
-        noise.iter().any(|sd| *sd < DITHERED)
+        let dithered = RoundingLimits::get().dithered;
+        noise.iter().any(|sd| *sd < dithered)
     }
 
     /// Moves the repeating variance from the edges' own to their shared uncertainty; returns the
@@ -147,13 +165,14 @@ impl RoundedSide<'_> {
             own += variance;
         }
         let share = if own > 0.0 { 1.0 - square / own } else { 0.0 };
-        if share > SHOWN { share } else { 0.0 }
+        if share > RoundingLimits::get().shown { share } else { 0.0 }
     }
 
     fn sums(&self, line: &[Edge]) -> Sums {
         let mut sums = Sums::default();
         let mut samples = [EdgeSample::default(); 2 * REACH as usize + 1];
-        for edge in line.iter().step_by(line.len().div_ceil(LOOKED_AT).max(1)).filter(|e| e.is_usable()) {
+        let step = line.len().div_ceil(RoundingLimits::get().looked_at).max(1);
+        for edge in line.iter().step_by(step).filter(|e| e.is_usable()) {
             let phase = self.sign * (edge.row_px - edge.row_px.round());
             self.shape.samples(f64::from(-REACH), phase, self.sigma, &mut samples);
             self.add(&samples, &mut sums);
@@ -194,7 +213,7 @@ impl RoundedSide<'_> {
 /// Rows that an edge runs over within a local mean, px, on the mean over the line.
 pub(crate) fn rows_swept(line: &[Edge]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for block in line.chunks(LOCAL) {
+    for block in line.chunks(RoundingLimits::get().local_columns) {
         let mut usable = block.iter().filter(|e| e.is_usable()).map(|e| e.row_px);
         if let (Some(first), Some(last)) = (usable.next(), usable.next_back()) {
             (sum, count) = (sum + (last - first).abs(), count + 1.0);
@@ -203,18 +222,11 @@ pub(crate) fn rows_swept(line: &[Edge]) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Fraction of differences of two steps and more below which grey values take only two neighbouring
-/// steps: noise of 0.3 steps gives more of them, wherever the level lies.
-const FEW_WIDE: f64 = 1e-3;
-/// Noise then assumed, in steps: the scatter of two values determines where between them the level
-/// lies, but hardly the noise, 0 to 0.28. Its repeated rounding is within a factor of two of theirs
-/// (standard deviation).
-const TWO_VALUED: f64 = 0.15;
-
 /// Noise behind rounded grey values that scatter so, in steps of the grey scale.
 pub(crate) fn noise_in_steps(spread: Spread, step: f64) -> f64 {
     let sd = noise_behind(spread.variance().unwrap_or(f64::INFINITY) / (step * step));
-    if spread.wide_share() < FEW_WIDE { sd.min(TWO_VALUED) } else { sd }
+    let RoundingLimits { few_wide, two_valued, .. } = *RoundingLimits::get();
+    if spread.wide_share() < few_wide { sd.min(two_valued) } else { sd }
 }
 
 #[cfg(test)]

@@ -5,15 +5,9 @@ use wide::f32x4;
 use super::scoring_table::{CorePhase, Phase, Table};
 use crate::gauge::edge::image::window_layout::{PHASE_REACH, half};
 
-/// Steps after which an edge that still moves is abandoned.
-const MOST_STEPS: usize = 10;
-
 /// A step below this many phases ends the scoring: the remainder is of second order, below 7e-5 px
 /// at σ = 0.5 px.
 const SETTLED: f32 = 0.75;
-
-/// Pixels by which a window may be off its edge: its flat ends then replace the pixels not read.
-const MOST_SHIFT: i32 = 3;
 
 /// Result of scoring an edge.
 #[derive(Clone, Copy, Debug)]
@@ -290,7 +284,7 @@ pub(crate) fn locate_four<'a, const C: usize>(
 pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -> Option<Located<'a>> {
     let mut x = start.clamp(-PHASE_REACH, PHASE_REACH);
     let mut moved = 0_i32;
-    for count in 0..MOST_STEPS {
+    for count in 0..table.limits.most_steps {
         let phase = table.phase(x);
         let full = dot(phase.weights, normalised) - phase.scalars.offset;
         if !full.is_finite() {
@@ -311,7 +305,7 @@ pub(crate) fn locate<'a>(normalised: &mut [f32], table: &'a Table, start: f32) -
         if x.abs() > PHASE_REACH {
             let shift = if x > 0.0 { 1 } else { -1 };
             moved += shift;
-            if moved.abs() > MOST_SHIFT {
+            if moved.abs() > table.limits.most_shift_px {
                 return None;
             }
             shift_window(normalised, shift);

@@ -15,11 +15,25 @@
 use crate::gauge::edge::image::window_layout::{MOST_WIDTH, PHASE_REACH, core_width, half};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::limit::limits;
 
-/// Phases per pixel of the tables that place edges.
-pub(crate) const FINE: u32 = 64;
-/// Phases per pixel of the tables that are used only to find the blur.
-pub(crate) const COARSE: u32 = 16;
+limits! {
+    /// How dense the tables are, and how long an edge is followed through them.
+    ScoringTableLimits = "scoring_table";
+    /// Phases per pixel of the tables that place edges: what a step leaves is at most
+    /// |w·E″|/2·(1/128)² < 3e-5 px at σ ≥ 0.5 px.
+    fine: u32 = 64;
+    /// Phases per pixel of the tables that are used only to find the blur: a step leaves
+    /// (1/32)²/(1/128)² = 16 times as much of the place as in the fine ones, 5e-4 px.
+    coarse: u32 = 16;
+    /// Steps after which an edge that still moves is abandoned: scoring converges by a factor of
+    /// 0.3 a step at the lowest SNR, so that ten take a pixel to 6e-6 px.
+    most_steps: usize = 10;
+    /// Pixels by which a window may be off its edge: its flat ends, five pixels and more, then
+    /// replace the pixels not read.
+    most_shift_px: i32 = 3;
+}
+
 /// Arrays of a phase: weights, model values, inverse variances, blur scores.
 const ARRAYS: usize = 4;
 
@@ -139,6 +153,8 @@ pub(crate) struct Table {
     scalars: Vec<PhaseScalars>,
     blur: Vec<BlurScalars>,
     borders: Vec<[f64; 3]>,
+    /// How long an edge is followed.
+    pub(crate) limits: &'static ScoringTableLimits,
 }
 
 impl Table {
@@ -186,6 +202,7 @@ impl Table {
             scalars: Vec::new(),
             blur: Vec::new(),
             borders: Vec::new(),
+            limits: ScoringTableLimits::get(),
         }
     }
 
@@ -363,7 +380,7 @@ mod tests {
     fn one_step_lands_on_a_noise_free_edge() {
         for free in [false, true] {
             let width = window_width(&EdgeSpreadFunction::Gaussian, 0.8);
-            let of = Tabulation { sigma: 0.8, kappa: 1.2, width, free_levels: free, per_px: FINE };
+            let of = Tabulation { sigma: 0.8, kappa: 1.2, width, free_levels: free, per_px: 64 };
             let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
             for x0 in [-0.5, -0.123, 0.301] {
                 let mut samples = vec![EdgeSample::default(); table.width - 1];
@@ -384,7 +401,7 @@ mod tests {
         let sigma: f64 = 0.9;
         let j = libm::erf(0.5 / sigma)
             - 2.0 * sigma / std::f64::consts::PI.sqrt() * (1.0 - (-0.25 / sigma / sigma).exp());
-        let of = Tabulation { sigma, kappa: 0.0, width: 32, free_levels: false, per_px: FINE };
+        let of = Tabulation { sigma, kappa: 0.0, width: 32, free_levels: false, per_px: 64 };
         let table = Table::new(&EdgeSpreadFunction::Gaussian, of);
         let mean: f32 =
             (0..64).map(|i| table.phase((i as f32 - 32.0) / 64.0).scalars.information).sum::<f32>() / 64.0;

@@ -1,12 +1,18 @@
 //! Levels, noise and grey-scale ends of one side, before the other one is known.
 
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, NoiseModel, Spread};
+use crate::gauge::edge::estimation::noise::{NoiseLimits, NoiseModel, Spread};
 use crate::gauge::edge::image::scan_windows::LevelSums;
+use crate::gauge::limit::limits;
 
-/// Standard deviations of the light's noise within which a level stands at an end that the other
-/// side shows.
-const AT_THE_END: f64 = 2.0;
+limits! {
+    /// When one side's end of the grey scale is the other's, too.
+    SideSurveyLimits = "side_survey";
+    /// Distance of a mean level from an end that the other side shows, in standard deviations of
+    /// the light's noise, within which the level stands at that end: noise then reaches it in 2.3 %
+    /// of the pixels or more.
+    at_the_end: f64 = 2.0;
+}
 
 /// Properties of the sensor known before a frame is evaluated.
 #[derive(Clone, Copy)]
@@ -28,7 +34,7 @@ impl GreyScaleLimits {
 
     /// Smallest scale of differences, counts.
     pub(crate) fn least(self, contrast: f64) -> f32 {
-        self.floor(contrast).sqrt().max(self.step() * LEAST_OF_COUNTS) as f32
+        self.floor(contrast).sqrt().max(self.step() * NoiseLimits::get().least_of_counts) as f32
     }
 
     /// Step of the grey scale, counts; 0 where there is none.
@@ -59,16 +65,10 @@ impl SideSurvey {
         let own = self.ends.unwrap_or(Ends { step: other.step, ..Ends::NONE });
         let LevelSums { dark, light, .. } = self.levels;
         let scatter = self.spread[1].variance().unwrap_or(0.0).sqrt();
-        let low = if own.low.is_infinite() && dark / count <= other.low + AT_THE_END * scatter {
-            other.low
-        } else {
-            own.low
-        };
-        let high = if own.high.is_infinite() && light / count >= other.high - AT_THE_END * scatter {
-            other.high
-        } else {
-            own.high
-        };
+        let near = SideSurveyLimits::get().at_the_end * scatter;
+        let low = if own.low.is_infinite() && dark / count <= other.low + near { other.low } else { own.low };
+        let high =
+            if own.high.is_infinite() && light / count >= other.high - near { other.high } else { own.high };
         if (low, high) != (own.low, own.high) {
             self.ends = Some(Ends { low, high, ..own });
             for (end, spread) in [low, high].into_iter().zip(&mut self.spread) {

@@ -17,28 +17,41 @@
 use std::sync::Arc;
 
 use super::gaussian::{EdgeSample, border as gaussian_border, edge_samples};
+use crate::gauge::limit::limits;
 
-/// Bounds of a plausible blur, px; a table's lower one is its own
-/// ([`EdgeSpreadFunction::least_sigma`]).
-pub(crate) const SIGMA_RANGE: (f64, f64) = (0.2, 8.0);
-
-/// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ = 0.12
-/// px.
-const KNOTS_PER_PX: f64 = 64.0;
-/// Farther from the edge than this many σ (and 1.25 px), where a table still differs from its ends
-/// by more than [`TAIL`], its tails are left out of the fit: they would need windows as long as the
-/// field is high.
-const FARTHEST: f64 = 12.0;
-/// Light beyond which a table is the shadow of coherent light without a lens: its first ring has
-/// 1.37 of the bright field, that of the sharpest lens in coherent light 1.18.
-const RINGED: f64 = 1.25;
-/// Pixels either side of the edge that carry information in a pattern of rings: what the longest
-/// windows hold beside their flat ends.
-const RINGED_REACH: f64 = 96.0;
-/// Difference from 0 or 1 that counts as flat.
-const TAIL: f64 = 2e-3;
-/// Pixels either side of the edge that carry information on its place, in σ, for the Gaussian.
-const GAUSSIAN_REACH: f64 = 3.6;
+limits! {
+    /// Which blurs are searched, and how far an edge reaches.
+    EdgeSpreadLimits = "edge_spread";
+    /// Least plausible blur, px: below it one pixel holds the whole edge and does not show its
+    /// width. A table has its own ([`EdgeSpreadFunction::least_sigma`]).
+    least_sigma_px: f64 = 0.2;
+    /// Largest plausible blur, px: the longest window of 72 px holds its reach of 30 px and four
+    /// flat pixels either side.
+    most_sigma_px: f64 = 8.0;
+    /// Knots of a table per pixel: the cubic through I and F errs by h⁴/384·max|F‴| < 1e-6 at σ =
+    /// 0.12 px.
+    knots_per_px: f64 = 64.0;
+    /// Distance from the edge, in σ (and 1.25 px), beyond which the tails of a table that still
+    /// differs from its ends by more than `tail` are left out of the fit: they would need windows
+    /// as long as the field is high.
+    farthest: f64 = 12.0;
+    /// Light, as a multiple of the bright field, beyond which a table is the shadow of coherent
+    /// light without a lens: its first ring has 1.37, that of the sharpest lens in coherent light
+    /// 1.18 (Fresnel and sine integrals).
+    ringed: f64 = 1.25;
+    /// Pixels either side of the edge that carry information in a pattern of rings: what the
+    /// longest windows of 256 px hold beside 24 flat ones.
+    ringed_reach_px: f64 = 96.0;
+    /// Difference of the light from 0 or 1, as a share of the bright field, that counts as flat: a
+    /// level off by that moves an edge by half of it over the slope, .001·√(2π) = .0025 σ.
+    tail: f64 = 2e-3;
+    /// Pixels either side of the edge that carry information on its place, in σ, for the Gaussian:
+    /// those beyond hold erfc(3.6) = 4e-7 of ∫(∂E/∂x)².
+    gaussian_reach: f64 = 3.6;
+    /// Places of an edge within a pixel over which a mean is taken, evenly spaced: the mean is free
+    /// of the first seven harmonics of the phase.
+    phases: u32 = 8;
+}
 
 /// An edge-spread function as a table of its values and their integral over ±`reach` px; 0 and 1
 /// beyond.
@@ -68,7 +81,7 @@ pub(crate) struct Knot {
 impl TabulatedEsf {
     /// Tabulates a function that is 0 before −`reach` px and 1 after `reach` px.
     pub(crate) fn new(reach: f64, f: impl Fn(f64) -> f64) -> Self {
-        let count = (2.0 * reach * KNOTS_PER_PX).ceil() as usize;
+        let count = (2.0 * reach * EdgeSpreadLimits::get().knots_per_px).ceil() as usize;
         let step = 2.0 * reach / count as f64;
         let at = |k: f64| f(-reach + k * step);
         let value: Vec<f64> = (0..=count).map(|k| at(k as f64)).collect();
@@ -83,25 +96,27 @@ impl TabulatedEsf {
 
     /// From values and integrals at equidistant knots over ±`reach` px.
     pub(crate) fn from_knots(reach: f64, knots: Vec<Knot>) -> Self {
+        let limits = EdgeSpreadLimits::get();
         let count = knots.len() - 1;
         let step = 2.0 * reach / count as f64;
         let steepest = knots.windows(2).map(|w| w[1].value - w[0].value).fold(0.0, f64::max) / step;
-        let ringed = knots.iter().any(|k| k.value > RINGED);
+        let ringed = knots.iter().any(|k| k.value > limits.ringed);
         let sigma = 1.0 / (steepest * (2.0 * std::f64::consts::PI).sqrt()).clamp(1e-2, 8.0);
         let centroid = reach - knots[count].integral;
         let away = |k: usize| (-reach + k as f64 * step).abs();
         let far = |k: &usize| {
             let end = if 2 * k < count { 0.0 } else { 1.0 };
-            (knots[*k].value - end).abs() > TAIL
+            (knots[*k].value - end).abs() > limits.tail
         };
         let tail = (0..=count).filter(far).map(away).fold(0.0, f64::max) / sigma;
-        Self { reach, knots, sigma, centroid, tail: tail.clamp(2.0, FARTHEST), ringed }
+        Self { reach, knots, sigma, centroid, tail: tail.clamp(2.0, limits.farthest), ringed }
     }
 
     /// As learnt from a frame beside a Gaussian of `sigma` px, whose tails the deviation exceeds up
     /// to `far_px`.
     pub(crate) fn learnt(reach: f64, knots: Vec<Knot>, sigma: f64, centroid: f64, far_px: f64) -> Self {
-        let tail = (far_px / sigma).clamp(GAUSSIAN_REACH, FARTHEST);
+        let limits = EdgeSpreadLimits::get();
+        let tail = (far_px / sigma).clamp(limits.gaussian_reach, limits.farthest);
         Self { reach, knots, sigma, centroid, tail, ringed: false }
     }
 
@@ -207,9 +222,10 @@ impl EdgeSpreadFunction {
 
     /// Pixels either side of the edge that carry information on its place.
     pub(crate) fn reach(&self, sigma: f64) -> f64 {
+        let limits = EdgeSpreadLimits::get();
         match self {
-            Self::Gaussian => GAUSSIAN_REACH * sigma + 1.25,
-            Self::Table(table) if table.ringed => (table.tail * sigma + 1.25).min(RINGED_REACH),
+            Self::Gaussian => limits.gaussian_reach * sigma + 1.25,
+            Self::Table(table) if table.ringed => (table.tail * sigma + 1.25).min(limits.ringed_reach_px),
             Self::Table(table) => table.tail * sigma + 1.25,
         }
     }
@@ -222,9 +238,10 @@ impl EdgeSpreadFunction {
     /// Least blur of the search, px: a sharp edge that is given as a table may be sharper than any
     /// that is found.
     pub(crate) fn least_sigma(&self) -> f64 {
+        let least = EdgeSpreadLimits::get().least_sigma_px;
         match self {
-            Self::Gaussian => SIGMA_RANGE.0,
-            Self::Table(table) => SIGMA_RANGE.0.min(0.5 * table.sigma),
+            Self::Gaussian => least,
+            Self::Table(table) => least.min(0.5 * table.sigma),
         }
     }
 
@@ -232,7 +249,7 @@ impl EdgeSpreadFunction {
     pub(crate) fn most_sigma(&self) -> f64 {
         match self {
             Self::Table(table) if table.ringed => 2.0 * table.sigma,
-            _ => SIGMA_RANGE.1,
+            _ => EdgeSpreadLimits::get().most_sigma_px,
         }
     }
 
@@ -255,20 +272,20 @@ impl EdgeSpreadFunction {
     /// Means of E over the flat ends of a window (`flat` pixels each, `width` in all) over the
     /// phases: 0 and 1 but for the tails.
     pub(crate) fn flat_ends(&self, sigma: f64, width: usize, flat: usize, half: usize) -> (f64, f64) {
-        const PHASES: u32 = 8;
+        let phases = EdgeSpreadLimits::get().phases;
         if *self == Self::Gaussian {
             return (0.0, 1.0);
         }
         let mut samples = vec![EdgeSample::default(); width - 1];
         let (mut dark, mut light) = (0.0, 0.0);
-        for phase in 0..PHASES {
-            let x0 = (f64::from(phase) + 0.5) / f64::from(PHASES) - 0.5;
+        for phase in 0..phases {
+            let x0 = (f64::from(phase) + 0.5) / f64::from(phases) - 0.5;
             self.samples(-(half as f64), x0, sigma, &mut samples);
             let sum = |part: &[EdgeSample]| part.iter().map(|s| s.value).sum::<f64>();
             dark += sum(&samples[..flat]);
             light += sum(&samples[width - 1 - flat..]);
         }
-        let count = f64::from(PHASES) * flat as f64;
+        let count = f64::from(phases) * flat as f64;
         (dark / count, light / count)
     }
 

@@ -3,15 +3,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::gauge::limit::limits;
 use crate::gauge::settings::EsfSamples;
 
-/// Largest difference of the light of two tables of one edge: the scale by which px became µm
-/// before the masters were fitted is known to parts in a thousand, equivalent to a few thousandths
-/// of the light on the flank; tables of other optics differ by more.
-const SAME: f64 = 0.01;
-
-/// Most samples in a file.
-const MOST_SAMPLES: usize = 100_000;
+limits! {
+    /// When two tables are of one edge, and how long one may be.
+    EdgeTableLimits = "edge_table";
+    /// Largest difference of the light of two tables of one edge, as a share of the bright field:
+    /// the scale by which px became µm before the masters were fitted is known to parts in a
+    /// thousand, equivalent to a few thousandths of the light on the flank; tables of other optics
+    /// differ by more.
+    same_light: f64 = 0.01;
+    /// Most samples in a file: 1.6 MB in memory. The longest window of 256 px has 390 of them to a
+    /// pixel.
+    most_samples: usize = 100_000;
+}
 
 /// Light over the distance from the geometric edge, on the object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,8 +60,9 @@ impl EdgeTable {
 
     /// Whether another table is of the same edge.
     pub fn is_of_the_same_edge(&self, other: &Self) -> bool {
+        let same = EdgeTableLimits::get().same_light;
         let near = |a: &Self, b: &Self| {
-            a.distance_um.iter().zip(&a.light).all(|(d, light)| (b.at(*d) - light).abs() <= SAME)
+            a.distance_um.iter().zip(&a.light).all(|(d, light)| (b.at(*d) - light).abs() <= same)
         };
         near(self, other) && near(other, self)
     }
@@ -63,7 +70,7 @@ impl EdgeTable {
     /// Names what cannot be, if anything: (key, value, what would be right).
     pub(crate) fn impossible(&self) -> Option<(&'static str, f64, &'static str)> {
         let (n, m) = (self.distance_um.len(), self.light.len());
-        if !(8..=MOST_SAMPLES).contains(&n) {
+        if !(8..=EdgeTableLimits::get().most_samples).contains(&n) {
             return Some(("edge_table.distance_um", n as f64, "8 to 100000 samples"));
         }
         if n != m {

@@ -3,17 +3,24 @@
 //!
 //! Each term is made orthogonal to position and blur of an edge that is seen whole: its amplitude
 //! does not move an edge that is not clipped. Where part of an edge is clipped, the amplitudes,
-//! with a prior standard uncertainty of [`AMPLITUDE`], give the shift of the edge by its unseen
-//! part.
+//! with a prior standard uncertainty of [`ShapeTermLimits::amplitude`], give the shift of the edge
+//! by its unseen part.
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::gauge::limit::limits;
+
+limits! {
+    /// How far a lens is taken to depart from its edge model where that is not seen.
+    ShapeTermLimits = "shape_terms";
+    /// Prior standard deviation of the amplitudes, shares of the contrast; skewness is 6 and excess
+    /// kurtosis 24 times as much. It determines the uncertainty of a width in light of 1.5 times
+    /// the clip, 0.1 px at a blur of 1 px. Tuned: see study limits.
+    amplitude: f64 = 0.0075;
+}
+
 /// Number of terms.
 pub(crate) const TERMS: usize = 2;
-/// Prior standard deviation of the amplitudes; skewness is 6 and excess kurtosis 24 times as much.
-/// The value determines the uncertainty of a width in light of 1.5 times the clip, 0.1 px at a blur
-/// of 1 px.
-pub(crate) const AMPLITUDE: f64 = 0.0075;
 
 /// A sample of an edge: ∂E/∂x (or by distance), ∂E/∂σ, the plain terms, weight.
 pub(crate) type Sampled = ([f64; 2], [f64; TERMS], f64);

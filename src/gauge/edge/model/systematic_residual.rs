@@ -3,8 +3,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Most values of a side in a file: ± 128 px, half the longest window.
-const MOST_VALUES: usize = 2049;
+use crate::gauge::limit::limits;
+
+limits! {
+    /// What a calibration file may hold of a residual.
+    SystematicResidualLimits = "systematic_residual";
+    /// Most values of a side in a file: ± 128 px, half the longest window, in steps of 1/8 px.
+    most_values: usize = 2049;
+}
 
 /// The mean residual that the masters' edges leave, over the distance from the edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,7 +35,7 @@ impl SystematicResidual {
             return Some(("misfit.chi2", self.chi2, "a finite number of 0 or more"));
         }
         for side in &self.residual {
-            if side.len() % 2 == 0 || side.len() > MOST_VALUES {
+            if side.len() % 2 == 0 || side.len() > SystematicResidualLimits::get().most_values {
                 return Some(("misfit.residual", side.len() as f64, "an odd number of values, at most 2049"));
             }
             if let Some(value) = side.iter().find(|v| !(v.abs() <= 1.0)) {

@@ -11,17 +11,22 @@ use crate::gauge::edge::refusals::explain;
 use crate::gauge::edge::rejection::neighbour_test::{self, OutlierScratch};
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::{GaugeSettings, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
-/// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of them
-/// the middle still has 13 % of the light.
-const LEAST_IN_BLURS: f64 = 3.0;
-/// Fewest columns, and the χ² ratio from which the noise does not explain what the model leaves, as
-/// for other frames.
-const LEAST_VALID: usize = 8;
-const LEAST_CHI2: f64 = 2.0;
+limits! {
+    /// What a frame of a wire must show.
+    WireFrameLimits = "wire_frame";
+    /// Width of a wire in blurs below which its shadow hardly reaches its own level: at three of
+    /// them the middle still has 2Φ(−1.5) = 13 % of the light.
+    least_in_blurs: f64 = 3.0;
+    /// Fewest columns with both edges, as for other frames.
+    least_columns: usize = 8;
+    /// Reduced χ² from which the noise does not explain what the model leaves, as for other frames.
+    least_chi2: f64 = 2.0;
+}
 
 /// Measures the wire that the coarse search found into `out`.
 ///
@@ -34,6 +39,7 @@ pub(crate) fn measure<T: Sample>(
     (shape, settings, scale): (&EdgeSpreadFunction, &GaugeSettings, GreyScaleLimits),
     out: &mut FrameEdges,
 ) -> Result<(), FrameRefused> {
+    let limits = WireFrameLimits::get();
     if let Some(share) = clipped_share(plane, coarse, scale) {
         return Err(explain::clipped_wire(share));
     }
@@ -48,8 +54,8 @@ pub(crate) fn measure<T: Sample>(
     if !(snr >= settings.min_snr) {
         return Err(explain::too_faint((dark, light), snr, settings.min_snr));
     }
-    if !(width >= LEAST_IN_BLURS * sigma) {
-        return Err(explain::blurred_wire(width, sigma, LEAST_IN_BLURS));
+    if !(width >= limits.least_in_blurs * sigma) {
+        return Err(explain::blurred_wire(width, sigma, limits.least_in_blurs));
     }
     lay_out(coarse, out);
     wire.write(&mut out.top, &mut out.bottom);
@@ -74,11 +80,11 @@ pub(crate) fn measure<T: Sample>(
         shadows: coarse.shadows.seen,
     };
     let valid = out.valid();
-    if valid < LEAST_VALID {
-        return Err(explain::too_few(out, valid, LEAST_VALID));
+    if valid < limits.least_columns {
+        return Err(explain::too_few(out, valid, limits.least_columns));
     }
     let residual = reduced_chi2.sqrt() / snr;
-    if reduced_chi2 > LEAST_CHI2 && residual > settings.max_residual_rel {
+    if reduced_chi2 > limits.least_chi2 && residual > settings.max_residual_rel {
         return Err(explain::no_fit(residual, snr.recip(), settings.max_residual_rel));
     }
     Ok(())

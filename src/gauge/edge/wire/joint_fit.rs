@@ -22,35 +22,49 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::rounding::{WirePixel, WireRounding};
 use crate::gauge::edge::estimation::levels::{LevelCurve, LevelPool};
-use crate::gauge::edge::estimation::light_field::{LightField, Lit};
-use crate::gauge::edge::estimation::noise::{LEAST_OF_COUNTS, Spread};
+use crate::gauge::edge::estimation::light_field::{LightField, LightFieldLimits, Lit};
+use crate::gauge::edge::estimation::noise::{NoiseLimits, Spread};
 use crate::gauge::edge::estimation::rounding::noise_in_steps;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::limit::limits;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of};
 use crate::profile::Reason;
 
-/// Pixels beside each edge that take part, and the fewest.
+limits! {
+    /// How a wire is fitted.
+    WireFitLimits = "wire_fit";
+    /// Fewest pixels of light beside each edge, px: a Gaussian edge reaches 3.6 blurs and 1.25 px,
+    /// 7 px at a blur of 1.6 px; less shows no level.
+    least_beside_px: usize = 7;
+    /// Rounds of the fit; noise and outlying columns are estimated anew in each. Tuned: see study
+    /// limits.
+    rounds: usize = 4;
+    /// Most Gauss-Newton steps in a round; they end before where the last changed places and blur
+    /// by less than 1e-5 px.
+    steps: usize = 8;
+    /// Most columns that the light's field and the noise are estimated from: the field has six
+    /// parameters, and 256 columns of 40 pixels determine each to about a hundredth of the noise of
+    /// one pixel (1/√10 240).
+    field_columns: usize = 256;
+    /// Pixels on both sides of the wire that the light's field is estimated from, px: more rows
+    /// then show it than the widest wire of 24 px hides.
+    field_px: f64 = 20.0;
+    /// Most knots of the light along the wire beside the field. Tuned: see study limits.
+    most_knots: usize = 33;
+    /// Fewest pixels from which a zone's noise is estimated: the standard deviation by a median of
+    /// 64 is known to 1.17/√64 = 15 %.
+    least_pixels: usize = 64;
+}
+
+/// Most pixels beside each edge that take part.
 const BESIDE: usize = 12;
-const LEAST_BESIDE: usize = 7;
 /// Pooled parameters: B, three of each light, σ.
 const POOLED: usize = 8;
 const SIGMA: usize = 7;
-/// Residuals beyond so many standard deviations count by their size only (Huber).
-const HUBER: f64 = 3.0;
-/// Rounds of the fit; the noise is estimated anew in each.
-const ROUNDS: usize = 4;
-const STEPS: usize = 8;
-/// Columns, at most, and pixels on both sides that the light's field is estimated from.
-const FIELD_COLUMNS: usize = 256;
-const FIELD_PX: f64 = 20.0;
-/// Knots, at most, of the light along the wire beside the field.
-const MOST_KNOTS: usize = 33;
-/// Pixels from which a zone's noise is estimated.
-const LEAST_PIXELS: usize = 64;
 
 type Pooled = SVector<f64, POOLED>;
 type Normal = SMatrix<f64, POOLED, POOLED>;
@@ -123,8 +137,9 @@ impl Wire {
 
     /// Solves for all parameters; `None` where the equations are singular.
     fn settle(&mut self, floor: f64) -> Option<()> {
-        for _ in 0..ROUNDS {
-            for _ in 0..STEPS {
+        let WireFitLimits { rounds, steps, .. } = *WireFitLimits::get();
+        for _ in 0..rounds {
+            for _ in 0..steps {
                 if self.step()? < 1e-5 {
                     break;
                 }
@@ -138,12 +153,13 @@ impl Wire {
     /// Divides the columns by the field of the light beside the wire; false where the light is
     /// even.
     fn level_light<T: Sample>(&mut self, plane: &Plane<'_, T>) -> bool {
+        let WireFitLimits { field_px, field_columns, .. } = *WireFitLimits::get();
         let dark = self.pooled[0];
         let clear = 4.0 * self.pooled[SIGMA] + 1.0;
         let mut points = Vec::new();
-        for column in self.columns.iter().step_by(self.columns.len().div_ceil(FIELD_COLUMNS)) {
+        for column in self.columns.iter().step_by(self.columns.len().div_ceil(field_columns)) {
             let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
-            let rows = [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)];
+            let rows = [(top - field_px, top), (bottom, bottom + field_px)];
             for (from, to) in rows {
                 let last = to.min(plane.rows as f64 - 1.0);
                 for row in from.max(0.0).ceil() as usize..=last.max(0.0) as usize {
@@ -186,13 +202,14 @@ impl Wire {
     /// a wire light may fall in any way, also linearly, of which the logarithm is no quadratic.
     /// Empty where it cannot be estimated.
     fn light_along<T: Sample>(&self, plane: &Plane<'_, T>, field: &LightField, clear: f64) -> Vec<f32> {
+        let WireFitLimits { field_px, most_knots, .. } = *WireFitLimits::get();
         let dark = self.pooled[0];
         let mut means = vec![f32::NAN; plane.columns];
         for column in &self.columns {
             let (x, last) = (column.index as f64, plane.rows as f64 - 1.0);
             let [top, bottom] = [column.edges[0] - clear, column.edges[1] + clear];
             let (mut sum, mut count) = (0.0, 0.0);
-            for (from, to) in [(top - FIELD_PX, top), (bottom, bottom + FIELD_PX)] {
+            for (from, to) in [(top - field_px, top), (bottom, bottom + field_px)] {
                 for row in from.max(0.0).ceil() as usize..=to.clamp(0.0, last) as usize {
                     let contrast = f64::from(plane.at(row, column.index)) - dark;
                     (sum, count) = (sum + contrast / field.relative(x, row as f64), count + 1.0);
@@ -205,7 +222,7 @@ impl Wire {
         let steps = means.windows(2).map(|w| f64::from((w[1] - w[0]).abs())).filter(|step| step.is_finite());
         let sd = MEDIAN_TO_SD * median_of(steps.collect()) / std::f64::consts::SQRT_2;
         let mut curve = LevelCurve::default();
-        if !(sd > 0.0 && LevelPool::default().pool(&means, sd as f32, MOST_KNOTS, &mut curve)) {
+        if !(sd > 0.0 && LevelPool::default().pool(&means, sd as f32, most_knots, &mut curve)) {
             return Vec::new();
         }
         let usual = curve.mean as f32;
@@ -264,7 +281,7 @@ impl Wire {
     /// Effect of rounding in steps, counts, on the grey values.
     pub(crate) fn rounding(&self, step: f64) -> WireRounding {
         let mut zones = [Vec::new(), Vec::new()];
-        let thinned = (self.columns.len() / FIELD_COLUMNS).max(1);
+        let thinned = (self.columns.len() / WireFitLimits::get().field_columns).max(1);
         for pair in self.columns.windows(2).step_by(thinned).filter(|p| p[0].index + 1 == p[1].index) {
             let mut row = pair[0].first;
             self.each_pixel(&pair[0], |_, light, _, _| {
@@ -279,7 +296,7 @@ impl Wire {
                 row += 1;
             });
         }
-        let least = (step * LEAST_OF_COUNTS) as f32;
+        let least = (step * NoiseLimits::get().least_of_counts) as f32;
         let [dark, light] = zones.map(|zone| Spread::of(&zone, least));
         let dark = if dark.variance().is_some() { dark } else { light };
         let p = &self.pooled;
@@ -326,11 +343,12 @@ impl Wire {
             own_right: Vector2::zeros(),
             chi2: 0.0,
         };
+        let huber = LightFieldLimits::get().huber;
         self.each_pixel(column, |residual, light, by_pooled, by_edges| {
             let variance = self.variance_at(light * column.gain);
             s.chi2 += residual * residual / variance;
-            let huber = (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0);
-            let weight = huber / variance;
+            let damping = (huber * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0);
+            let weight = damping / variance;
             s.normal += by_pooled * by_pooled.transpose() * weight;
             s.right += by_pooled * (weight * residual);
             s.cross += by_pooled * by_edges.transpose() * weight;
@@ -438,7 +456,7 @@ impl Wire {
         }
         let counts = zones.each_ref().map(Vec::len);
         let [dark, light] = zones.map(|z| (MEDIAN_TO_SD * median_of(z)).powi(2).max(floor));
-        self.variance = [if counts[0] >= LEAST_PIXELS { dark } else { light }, light];
+        self.variance = [if counts[0] >= WireFitLimits::get().least_pixels { dark } else { light }, light];
     }
 
     /// Excludes from the pooled parameters the columns with outlying residuals.
@@ -458,13 +476,14 @@ fn read<T: Sample>(
     top: &[CoarseEdge],
     bottom: &[CoarseEdge],
 ) -> Result<Vec<Column>, Reason> {
+    let least = WireFitLimits::get().least_beside_px as i32;
     let (mut columns, mut seen) = (Vec::new(), 0);
     for (index, (t, b)) in top.iter().zip(bottom).enumerate() {
         let (Ok(t), Ok(b)) = (*t, *b) else { continue };
         seen += 1;
         let last_row = plane.rows as i32 - 1;
         let (first, last) = ((t - BESIDE as i32).max(0), (b + BESIDE as i32).min(last_row));
-        let enough = t - first >= LEAST_BESIDE as i32 && last - b >= LEAST_BESIDE as i32;
+        let enough = t - first >= least && last - b >= least;
         if !enough || f64::from(b - t) > 1.5 * WIDEST_PX {
             continue;
         }

@@ -11,13 +11,17 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use crate::gauge::edge::estimation::rounding::{DITHERED, repeated_variance, rows_swept};
+use crate::gauge::edge::estimation::rounding::{RoundingLimits, repeated_variance, rows_swept};
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 
-/// Columns whose equations are looked at.
-const LOOKED_AT: usize = 8;
-/// Share of light up to which, and from which on, a pixel has a flat level.
-const FLAT: f64 = 0.02;
+limits! {
+    /// Which pixels of a wire are flat.
+    WireRoundingLimits = "wire_rounding";
+    /// Share of the light up to which, and from which on, a pixel has a flat level, and so shares
+    /// its error of rounding with all others of that level. Tuned: see study limits.
+    flat_share: f64 = 0.02;
+}
 
 /// A pixel in the equations of its column.
 pub(crate) struct WirePixel {
@@ -50,13 +54,14 @@ impl WireRounding {
         equations: impl FnOnce(usize) -> Vec<Vec<WirePixel>>,
         lines: [&mut [Edge]; 2],
     ) -> f64 {
-        if self.noise.iter().all(|sd| *sd > DITHERED) {
+        let limits = RoundingLimits::get();
+        if self.noise.iter().all(|sd| *sd > limits.dithered) {
             return 0.0;
         }
         let (mut width, mut share, mut count) = (0.0, 0.0, 0.0);
         let [top, bottom] = lines;
         let swept = 0.5 * (rows_swept(top) + rows_swept(bottom));
-        for pixels in equations(LOOKED_AT) {
+        for pixels in equations(limits.looked_at) {
             if let Some((variance, part)) = self.of_column(&pixels, swept) {
                 (width, share, count) = (width + variance, share + part, count + 1.0);
             }
@@ -77,6 +82,7 @@ impl WireRounding {
         let mut normal = Matrix6::zeros();
         pixels.iter().for_each(|p| normal += p.by * p.by.transpose() * p.weight);
         let inverse = normal.try_inverse()?;
+        let flat_share = WireRoundingLimits::get().flat_share;
         let (mut flat, mut others, mut repeated, mut all) = ([0.0_f64; 3], 0.0, 0.0, 0.0);
         for p in pixels {
             let lever = inverse * p.by * p.weight;
@@ -85,8 +91,8 @@ impl WireRounding {
             let sd = self.noise[0] + light * (self.noise[1] - self.noise[0]);
             let r = repeated_variance(sd) * self.step.powi(2);
             match light {
-                l if l < FLAT => flat[0] += g,
-                l if l > 1.0 - FLAT => flat[usize::from(p.light[1] > p.light[0]) + 1] += g,
+                l if l < flat_share => flat[0] += g,
+                l if l > 1.0 - flat_share => flat[usize::from(p.light[1] > p.light[0]) + 1] += g,
                 _ => others += g * g * r / (1.0 + swept * p.by[5].abs().max(p.by[4].abs()) / self.step),
             }
             repeated += g * g * r;

@@ -7,34 +7,42 @@ use super::level::Level;
 use super::score::{Column, Likelihood, Score};
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::gaussian::column_sigma;
-use crate::gauge::edge::model::shape_terms::{AMPLITUDE, TERMS};
+use crate::gauge::edge::model::shape_terms::{ShapeTermLimits, TERMS};
+use crate::gauge::limit::limits;
 
-/// Upper bound of the light above dark in the fit, as a multiple of the part of it that is seen.
-pub(crate) const BRIGHTEST: f64 = 4.0;
-/// Reduced χ² that is still explained by noise, whose variance is known to a few per cent.
-const EXPLAINED: f64 = 1.1;
-
-/// Least expected sum of squares over the shadow's pixels between the ends from which their noise
-/// is estimated (standard uncertainty of a tenth); and that of one pixel, which is .41 for a shadow
-/// one step below the end's border and .28 at one and a half: where only the tail is seen, level
-/// and noise cannot be separated.
-const OWN_NOISE: f64 = 50.0;
-const OWN_SHARE: f64 = 0.35;
-/// Excess of their squares above which the noise is estimated from them nevertheless: the noise
-/// line is wrong by a quarter.
-const CONTRADICTS: f64 = 1.5;
-/// The noise is estimated from columns free of stray pixels where at least one of so many columns
-/// is free; stray pixels are hot pixels where one of so many is hot in the flat shadow, which fills
-/// a third of a window.
-const FREE: usize = 4;
-/// Fewest columns that levels with nine knots are estimated from.
-const LEAST_FREE: usize = 36;
-/// Relative uncertainty of the noise in the dark from a straight line through light and flank: a
-/// sensor's non-uniformity of 1 % grows with the square of the level, and lowers the dark end of
-/// the line by a quarter of an 8-bit camera's dark noise.
-const OF_LINE: f64 = 0.25;
-/// Largest relative standard uncertainty of a noise: it is unknown.
-const MOST_UNKNOWN: f64 = 1.0;
+limits! {
+    /// What the joint fit may assume, and what determines the noise of a clipped level.
+    JointLimits = "censored_joint";
+    /// Upper bound of the light above dark in the fit, as a multiple of the part of it that is
+    /// seen: where three quarters of an edge are hidden, the flank hardly determines its height.
+    /// Tuned: see study limits.
+    brightest: f64 = 4.0;
+    /// Reduced χ² that is still explained by noise, whose variance is known to a few per cent.
+    explained: f64 = 1.1;
+    /// Least expected sum of squares over the shadow's pixels between the ends from which their
+    /// noise is estimated: its relative standard uncertainty is then √(2/50)/2, a tenth.
+    own_noise: f64 = 50.0;
+    /// Least expected square of one of these pixels, in units of the noise variance, zφ(z) + 1 −
+    /// Φ(z): it is .40 for a shadow z = 1 standard deviation below the border of the end and .26 at
+    /// one and a half; where only the tail is seen, level and noise cannot be separated.
+    own_share: f64 = 0.35;
+    /// Excess of their squares above which the noise is estimated from them nevertheless: the noise
+    /// line is wrong by a quarter (√1.5).
+    contradicts: f64 = 1.5;
+    /// The noise is estimated from columns free of stray pixels where at least one of so many
+    /// columns is free; stray pixels are hot pixels where one of so many is hot in the flat shadow,
+    /// which fills a third of a window.
+    one_free_of: usize = 4;
+    /// Fewest columns that levels are estimated from: four for each of nine knots.
+    least_free: usize = 36;
+    /// Relative uncertainty of the noise in the dark from a straight line through light and flank:
+    /// a sensor's non-uniformity of 1 % grows with the square of the level, and lowers the dark end
+    /// of the line by a quarter of an 8-bit camera's dark noise.
+    of_line: f64 = 0.25;
+    /// Largest relative standard uncertainty of a noise: at 1 its interval reaches 0, and it is
+    /// unknown.
+    most_unknown: f64 = 1.0;
+}
 
 /// The joint fit.
 #[derive(Clone, Debug)]
@@ -172,9 +180,10 @@ impl Joint<'_> {
         // Where strays are no hot pixels but a systematic residual,
         // or few columns are free of them, all count.
         let total = |of: fn(&Score) -> usize| scores.iter().map(of).sum::<usize>();
-        let hot = FREE * total(|score| score.hot) > total(|score| score.stray);
+        let one_of = JointLimits::get().one_free_of;
+        let hot = one_of * total(|score| score.hot) > total(|score| score.stray);
         let free = scores.iter().filter(|score| score.stray == 0).count();
-        let all = !hot || FREE * free < scores.len();
+        let all = !hot || one_of * free < scores.len();
         for score in scores.iter().filter(|score| score.information[(0, 0)] > 0.0) {
             sums.chi2 += score.chi2;
             sums.informative += (score.informative - 1.0).max(0.0);
@@ -209,7 +218,7 @@ impl Joint<'_> {
             add(sigma, self.sigma - given, u);
         }
         for (k, amplitude) in self.likelihood.terms.iter().enumerate() {
-            add(sigma + 1 + k, *amplitude, AMPLITUDE);
+            add(sigma + 1 + k, *amplitude, ShapeTermLimits::get().amplitude);
         }
         // Knots without data are tied to their neighbours.
         for (first, level) in [(0, &self.dark), (self.dark.knots.len(), &self.light)] {
@@ -239,7 +248,7 @@ impl Joint<'_> {
         let tame = |step: f64, limit: f64| (limit / step.abs().max(f64::MIN_POSITIVE)).min(1.0);
         let scale = tame(levels, 0.2 * contrast)
             .min(tame(step[kd + kl], 0.25 * self.sigma))
-            .min(tame(terms, 2.0 * AMPLITUDE));
+            .min(tame(terms, 2.0 * ShapeTermLimits::get().amplitude));
         let step = step * scale;
         for k in 0..kd {
             self.dark.knots[k] += step[k];
@@ -267,15 +276,15 @@ impl Joint<'_> {
         Some((levels / contrast).max(step[kd + kl].abs() / self.sigma))
     }
 
-    /// Keeps free levels within [`BRIGHTEST`] times what is seen of the contrast.
+    /// Keeps free levels within [`JointLimits::brightest`] times what is seen of the contrast.
     fn keep_in_bounds(&mut self, seen: f64) {
-        let ends = self.likelihood.ends;
+        let (ends, brightest) = (self.likelihood.ends, JointLimits::get().brightest);
         if self.light.prior.is_none() && ends.high.is_finite() {
-            let (low, high) = (ends.high - 0.7 * seen, ends.high + (BRIGHTEST - 1.0) * seen);
+            let (low, high) = (ends.high - 0.7 * seen, ends.high + (brightest - 1.0) * seen);
             self.light.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
         }
         if self.dark.prior.is_none() && ends.low.is_finite() {
-            let (low, high) = (ends.low - (BRIGHTEST - 1.0) * seen, ends.low + 0.7 * seen);
+            let (low, high) = (ends.low - (brightest - 1.0) * seen, ends.low + 0.7 * seen);
             self.dark.knots.iter_mut().for_each(|knot| *knot = knot.clamp(low, high));
         }
     }
@@ -319,7 +328,8 @@ impl Joint<'_> {
     pub(super) fn leave_out_strays(&mut self, windows: &Windows, slope: &[f32]) {
         let (_, scores) = self.sums(windows, slope);
         let free = scores.iter().filter(|score| score.stray == 0).count();
-        if free < LEAST_FREE || FREE * free < scores.len() {
+        let JointLimits { least_free, one_free_of, .. } = *JointLimits::get();
+        if free < least_free || one_free_of * free < scores.len() {
             return;
         }
         let mut is_free = scores.iter().map(|score| score.stray == 0);
@@ -343,15 +353,16 @@ impl Joint<'_> {
         let (sums, _) = self.sums(windows, slope);
         let reduced_chi2 = sums.chi2 / sums.informative.max(1.0);
         let mid = self.likelihood.noise.at(0.5 * (dark + light));
-        self.likelihood.noise.unexplained = (reduced_chi2 - EXPLAINED).max(0.0) * mid;
+        self.likelihood.noise.unexplained = (reduced_chi2 - JointLimits::get().explained).max(0.0) * mid;
     }
 
     /// Excess scatter of the flat shadow's own pixels, where it is clipped in part, over the noise
     /// assumed; `None` of too few.
     fn own_noise(&self, sums: &Sums) -> Option<f64> {
         let [chi2, expected, pixels] = sums.in_dark;
-        let contradicts = chi2 > CONTRADICTS * expected;
-        let enough = expected > OWN_NOISE && (expected > OWN_SHARE * pixels || contradicts);
+        let JointLimits { contradicts, own_noise, own_share, .. } = *JointLimits::get();
+        let contradicted = chi2 > contradicts * expected;
+        let enough = expected > own_noise && (expected > own_share * pixels || contradicted);
         (self.likelihood.ends.low.is_finite() && enough).then(|| chi2 / expected)
     }
 
@@ -364,19 +375,21 @@ impl Joint<'_> {
         if self.own_noise(sums).is_some() {
             return (0.5 / sums.in_dark[1]).sqrt();
         }
+        let limits = JointLimits::get();
         let noise = &self.likelihood.noise;
         let (clipped, of_line) =
-            if self.likelihood.ends.low.is_finite() { (dark, OF_LINE) } else { (light, 0.0) };
+            if self.likelihood.ends.low.is_finite() { (dark, limits.of_line) } else { (light, 0.0) };
         let known_to =
             (2.0 / sums.on_flank.max(2.0)).sqrt() * noise.at(0.5 * (dark + light)) / noise.at(clipped);
-        known_to.hypot(of_line).min(MOST_UNKNOWN)
+        known_to.hypot(of_line).min(limits.most_unknown)
     }
 
     /// The amplitudes of the shape terms over their assumed standard uncertainty, at least 1: a
     /// lens that departs from its edge model in the visible part departs as much in the clipped
     /// one.
     pub(super) fn beyond_presumed(&self) -> f64 {
-        self.likelihood.terms.iter().fold(1.0, |most: f64, a| most.max(a.abs() / AMPLITUDE))
+        let amplitude = ShapeTermLimits::get().amplitude;
+        self.likelihood.terms.iter().fold(1.0, |most: f64, a| most.max(a.abs() / amplitude))
     }
 
     /// Variance of a column's position by the common parameters: in all, and with the shape fixed;

@@ -4,26 +4,35 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::super::censored::{Censored, Ends};
 use crate::gauge::edge::image::window_layout::half;
-use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
+use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, EdgeSpreadLimits};
 use crate::gauge::edge::model::gaussian::EdgeSample;
 use crate::gauge::edge::model::shape_terms::{ShapeTerms, TERMS, term_border};
+use crate::gauge::limit::limits;
 use crate::numerics::normal_table::NormalTable;
+
+limits! {
+    /// Which pixels place a column's edge, and when it is placed.
+    ScoreLimits = "censored_score";
+    /// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead
+    /// pixels, contamination. Noise reaches it once in 5·10⁸ pixels.
+    stray: f64 = 6.0;
+    /// Slope of the edge per px below which a pixel does not move its position: its information is
+    /// 10⁻⁸ of that of a steep one.
+    flat_slope: f64 = 1e-4;
+    /// Share of the light up to which a pixel lies in the flat shadow: its noise is then that of
+    /// the shadow to 1 % of what the light adds.
+    flat_share: f64 = 0.01;
+    /// Step of the position below which the flank no longer counts as stray, px: it moves a pixel
+    /// by 0.05·0.4/σ of the contrast at most, 2 % at σ = 1 px, less than `stray` standard
+    /// deviations of a noise of 0.3 %.
+    near_px: f64 = 0.05;
+    /// Step of the position below which it has converged, px: a hundredth of the noise of a single
+    /// edge.
+    settled_px: f64 = 1e-4;
+}
 
 /// Most pixels of a window.
 const MOST: usize = 80;
-/// Residual beyond which a pixel is no sample of its model, standard deviations: hot and dead
-/// pixels, contamination. Noise reaches it once in
-/// 5·10⁸ pixels.
-const STRAY: f64 = 6.0;
-/// Slope of the edge per px below which a pixel does not move its position: its information is 10⁻⁸
-/// of that of a steep one.
-const FLAT: f64 = 1e-4;
-/// Share of the light up to which a pixel lies in the flat shadow.
-const FLAT_SHARE: f64 = 0.01;
-/// Step of the position below which the flank no longer counts as stray, px, and below which it has
-/// converged: a hundredth of the noise of a single edge.
-const NEAR_PX: f64 = 0.05;
-const SETTLED_PX: f64 = 1e-4;
 /// x, dark, light, σ, and the amplitudes of the shape terms.
 pub(crate) type Gradient = Vector6<f64>;
 /// Information of [`Gradient`].
@@ -70,6 +79,7 @@ pub(super) struct Likelihood<'a> {
     separated: ShapeTerms,
     /// Whether stray pixels are left out; before the fit has settled they only count less.
     pub(crate) strict: bool,
+    limits: &'static ScoreLimits,
 }
 
 /// Scores and information of one column.
@@ -100,7 +110,8 @@ pub(super) struct Score {
 
 impl<'a> Likelihood<'a> {
     pub(crate) fn new(shape: &'a EdgeSpreadFunction, ends: Ends, noise: Noise) -> Self {
-        Self { shape, ends, noise, terms: [0.0; TERMS], separated: ShapeTerms::default(), strict: false }
+        let (separated, limits) = (ShapeTerms::default(), ScoreLimits::get());
+        Self { shape, ends, noise, terms: [0.0; TERMS], separated, strict: false, limits }
     }
 
     /// Edge and shape terms in the pixels of a window of `width`, the edge at `x` from its central
@@ -125,13 +136,13 @@ impl<'a> Likelihood<'a> {
 
     /// Makes the shape terms orthogonal to position and blur of an edge seen whole.
     pub(crate) fn separate(&mut self, width: usize, column: Column) {
-        const PHASES: u32 = 8;
+        let phases = EdgeSpreadLimits::get().phases;
         self.separated = ShapeTerms::default();
         let used = (width - 1).min(MOST);
-        let mut samples = Vec::with_capacity(PHASES as usize * used);
+        let mut samples = Vec::with_capacity(phases as usize * used);
         let mut of_window = [Sample::default(); MOST];
-        for phase in 0..PHASES {
-            let x = (f64::from(phase) + 0.5) / f64::from(PHASES) - 0.5;
+        for phase in 0..phases {
+            let x = (f64::from(phase) + 0.5) / f64::from(phases) - 0.5;
             self.samples(width, x, column.sigma, &mut of_window[..used]);
             samples.extend(of_window[..used].iter().map(|Sample { edge, terms }| {
                 let mean = column.dark + (column.light - column.dark) * edge.value;
@@ -154,8 +165,9 @@ impl<'a> Likelihood<'a> {
         let mut samples = [Sample::default(); MOST];
         self.samples(window.len(), x, column.sigma, &mut samples[..used]);
         let contrast = column.light - column.dark;
+        let ScoreLimits { stray: most, flat_slope, flat_share, .. } = *self.limits;
         let (mut stray, mut hot) = (0, 0);
-        let least = if flank { FLAT } else { 0.0 };
+        let least = if flank { flat_slope } else { 0.0 };
         let all = samples[..used].iter().zip(window);
         for (Sample { edge, terms }, m) in all.filter(|(s, _)| s.edge.by_position.abs() >= least) {
             let value = edge.value + self.terms[0] * terms[0] + self.terms[1] * terms[1];
@@ -164,13 +176,13 @@ impl<'a> Likelihood<'a> {
             let s = (noise + self.noise.unexplained).sqrt();
             let sampled = Censored::new(f64::from(*m), mean, s, self.ends);
             let mut weight = 1.0;
-            if sampled.residual.abs() > STRAY {
+            if sampled.residual.abs() > most {
                 stray += 1;
-                hot += usize::from(value < FLAT_SHARE && f64::from(*m) >= self.ends.high);
+                hot += usize::from(value < flat_share && f64::from(*m) >= self.ends.high);
                 if strict {
                     continue;
                 }
-                weight = STRAY / sampled.residual.abs();
+                weight = most / sampled.residual.abs();
             }
             each(&Pixel {
                 m: f64::from(*m),
@@ -190,6 +202,7 @@ impl<'a> Likelihood<'a> {
     /// Scores a column's window with its edge at `x` px from the central pixel.
     pub(crate) fn score(&self, window: &[f32], x: f64, column: Column) -> Score {
         let contrast = column.light - column.dark;
+        let flat_share = self.limits.flat_share;
         let mut taken = 0.0;
         let mut score = Score::default();
         [score.stray, score.hot] = self.pixels(Placed { window, x, column }, self.all(), |pixel| {
@@ -206,7 +219,7 @@ impl<'a> Likelihood<'a> {
             score.information += by * by.transpose() * (sampled.information * weight);
             score.by_noise += by * (sampled.by_noise * weight);
             score.informative += sampled.expected;
-            if *value < FLAT_SHARE {
+            if *value < flat_share {
                 let square = if sampled.between { (pixel.m - pixel.mean).powi(2) } else { 0.0 };
                 score.in_dark[0] += square / pixel.noise;
                 score.in_dark[1] += sampled.expected;
@@ -267,10 +280,10 @@ impl<'a> Likelihood<'a> {
             if x.abs() > 8.0 {
                 return None;
             }
-            if strict == self.strict && step.abs() < SETTLED_PX {
+            if strict == self.strict && step.abs() < self.limits.settled_px {
                 return Some(x);
             }
-            strict |= self.strict && step.abs() < NEAR_PX;
+            strict |= self.strict && step.abs() < self.limits.near_px;
         }
         None
     }

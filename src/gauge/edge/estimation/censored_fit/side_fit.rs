@@ -9,44 +9,60 @@
 //! one cause at both edges, the lens, and adds up linearly in a width: each side states √2 of its
 //! own.
 
-use super::joint::{BRIGHTEST, FittedColumn, Joint, Settled};
+use super::joint::{FittedColumn, Joint, JointLimits, Settled};
 use super::level::Level;
 use super::score::{Column, Likelihood, Noise, Score};
 use crate::gauge::edge::estimation::censored::Ends;
-use crate::gauge::edge::estimation::levels::LevelCurve;
+use crate::gauge::edge::estimation::levels::{LevelCurve, LevelLimits};
 use crate::gauge::edge::estimation::soft_knee;
 use crate::gauge::edge::image::scan_windows::Windows;
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::limit::limits;
 use crate::profile::Reason;
 
-/// Most columns that levels, blur and shape are estimated from.
-const SAMPLE_COLUMNS: usize = 512;
-/// Most columns that the number of knots is chosen from.
-const SCOUTS: usize = 128;
-/// Numbers of knots of a clipped level.
-const KNOTS: [usize; 4] = [2, 3, 5, 9];
-/// Penalty of a knot in units of −2 ln of the likelihood, as that of unclipped levels.
-const KNOT_PENALTY: f64 = 4.0;
-/// Steepest edges that take part in learning, rows per column.
-const MOST_SLOPE: f32 = 0.2;
-/// Fraction of the upper bound of the contrast above which the flank does not determine it.
-const AT_THE_BOUND: f64 = 0.98;
-/// Reduced χ² above which a systematic residual has moved the levels.
-const EXPLAINED: f64 = 1.2;
-/// Largest uncertainty of an edge by levels beyond the ends, px: what light of 1.5 times the end
-/// would move edges of 2 px blur by.
-const MOST_SHOWN_PX: f64 = 1.0;
-/// χ² over its expectation beyond which no edge-spread function of the family fits.
-const EXCESS_CHI2: f64 = 2.0;
-/// Where a level is held then, and how far it may be, beyond the end in units of the contrast seen.
-const HELD: (f64, f64) = (0.05, 0.5);
-/// Amplitude of the shape terms over their assumed standard uncertainty above which the whole flank
-/// is not used: Gaussian edges under clipped light stay below 1, knees of video cameras reach 2 to
-/// 4.
-const BENT: f64 = 1.5;
-/// Relative standard uncertainty of a blur that is given.
-const GIVEN_TO: f64 = 1e-3;
+limits! {
+    /// From which columns clipped levels are estimated, and when the flank determines them.
+    SideFitLimits = "censored_side";
+    /// Most columns that levels, blur and shape are estimated from. Tuned: see study limits.
+    sample_columns: usize = 512;
+    /// Most columns that the number of knots is chosen from. Tuned: see study limits.
+    scouts: usize = 128;
+    /// Most knots of a clipped level; from the two of a straight line on, each further try halves
+    /// their distance. Tuned: see study limits.
+    most_knots: usize = 9;
+    /// Steepest edges that take part in the estimate, rows per column: the blur along the column is
+    /// 2 % more than that across the edge there, √(1 + 0.2²).
+    most_slope: f32 = 0.2;
+    /// Fraction of the upper bound of the contrast ([`JointLimits::brightest`]) above which the
+    /// flank does not determine it: the fit has stopped at the bound. Tuned: see study limits.
+    at_the_bound: f64 = 0.98;
+    /// Reduced χ² above which a systematic residual has moved the levels. Tuned: see study limits.
+    explained: f64 = 1.2;
+    /// Largest uncertainty of an edge by levels beyond the ends, px: what light of 1.5 times the
+    /// end would move edges of 2 px blur by.
+    most_shown_px: f64 = 1.0;
+    /// Reduced χ² beyond which no edge-spread function of the family fits. Tuned: see study limits.
+    excess_chi2: f64 = 2.0;
+    /// Where a level is held then beyond the end, in units of the contrast seen. Tuned: see study
+    /// limits.
+    held_near: f64 = 0.05;
+    /// How far beyond the end it may be, in units of the contrast seen: light of 1.5 times the end.
+    held_far: f64 = 0.5;
+    /// Amplitude of the shape terms over their assumed standard uncertainty above which the whole
+    /// flank is not used: Gaussian edges under clipped light stay below 1, knees of video cameras
+    /// reach 2 to 4.
+    bent: f64 = 1.5;
+    /// Relative standard uncertainty of a blur that is given: as good as none beside what a frame
+    /// shows.
+    given_to: f64 = 1e-3;
+    /// Farthest from a window's central pixel that the edge of the column before is started from,
+    /// px. Tuned: see study limits.
+    neighbour_px: f64 = 3.0;
+    /// Most stray pixels of a column that is fitted: a sensor's hot pixels, of which three in one
+    /// window are contamination. Tuned: see study limits.
+    most_stray: usize = 2;
+}
 
 /// One side of a frame before the fit.
 #[derive(Clone, Debug)]
@@ -88,6 +104,7 @@ pub(crate) fn fit_side(
     start: &ClippedStart<'_>,
     line: &mut Vec<Edge>,
 ) -> Option<ClippedSide> {
+    let limits = SideFitLimits::get();
     let columns = windows.centre.len();
     let mut fitted = fit_joint(windows, slope, start);
     if let Some(lower) = fitted.as_ref().and_then(|fitted| lower_ends(start, fitted)) {
@@ -100,12 +117,14 @@ pub(crate) fn fit_side(
     };
     // What a systematic residual beyond the noise has moved the levels by does not average: as much
     // as in one column.
-    let hidden =
-        if held > 0.0 { 0.0 } else { (settled.reduced_chi2 - EXPLAINED).max(0.0) / settled.reduced_chi2 };
+    let excess = (settled.reduced_chi2 - limits.explained).max(0.0);
+    let hidden = if held > 0.0 { 0.0 } else { excess / settled.reduced_chi2 };
     let (mut variance, mut usable, mut last_row) = (0.0, 0.0, None);
     for (column, slope) in slope.iter().enumerate().take(columns) {
         let (edge, model) = match windows.centre[column] {
-            Ok(_) => fit_column(windows, &joint, &settled, (column, *slope, last_row), (hidden, held)),
+            Ok(_) => {
+                fit_column(windows, &joint, &settled, (column, *slope, last_row), (hidden, held, limits))
+            }
             Err(reason) => (Edge::gap(reason), 0.0),
         };
         last_row = edge.is_usable().then_some(edge.row_px);
@@ -128,7 +147,7 @@ pub(crate) fn fit_side(
 /// flank, which is free of the bend, is then used alone.
 fn lower_ends(start: &ClippedStart<'_>, (joint, _, held): &(Joint<'_>, Settled, f64)) -> Option<Ends> {
     let ends = start.ends;
-    if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < BENT {
+    if !ends.high.is_finite() || *held > 0.0 || joint.beyond_presumed() < SideFitLimits::get().bent {
         return None;
     }
     let dark = joint.dark.at(joint.middle());
@@ -149,6 +168,7 @@ fn with_best_knots<'a>(
     able: &[usize],
     scouts: &[usize],
 ) -> Option<(Joint<'a>, f64)> {
+    let (given_to, line) = (SideFitLimits::get().given_to, 2);
     let ends = start.ends;
     let [dark, light] = start.levels;
     let low = if ends.low.is_finite() { ends.low } else { dark.mean };
@@ -169,15 +189,15 @@ fn with_best_knots<'a>(
     let noise = Noise { level, variance, gain: 0.0, floor: start.floor, unexplained: 0.0 };
     let mut best = Joint {
         likelihood: Likelihood::new(start.shape, ends, noise),
-        dark: known(dark, ends.low.is_finite(), KNOTS[0], -0.02 * seen),
-        light: known(light, ends.high.is_finite(), KNOTS[0], 0.02 * seen),
+        dark: known(dark, ends.low.is_finite(), line, -0.02 * seen),
+        light: known(light, ends.high.is_finite(), line, 0.02 * seen),
         sigma: start.sigma,
-        sigma_prior: start.sigma_is_given.then_some((start.sigma, GIVEN_TO * start.sigma)),
+        sigma_prior: start.sigma_is_given.then_some((start.sigma, given_to * start.sigma)),
         columns: first_placed(windows, scouts),
     };
-    let mut least = penalised(&best.settle(windows, slope, seen)?, KNOTS[0]);
+    let mut least = penalised(&best.settle(windows, slope, seen)?, line);
     let mut last = best.clone();
-    for knots in KNOTS.into_iter().skip(1).take_while(|knots| 8 * knots <= able.len()) {
+    for knots in finer_knots(able.len()) {
         let mut finer = last.clone();
         for level in [&mut finer.dark, &mut finer.light] {
             if level.prior.is_none() {
@@ -194,13 +214,21 @@ fn with_best_knots<'a>(
     Some((best, seen))
 }
 
+/// Numbers of knots to try after the two of a straight line: each halves their distance.
+fn finer_knots(columns: usize) -> impl Iterator<Item = usize> {
+    let most = SideFitLimits::get().most_knots;
+    std::iter::successors(Some(3), |knots| Some(2 * knots - 1))
+        .take_while(move |knots| *knots <= most && 8 * knots <= columns)
+}
+
 fn fit_joint<'a>(
     windows: &Windows,
     slope: &[f32],
     start: &ClippedStart<'a>,
 ) -> Option<(Joint<'a>, Settled, f64)> {
+    let limits = SideFitLimits::get();
     let able: Vec<usize> = (0..windows.centre.len())
-        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < MOST_SLOPE)
+        .filter(|c| windows.centre[*c].is_ok() && slope[*c].abs() < limits.most_slope)
         .collect();
     let some = |most: usize| -> Vec<usize> {
         able.iter().copied().step_by(able.len().div_ceil(most).max(1)).collect()
@@ -208,9 +236,9 @@ fn fit_joint<'a>(
     if able.len() < 8 {
         return None;
     }
-    let (mut best, seen) = with_best_knots(windows, slope, start, &able, &some(SCOUTS))?;
+    let (mut best, seen) = with_best_knots(windows, slope, start, &able, &some(limits.scouts))?;
     let ends = start.ends;
-    let sample_columns = some(SAMPLE_COLUMNS);
+    let sample_columns = some(limits.sample_columns);
     best.columns = first_placed(windows, &sample_columns);
     for FittedColumn { index, place } in &mut best.columns {
         let at = best.likelihood.place(
@@ -222,12 +250,12 @@ fn fit_joint<'a>(
     }
     best.leave_out_strays(windows, slope);
     let settled = best.settle(windows, slope, seen)?;
-    if settled.reduced_chi2 > EXCESS_CHI2 {
+    if settled.reduced_chi2 > limits.excess_chi2 {
         return hold(&best, windows, slope, seen);
     }
+    let farthest = limits.at_the_bound * (JointLimits::get().brightest - 1.0) * seen;
     let bound = |level: &Level, end: f64| {
-        level.prior.is_none()
-            && level.knots.iter().any(|knot| (knot - end).abs() > AT_THE_BOUND * (BRIGHTEST - 1.0) * seen)
+        level.prior.is_none() && level.knots.iter().any(|knot| (knot - end).abs() > farthest)
     };
     let beyond = bound(&best.dark, ends.low) || bound(&best.light, ends.high);
     (!beyond).then_some((best, settled, 0.0))
@@ -243,7 +271,7 @@ fn hold<'a>(
     slope: &[f32],
     seen: f64,
 ) -> Option<(Joint<'a>, Settled, f64)> {
-    let ends = joint.likelihood.ends;
+    let (ends, limits) = (joint.likelihood.ends, SideFitLimits::get());
     let at = |beyond: f64| -> Option<(Joint<'a>, Settled)> {
         let mut held = joint.clone();
         held.likelihood.terms = Default::default();
@@ -255,8 +283,8 @@ fn hold<'a>(
         let settled = held.settle(windows, slope, seen)?;
         Some((held, settled))
     };
-    let (near, settled) = at(HELD.0)?;
-    let (far, _) = at(HELD.1)?;
+    let (near, settled) = at(limits.held_near)?;
+    let (far, _) = at(limits.held_far)?;
     let mean =
         |columns: &[FittedColumn]| columns.iter().map(|c| c.place).sum::<f64>() / columns.len().max(1) as f64;
     let moved = (mean(&far.columns) - mean(&near.columns)).abs();
@@ -264,7 +292,7 @@ fn hold<'a>(
 }
 
 fn penalised(settled: &Settled, knots: usize) -> f64 {
-    KNOT_PENALTY * knots as f64 - 2.0 * settled.log_likelihood
+    LevelLimits::get().knot_penalty * knots as f64 - 2.0 * settled.log_likelihood
 }
 
 fn mean(values: &[f32]) -> f32 {
@@ -283,12 +311,12 @@ fn fit_column(
     joint: &Joint<'_>,
     settled: &Settled,
     (column, slope, last_row): (usize, f32, Option<f64>),
-    (hidden, held): (f64, f64),
+    (hidden, held, limits): (f64, f64, &SideFitLimits),
 ) -> (Edge, f64) {
     let at = joint.column(column, slope);
     // The edge of the column before is a better start than the windows' own first estimate, which
     // noise and clipped light have moved.
-    let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < NEIGHBOUR_PX);
+    let start = last_row.map(|row| windows.place(column, row)).filter(|x| x.abs() < limits.neighbour_px);
     let start = start.unwrap_or_else(|| windows.first_place(column));
     let Some(x) = joint.likelihood.place(windows.of(column), start, at) else {
         return (Edge::gap(Reason::Residual), 0.0);
@@ -300,12 +328,12 @@ fn fit_column(
     if !(own > 0.0) || informative < 2.0 {
         return (Edge::gap(Reason::Saturated), 0.0);
     }
-    if stray > MOST_STRAY {
+    if stray > limits.most_stray {
         return (Edge::gap(Reason::Residual), 0.0);
     }
     let (all, known_shape) = joint.shared(settled, column, &score);
     let model = 2.0 * (all - known_shape).max(0.0) * joint.beyond_presumed().powi(2);
-    let shown = (known_shape * settled.columns as f64 * hidden).min(MOST_SHOWN_PX.powi(2));
+    let shown = (known_shape * settled.columns as f64 * hidden).min(limits.most_shown_px.powi(2));
     let model = if held > 0.0 { held * held } else { model };
     // Where no model fits, columns are judged by what the model leaves of all of them, which is in
     // their own u.
@@ -319,8 +347,3 @@ fn fit_column(
     };
     (edge, model + 2.0 * shown)
 }
-
-/// Farthest from a window's central pixel that the edge of the column before is started from, px.
-const NEIGHBOUR_PX: f64 = 3.0;
-/// Most stray pixels of a column that is fitted.
-const MOST_STRAY: usize = 2;
