@@ -552,7 +552,7 @@ impl SideState {
         // Readings one after the other: neighbours of an area camera differ by noise and form
         // alone.
         let is_readings = self.kind.level_lines && self.shape.is_ringed();
-        if is_readings && self.figures.reduced_chi2 < residual_test::MOST_NOISE {
+        if is_readings && self.figures.reduced_chi2 < residual_test::ResidualLimits::get().most_noise {
             residual_test::take_noise_back(line, self.figures.reduced_chi2);
             self.figures.reduced_chi2 = 1.0;
         }
