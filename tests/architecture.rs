@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use imports::{Loop, Source, Tree};
 
+#[path = "architecture/constants.rs"]
+mod constants;
 #[path = "architecture/imports.rs"]
 mod imports;
 

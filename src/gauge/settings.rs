@@ -4,10 +4,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::gauge::limit::limits;
 use crate::setting::{SettingError, within};
 
-/// Farthest sample of a table, px: twice the half of the longest window.
-const FARTHEST_PX: f64 = 256.0;
+limits! {
+    /// Settings that no image can have.
+    SettingLimits = "settings";
+    /// Farthest sample of a table, px: twice the half of the longest window.
+    farthest_px: f64 = 256.0;
+}
 
 /// Settings of the gauge. Blur, levels and noise are estimated from each frame unless given here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -286,6 +291,7 @@ impl GaugeSettings {
 
 impl EsfModel {
     fn validate(&self) -> Result<(), SettingError> {
+        let limits = SettingLimits::get();
         let Self::Table(EsfSamples { distance_px, light }) = self else { return Ok(()) };
         let refuse = |key: &str, value: f64, right: &str| Err(SettingError::of(key, value, right));
         if distance_px.len() < 8 || distance_px.len() > 100_000 {
@@ -296,7 +302,10 @@ impl EsfModel {
             return refuse("gauge.esf.table.light", light.len() as f64, "as many values as distance_px has");
         }
         for pair in distance_px.windows(2) {
-            if !(pair[1] > pair[0] && pair[0].abs() <= FARTHEST_PX && pair[1].abs() <= FARTHEST_PX) {
+            if !(pair[1] > pair[0]
+                && pair[0].abs() <= limits.farthest_px
+                && pair[1].abs() <= limits.farthest_px)
+            {
                 return refuse(
                     "gauge.esf.table.distance_px",
                     pair[1],

@@ -21,7 +21,7 @@
 //! changes with focus. In the masters' plane it is part of the offset o; elsewhere it is w_y, with
 //! a standard uncertainty from the edges' residuals (the model uncertainty) or, where that is more,
 //! the root mean square of the w_y fitted freely, if these reduce χ² by more than chance would
-//! ([`FALSE_ALARM`]). The lens' parameters and their rows are then free of it: t is determined by
+//! (`adjustment.false_alarm`). The lens' parameters and their rows are then free of it: t is determined by
 //! masters of different diameter at one y. Where the residuals still scatter more than the edges'
 //! uncertainties imply, the latter are multiplied (Birge's ratio).
 
@@ -29,22 +29,28 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::error::CalibrationError;
+use super::error::{CalibrationError, CalibrationLimits};
 use super::imaging_model::{LensLimits, LensModel, PARAMETERS};
 use super::masters::{MasterPrior, laboratories, shared_source};
 use super::observation::Observation;
 use super::thermometer::Thermometer;
+use crate::gauge::limit::limits;
 
-/// Masters' shadows must differ by this much, px, for scale and offset to be separated.
-const LEAST_SPREAD_PX: f64 = 8.0;
-/// Gauss-Newton steps: the problem is linear to parts in 1e3.
-const STEPS: usize = 5;
-/// False-alarm probability of the F test for a systematic residual that changes with focus.
-const FALSE_ALARM: f64 = 1e-3;
-/// Standard uncertainty of a w_y that is practically free, px: an edge's blur.
-const FREE_PX: f64 = 2.0;
-/// Steps of [`Solver`].
-const CHORD_STEPS: usize = 3;
+limits! {
+    /// How the adjustment is solved and tested.
+    AdjustmentLimits = "adjustment";
+    /// Gauss-Newton steps: the problem is linear to parts in 1e3, so that each gains three digits
+    /// and five all there are.
+    steps: usize = 5;
+    /// False-alarm probability of the F test for a systematic residual that changes with focus.
+    false_alarm: f64 = 1e-3;
+    /// Standard uncertainty of a w_y that is practically free, px: an edge's blur, which no
+    /// residual of its model exceeds.
+    free_px: f64 = 2.0;
+    /// Steps of [`Solver`], each of which gains the three digits of `steps`: 1e-9 of the deviation
+    /// is left.
+    chord_steps: usize = 3;
+}
 
 /// Sources of the adjustment in budgets.
 const EDGES: &str = "masters' edges (noise, levels, repeatability)";
@@ -140,8 +146,9 @@ pub struct Solver<'a> {
 impl Solver<'_> {
     /// Parameters (s, o, a, q, g, t) from deviated data, as [`Adjustment::parameters_with`].
     pub fn parameters(&self, deviations: &[f64]) -> [f64; PARAMETERS] {
+        let limits = AdjustmentLimits::get();
         let mut z = self.start.clone();
-        for _ in 0..CHORD_STEPS {
+        for _ in 0..limits.chord_steps {
             let gradient = self.adjustment.gradient(&z, Some(deviations));
             z += &self.inverse * gradient;
         }
@@ -177,6 +184,7 @@ impl Adjustment {
         limits: &LensLimits,
         size: (usize, usize),
     ) -> Result<Self, CalibrationError> {
+        let calibration_limits = CalibrationLimits::get();
         if masters.len() < 2 {
             return Err(CalibrationError::TooFew { found: masters.len() });
         }
@@ -195,7 +203,7 @@ impl Adjustment {
         }
         let spread_px = means.iter().fold(f64::NEG_INFINITY, |m, w| m.max(*w))
             - means.iter().fold(f64::INFINITY, |m, w| m.min(*w));
-        if !(spread_px >= LEAST_SPREAD_PX) {
+        if !(spread_px >= calibration_limits.least_spread_px) {
             return Err(CalibrationError::SameSize { spread_px });
         }
         let scale = masters[0].certificate.diameter_mm / means[0];
@@ -392,9 +400,10 @@ impl Adjustment {
     /// Solves for data that deviate: see [`Self::inputs`]. `None` where the masters do not
     /// determine the optical setup.
     fn solve(&self, deviations: Option<&[f64]>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
+        let limits = AdjustmentLimits::get();
         let mut z = self.start.clone();
         let mut last = None;
-        for _ in 0..STEPS {
+        for _ in 0..limits.steps {
             let seen = self.normal(&z);
             let mut normal = seen.clone();
             for k in 2..self.unit.len() {
@@ -467,6 +476,7 @@ impl Adjustment {
 
     /// Sets the standard uncertainty of w_y from the residuals.
     fn look_for_misfit(&mut self) -> Option<()> {
+        let limits = AdjustmentLimits::get();
         let groups = self.focus_mm.len();
         let (first, end) = (self.first_focus(), self.unit.len());
         let stated = self.unit[first..end].to_vec();
@@ -476,12 +486,12 @@ impl Adjustment {
         }
         let (z, _, _) = self.solve(None)?;
         let held = self.chi2(&z);
-        self.unit[first..end].fill(FREE_PX);
+        self.unit[first..end].fill(limits.free_px);
         let (z, _, _) = self.solve(None)?;
         let free = self.chi2(&z);
         let f = (held - free) / groups as f64 / (free / freedom).max(1.0);
-        let limit = FisherSnedecor::new(groups as f64, freedom).ok()?.inverse_cdf(1.0 - FALSE_ALARM);
-        let square: f64 = (first..end).map(|k| (FREE_PX * z[k]).powi(2)).sum();
+        let limit = FisherSnedecor::new(groups as f64, freedom).ok()?.inverse_cdf(1.0 - limits.false_alarm);
+        let square: f64 = (first..end).map(|k| (limits.free_px * z[k]).powi(2)).sum();
         let u_px = if f > limit { (square / groups as f64).sqrt() } else { 0.0 };
         for (unit, stated) in self.unit[first..end].iter_mut().zip(stated) {
             *unit = stated.max(u_px);

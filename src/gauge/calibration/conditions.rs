@@ -8,9 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::finish::Finish;
-use super::unstated::{
-    UNSTATED_EDGE_UM, UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated,
-};
+use super::unstated::{Unstated, UnstatedLimits};
 use crate::setting::{SettingError, within};
 
 /// Reference temperature of ISO 1, °C.
@@ -124,7 +122,7 @@ impl GivenConditions {
             unstated: known.unstated,
         };
         if self.temperature_c.is_some() && known.unstated.temperature {
-            c.limit_temperature_k = UNSTATED_READING_K;
+            c.limit_temperature_k = UnstatedLimits::get().reading_k;
         }
         if let Some(limit) = self.limit_temperature_k {
             c.limit_temperature_k = limit;
@@ -146,10 +144,11 @@ impl GivenConditions {
 impl Conditions {
     /// Nothing stated: wide limits of temperature, expansion and edges.
     pub fn unstated() -> Self {
+        let unstated_limits = UnstatedLimits::get();
         Self {
-            limit_temperature_k: UNSTATED_TEMPERATURE_K,
-            limit_expansion_um_per_m_k: UNSTATED_EXPANSION_UM_PER_M_K,
-            limit_edge_um: UNSTATED_EDGE_UM,
+            limit_temperature_k: unstated_limits.temperature_k,
+            limit_expansion_um_per_m_k: unstated_limits.expansion_um_per_m_k,
+            limit_edge_um: unstated_limits.edge_um,
             unstated: Unstated { temperature: true, expansion: true, edge: true },
             ..Self::default()
         }
@@ -272,13 +271,14 @@ mod tests {
 
     #[test]
     fn a_pair_of_finishes_sets_the_edges_limit() {
+        let unstated_limits = UnstatedLimits::get();
         let read = |text: &str| toml::from_str::<Conditions>(text).unwrap();
         let pair = |m: &str, p: &str| read(&format!("finish_of_masters = \"{m}\"\nfinish_of_part = \"{p}\""));
         let lapped = pair("lapped", "lapped");
         assert!(!lapped.unstated.edge && lapped.limit_edge_um < 0.01);
         let ground = pair("lapped", "ground");
         assert!((0.3..0.45).contains(&ground.limit_edge_um), "{}", ground.limit_edge_um);
-        assert_eq!(read("finish_of_part = \"ground\"").limit_edge_um, UNSTATED_EDGE_UM);
+        assert_eq!(read("finish_of_part = \"ground\"").limit_edge_um, unstated_limits.edge_um);
         assert_eq!(
             read("limit_edge_um = 0.2\nfinish_of_masters = \"lapped\"\nfinish_of_part = \"turned\"")
                 .limit_edge_um,

@@ -3,11 +3,18 @@
 use thiserror::Error;
 
 use crate::frame::Encoding;
+use crate::gauge::limit::limits;
+
+limits! {
+    /// What masters must differ by.
+    CalibrationLimits = "calibration";
+    /// Difference of the masters' shadows, px, from which on scale and offset are separated: of
+    /// widths known to 0.01 px the scale is then known to √2·0.01/8 = 0.2 %.
+    least_spread_px: f64 = 8.0;
+}
 
 /// Version of the file format.
 pub const CALIBRATION_VERSION: u32 = 1;
-/// Masters must differ by this much, px, for scale and offset to be separated.
-pub(super) const LEAST_SPREAD_PX: f64 = 8.0;
 
 /// Why there is no calibration.
 #[derive(Debug, Error)]
@@ -27,7 +34,8 @@ pub enum CalibrationError {
     },
     /// Masters of one size.
     #[error(
-        "the masters' shadows differ by {spread_px:.1} px; {LEAST_SPREAD_PX} px or more are needed to tell scale from edge offset"
+        "the masters' shadows differ by {spread_px:.1} px; {} px or more are needed to tell scale from edge offset",
+        CalibrationLimits::get().least_spread_px
     )]
     SameSize {
         /// Largest minus smallest width, px.

@@ -6,16 +6,22 @@ use nalgebra::SMatrix;
 use super::adjustment::CovariancePart;
 use super::imaging_model::{LensModel, PARAMETERS};
 use super::optical_setup::SetupCalibration;
+use crate::gauge::limit::limits;
 use crate::gauge::sensor::{FlatField, Response};
+
+limits! {
+    /// Numbers that no calibration has.
+    FileLimits = "calibration_file";
+    /// Departure from a covariance matrix that rounding explains, relative to the parameters' total
+    /// variances: of f64 it is below 1e-12, of a file with seven digits below 1e-6.
+    rounding: f64 = 1e-6;
+    /// Largest variance or covariance, in mm and px: of a metre, or a thousand px. Named in what is
+    /// refused.
+    largest_variance: f64 = 1e6;
+}
 
 /// A key, its value, and what would be right.
 type Impossible = (&'static str, f64, &'static str);
-
-/// Departure from a covariance matrix that rounding explains, relative to the parameters' total
-/// variances.
-const ROUNDING: f64 = 1e-6;
-/// Variances above this, in mm and px, are no calibration's.
-const LARGEST_VARIANCE: f64 = 1e6;
 
 /// The first of some values that is not within `range`, as an error.
 fn first_outside(
@@ -78,8 +84,9 @@ impl LensModel {
 
 /// A part that is no covariance matrix would make the uncertainty of some width 0.
 fn of_parts(parts: &[CovariancePart]) -> Option<Impossible> {
+    let limits = FileLimits::get();
     let entries = parts.iter().flat_map(|p| p.matrix.iter().flatten().copied());
-    let large = -LARGEST_VARIANCE..=LARGEST_VARIANCE;
+    let large = -limits.largest_variance..=limits.largest_variance;
     let wrong = first_outside("bench.parts", entries, large, "covariances below 1e6").or_else(|| {
         let diagonal = parts.iter().flat_map(|p| (0..PARAMETERS).map(|i| p.matrix[i][i]));
         first_outside("bench.parts", diagonal, 0.0..=f64::MAX, "variances of 0 or more")
@@ -96,7 +103,7 @@ fn of_parts(parts: &[CovariancePart]) -> Option<Impossible> {
         let skew = (scaled - scaled.transpose()).amax();
         let least = scaled.symmetric_eigenvalues().min();
         // Not a number is no covariance either.
-        let right = skew <= ROUNDING && least >= -ROUNDING;
+        let right = skew <= limits.rounding && least >= -limits.rounding;
         (!right).then_some(("bench.parts", least, "symmetric, positive semidefinite matrices"))
     })
 }

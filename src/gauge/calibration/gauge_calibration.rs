@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::adjustment::Adjusted;
 use super::axis_zero::AxisZero;
 use super::conditions::Conditions;
-use super::error::{CALIBRATION_VERSION, CalibrationError, LEAST_SPREAD_PX};
+use super::error::{CALIBRATION_VERSION, CalibrationError, CalibrationLimits};
 use super::masters::{MasterFigure, MasterMeasurement};
 use super::optical_setup::SetupCalibration;
 use crate::frame::Encoding;
@@ -374,9 +374,14 @@ impl Calibration {
 
 /// Whether the masters' widths differ enough to separate scale and edge offset.
 fn check_spread(masters: &[MasterFigure]) -> Result<(), CalibrationError> {
+    let calibration_limits = CalibrationLimits::get();
     let widths = || masters.iter().map(|m| m.width_px);
     let spread_px = widths().fold(f64::NEG_INFINITY, f64::max) - widths().fold(f64::INFINITY, f64::min);
-    if spread_px >= LEAST_SPREAD_PX { Ok(()) } else { Err(CalibrationError::SameSize { spread_px }) }
+    if spread_px >= calibration_limits.least_spread_px {
+        Ok(())
+    } else {
+        Err(CalibrationError::SameSize { spread_px })
+    }
 }
 
 #[derive(Default)]

@@ -11,20 +11,20 @@
 //! more parameter of the lens goes into `imaging_model` (its derivative with it); one more source
 //! of uncertainty is a part of `adjustment`'s covariance and a row of the budget.
 
-mod adjustment;
+pub(crate) mod adjustment;
 pub(crate) mod axis_zero;
 mod conditions;
 mod date;
 pub(crate) mod error;
-mod file_checks;
-mod finish;
+pub(crate) mod file_checks;
+pub(crate) mod finish;
 pub(crate) mod gauge_calibration;
 mod imaging_model;
 pub(crate) mod masters;
-mod observation;
-mod optical_setup;
+pub(crate) mod observation;
+pub(crate) mod optical_setup;
 mod thermometer;
-mod unstated;
+pub(crate) mod unstated;
 mod verification;
 
 pub use adjustment::{Adjusted, Adjustment, CovariancePart, Residual, Solver};

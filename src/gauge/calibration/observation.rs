@@ -2,12 +2,17 @@
 
 use super::super::edges::FrameEdges;
 use super::imaging_model::{ColumnSpread, LensModel};
+use crate::gauge::limit::limits;
 use crate::gauge::width::axis_pose::Pose;
 use crate::gauge::width::column_means::ColumnMeans;
 
-/// Blocks a frame is parted into: enough to see distortion along the shaft, few enough that each is
-/// quiet.
-const BLOCKS: usize = 6;
+limits! {
+    /// Observations of a frame.
+    ObservationLimits = "observation";
+    /// Blocks a frame is parted into: enough to see distortion along the shaft, which is a
+    /// parabola, few enough that each is quiet.
+    blocks: usize = 6;
+}
 
 /// Mean edges of a block of columns of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,11 +57,12 @@ pub fn observe(
     frame: usize,
     axis_y_mm: f64,
 ) -> Vec<Observation> {
+    let limits = ObservationLimits::get();
     let columns = edges.columns();
     let chord = Pose::of(edges).chord_factor();
-    (0..BLOCKS)
+    (0..limits.blocks)
         .filter_map(|block| {
-            let range = block * columns / BLOCKS..(block + 1) * columns / BLOCKS;
+            let range = block * columns / limits.blocks..(block + 1) * columns / limits.blocks;
             let means = ColumnMeans::over(edges, range)?;
             Some(Observation {
                 master,

@@ -9,8 +9,17 @@ use super::conditions::Conditions;
 use super::date::Date;
 use super::imaging_model::{ColumnSpread, LensModel, PARAMETERS};
 use super::verification::CheckResult;
+use crate::gauge::limit::limits;
 use crate::gauge::sensor::FlatField;
 use crate::gauge::sensor::photon_transfer::PhotonTransfer;
+
+limits! {
+    /// When a frame is out of focus.
+    SetupLimits = "optical_setup";
+    /// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more
+    /// or a fifth less. Tuned: see study limits.
+    focus: f64 = 0.223;
+}
 
 /// When a calibration was made and how long it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,10 +88,6 @@ pub enum BenchError {
         found_columns: usize,
     },
 }
-
-/// Ratio of blurs, as a natural logarithm, beyond which a frame is out of focus: a quarter more or
-/// a fifth less.
-pub const FOCUS: f64 = 0.223;
 
 /// The optical setup behind a calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,17 +166,16 @@ impl SetupCalibration {
     /// share of its own. The flat field stays that of the sensor.
     #[must_use]
     pub fn transposed(&self) -> Self {
-        const Q: usize = 3;
-        const G: usize = 4;
+        let (q, g) = (3, 4);
         let mut turned =
             Self { rows: self.columns, columns: self.rows, lens: self.lens.transposed(), ..self.clone() };
         for part in &mut turned.parts {
-            part.matrix.swap(Q, G);
-            part.matrix.iter_mut().for_each(|row| row.swap(Q, G));
+            part.matrix.swap(q, g);
+            part.matrix.iter_mut().for_each(|row| row.swap(q, g));
         }
         let limit = self.lens.keystone_across.abs() + self.lens.keystone_along.abs();
         let mut matrix = [[0.0; PARAMETERS]; PARAMETERS];
-        (matrix[Q][Q], matrix[G][G]) = (limit * limit / 3.0, limit * limit / 3.0);
+        (matrix[q][q], matrix[g][g]) = (limit * limit / 3.0, limit * limit / 3.0);
         turned
             .parts
             .push(CovariancePart { source: "distortion across the other direction".to_owned(), matrix });
@@ -211,14 +215,15 @@ impl SetupCalibration {
     }
 
     /// Whether a frame is as sharp as the masters predict for a part in these conditions, within
-    /// [`FOCUS`].
+    /// `optical_setup.focus`.
     ///
     /// # Errors
     /// The blur that is not the calibrated one.
     pub fn check_focus(&self, sigma_px: [f64; 2], conditions: &Conditions) -> Result<(), BenchError> {
+        let limits = SetupLimits::get();
         let farthest = conditions.axis_y_mm.abs() + conditions.limit_axis_y_mm;
         let (low, high) = (self.sigma_px, self.sigma_px.hypot(self.defocus_px_per_mm * farthest));
-        let inside = |s: f64| (s / low).ln() >= -FOCUS && (s / high).ln() <= FOCUS;
+        let inside = |s: f64| (s / low).ln() >= -limits.focus && (s / high).ln() <= limits.focus;
         match sigma_px.into_iter().find(|s| !inside(*s)) {
             Some(found_px) => Err(BenchError::OutOfFocus { found_px, calibrated_px: self.sigma_px }),
             None => Ok(()),

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::unstated::{UNSTATED_EXPANSION_UM_PER_M_K, UNSTATED_READING_K, UNSTATED_TEMPERATURE_K, Unstated};
+use super::unstated::{Unstated, UnstatedLimits};
 use crate::setting::{SettingError, within};
 
 /// Temperature of the masters while they were recorded: one thermometer, one material.
@@ -52,8 +52,12 @@ pub struct GivenThermometer {
 
 impl From<GivenThermometer> for Thermometer {
     fn from(given: GivenThermometer) -> Self {
-        let unstated =
-            if given.temperature_c.is_some() { UNSTATED_READING_K } else { UNSTATED_TEMPERATURE_K };
+        let unstated_limits = UnstatedLimits::get();
+        let unstated = if given.temperature_c.is_some() {
+            unstated_limits.reading_k
+        } else {
+            unstated_limits.temperature_k
+        };
         let exact = Self::default();
         Self {
             temperature_c: given.temperature_c.unwrap_or(exact.temperature_c),
@@ -61,7 +65,7 @@ impl From<GivenThermometer> for Thermometer {
             expansion_um_per_m_k: given.expansion_um_per_m_k.unwrap_or(exact.expansion_um_per_m_k),
             limit_expansion_um_per_m_k: given
                 .limit_expansion_um_per_m_k
-                .unwrap_or(UNSTATED_EXPANSION_UM_PER_M_K),
+                .unwrap_or(unstated_limits.expansion_um_per_m_k),
             unstated: Unstated {
                 temperature: given.limit_temperature_k.is_none(),
                 expansion: given.limit_expansion_um_per_m_k.is_none(),

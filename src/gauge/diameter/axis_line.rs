@@ -28,32 +28,41 @@ use serde::Serialize;
 
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
-use super::stations::variance_of_mean;
+use super::stations::{StationLimits, variance_of_mean};
 use crate::frame::FrameMeta;
 use crate::gauge::calibration::axis_zero::AxisZero;
+use crate::gauge::edge::stream::StreamLimits;
+use crate::gauge::limit::limits;
 use crate::numerics::distributions::{chi2_ratio_limit, student};
 use crate::profile::{Reading, Reason};
 
-/// Share of a station's columns that an angle needs.
-const LEAST_FILL: f64 = 0.3;
-/// Variance of x over that of one angle, at most, where turning part and still part are separated:
-/// angles that span less of the turn leave both mixed.
-const MOST_GAIN: f64 = 4.0;
-/// Residual variance over the pooled one from which a station keeps its own (below 0.1 % of good
-/// ones with three degrees of freedom).
-const FAR: f64 = 7.0;
-/// Share of a station's columns from which one frame carries it: a line is extrapolated over the
-/// rest.
-const WHOLE: f64 = 2.0 / 3.0;
-/// Bursts no farther apart than this share of a station stand at one place.
-const SAME_PLACE: f64 = 0.02;
-/// Columns below which a frame is a reading of a line camera, which shows no station by itself.
-const NARROW: usize = 16;
-/// Probability of an interval of ± 2u of the normal distribution.
+limits! {
+    /// What stations show of the axis.
+    AxisLimits = "axis_line";
+    /// Share of a station's columns that an angle needs: less carries no line over the station
+    /// (`station_mean.most_gain`), and its plain mean stands too far to one side. Tuned: see study
+    /// limits.
+    least_fill: f64 = 0.3;
+    /// Variance of x over that of one angle, at most, where turning part and still part are
+    /// separated: angles that span less of the turn leave both mixed. Four angles around the turn
+    /// give 1/4.
+    most_gain: f64 = 4.0;
+    /// Share of a station's columns from which one frame carries it: two thirds carry a parabola
+    /// (`station_mean.most_gain`); a line is extrapolated over the rest.
+    whole: f64 = 2.0 / 3.0;
+    /// Distance of bursts, of a station, up to which they stand at one place: what a carriage's
+    /// position scatters by. Tuned: see study limits.
+    same_place: f64 = 0.02;
+    /// Angles for one more odd harmonic: a harmonic has two terms, and twice as many remain free;
+    /// as over half a turn (`turn_scatter`).
+    angles_a_harmonic: usize = 6;
+    /// Most odd harmonics adjusted: 1, 3 and 5, as over half a turn; further lobes of a turned part
+    /// are smaller.
+    most_harmonics: usize = 3;
+}
+
+/// Probability of an interval of ± 2u of the normal distribution, 2Φ(2) − 1.
 const U_PROBABILITY: f64 = 0.954_499_736;
-/// Angles for one more odd harmonic; as over half a turn (`turn_scatter`), three at most.
-const ANGLES_A_HARMONIC: usize = 6;
-const MOST_HARMONICS: usize = 3;
 
 /// The offset of a section's centre in the body: what turns with the part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -280,6 +289,7 @@ impl AxisAverager {
 
     /// Adds a frame's columns.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
+        let stream_limits = StreamLimits::get();
         self.pitch_mm = diameters.pitch_mm;
         let angle = (meta.angle_deg.rem_euclid(360.0) * 1e6).round() as i64 % 360_000_000;
         let half = 0.5 * self.station_mm;
@@ -300,7 +310,7 @@ impl AxisAverager {
             sums.own += (d.u_random_mm.powi(2) - shared).max(0.0);
             sums.shared += shared;
             sums.length = diameters.shared_length;
-            sums.narrow = diameters.readings.len() < NARROW;
+            sums.narrow = diameters.readings.len() < stream_limits.least_columns;
         }
         for (station, sums) in of_frame {
             self.put(station, angle, meta.z_mm, sums);
@@ -334,14 +344,16 @@ impl AxisAverager {
     /// station, and those at its place. While the tool cuts, every field sees an axis that is bent
     /// otherwise, and two of them would mix. Bursts that show parts are put together.
     fn of_angles(&self, station_z_mm: f64, bursts: &[Burst]) -> BTreeMap<i64, Sums> {
-        let least = WHOLE * self.station_mm / self.pitch_mm.max(1e-12);
+        let limits = AxisLimits::get();
+        let least = limits.whole * self.station_mm / self.pitch_mm.max(1e-12);
         let most = bursts.iter().map(|b| b.angles.len()).max().unwrap_or(0);
         let carries =
             |b: &&Burst| b.angles.len() == most && b.angles.values().all(|s| s.columns as f64 >= least);
         let off = |b: &Burst| (b.z_mm() - station_z_mm).abs();
         let nearest = bursts.iter().filter(carries).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let there =
-            |b: &&Burst| nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < SAME_PLACE * self.station_mm);
+        let there = |b: &&Burst| {
+            nearest.is_none_or(|n| (n.z_mm() - b.z_mm()).abs() < limits.same_place * self.station_mm)
+        };
         let mut all: BTreeMap<i64, Sums> = BTreeMap::new();
         for (angle, sums) in bursts.iter().filter(there).flat_map(|b| &b.angles) {
             all.entry(*angle).or_default().join(sums);
@@ -369,7 +381,7 @@ impl AxisAverager {
         if sums.is_empty() {
             return Err(Reason::NotScanned);
         }
-        let least = (LEAST_FILL * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
+        let least = (AxisLimits::get().least_fill * self.station_mm / self.pitch_mm.max(1e-12)).max(1.0);
         let good: Vec<(f64, &Sums)> = sums
             .iter()
             .filter(|(_, s)| s.columns as f64 >= least)
@@ -421,7 +433,7 @@ impl Fit {
         // what it should.
         let widened = few_freedom(self.freedom);
         let scatter = match pooled {
-            Some((pooled, _)) if self.freedom > 0.0 && self.residual > FAR * pooled => {
+            Some((pooled, _)) if self.freedom > 0.0 && self.residual > StationLimits::get().far * pooled => {
                 self.residual * widened
             }
             Some((pooled, shared)) => pooled + shared * (widened - 1.0),
@@ -443,9 +455,10 @@ impl Fit {
 /// Still part and first harmonic, with as many odd harmonics beside them as the angles allow; the
 /// mean alone where they span too little.
 fn harmonics(middles: &[(f64, f64)]) -> Fit {
+    let limits = AxisLimits::get();
     let n = middles.len();
     let start = middles[0].1;
-    let most = (n.saturating_sub(3) / ANGLES_A_HARMONIC).clamp(1, MOST_HARMONICS);
+    let most = (n.saturating_sub(3) / limits.angles_a_harmonic).clamp(1, limits.most_harmonics);
     for orders in (1..=most).rev() {
         let columns = 1 + 2 * orders;
         if n < columns {
@@ -460,7 +473,7 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
             }
         });
         let Some(inverse) = (design.transpose() * &design).try_inverse() else { continue };
-        if !(inverse[(0, 0)] < MOST_GAIN) {
+        if !(inverse[(0, 0)] < limits.most_gain) {
             continue;
         }
         let observed = DVector::from_iterator(n, middles.iter().map(|m| m.1 - start));
@@ -500,11 +513,12 @@ fn harmonics(middles: &[(f64, f64)]) -> Fit {
 /// Variance of one angle's middle, mm², pooled over the stations without those far beyond the
 /// median; `None` without freedom.
 fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
+    let station_limits = StationLimits::get();
     let mut all: Vec<(f64, f64)> =
         fits.filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = FAR * median / chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = station_limits.far * median / chi2_ratio_limit(freedom, 0.0).max(0.2);
     let (sum, total) = all
         .iter()
         .filter(|v| v.0 <= limit)
@@ -517,9 +531,10 @@ fn pooled_variance<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<f64> {
 /// of what the stations' fits leave angle by angle, less what independent scatter makes of such a
 /// mean.
 fn shared_by_stations<'a>(fits: impl Iterator<Item = &'a Fit>, pooled: f64) -> f64 {
+    let station_limits = StationLimits::get();
     let mut by_angle: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
     let (mut stations, mut freedom) = (0.0, 0.0);
-    for fit in fits.filter(|f| f.freedom > 0.0 && f.residual <= FAR * pooled) {
+    for fit in fits.filter(|f| f.freedom > 0.0 && f.residual <= station_limits.far * pooled) {
         stations += 1.0;
         freedom += fit.freedom;
         for (angle, left) in &fit.left {

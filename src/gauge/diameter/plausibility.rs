@@ -18,13 +18,18 @@ use serde::Serialize;
 
 use super::column_diameters::ColumnDiameters;
 use crate::frame::FrameMeta;
+use crate::gauge::limit::limits;
 pub use crate::gauge::settings::PlausibilitySettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason};
 
-/// Fraction of a profile's stations above which departures are not those of single stations: then
-/// the whole part, or the machine, did not do what was commanded, which gaps would hide from
-/// control's guards.
-const MOST_REFUSED: f64 = 0.25;
+limits! {
+    /// When departures are those of single stations.
+    PlausibilityLimits = "plausibility";
+    /// Share of a profile's stations above which departures are not those of single stations: then
+    /// the whole part, or the machine, did not do what was commanded, which gaps would hide from
+    /// control's guards. Tuned: see study limits.
+    most_refused: f64 = 0.25;
+}
 
 /// A reading that contradicts an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -140,6 +145,7 @@ pub fn against_pass(
     fall_mm: &[f64],
     now: &mut DiameterProfile,
 ) -> (Vec<Jump>, bool) {
+    let limits = PlausibilityLimits::get();
     let mut found = Vec::new();
     let mut compared = 0;
     let stations = now.stations.iter().zip(&before.stations).zip(fall_mm).enumerate();
@@ -151,7 +157,7 @@ pub fn against_pass(
             found.push((index, Jump { z_mm: station.z_mm, angle_deg: None, jump_mm, limit_mm }));
         }
     }
-    let theirs = found.len() as f64 <= MOST_REFUSED * f64::from(compared);
+    let theirs = found.len() as f64 <= limits.most_refused * f64::from(compared);
     if theirs {
         found.iter().for_each(|(index, _)| now.stations[*index].reading = Reading::Gap(Reason::Implausible));
     }

@@ -14,13 +14,20 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use crate::gauge::limit::limits;
 use crate::profile::Diameter;
+
+limits! {
+    /// When successive readings are not independent.
+    SeriesLimits = "reading_scatter";
+    /// Autocorrelation at lag 1, in standard deviations 1/√n of independent readings, above which
+    /// it counts (Bartlett): the two-sided 95 % quantile of a normal distribution, exceeded to this
+    /// side by chance in 2.5 % of series.
+    beyond_chance: f64 = 1.96;
+}
 
 /// False-alarm probability of the test whether readings scatter beyond their u.
 pub const FALSE_ALARM_PROBABILITY: f64 = 1e-3;
-
-/// Two-sided 95 % quantile of a normal distribution.
-pub(super) const TWO_SIDED_95: f64 = 1.96;
 
 /// χ² of readings about their mean against their own standard uncertainties.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -72,11 +79,12 @@ impl ScatterTest {
 /// Number of independent readings whose mean scatters as that of these, 1 ..= n: `departures` are
 /// from the mean, or from a value known.
 pub fn effective_number(departures: &[f64]) -> f64 {
+    let limits = SeriesLimits::get();
     let n = departures.len() as f64;
     let square: f64 = departures.iter().map(|d| d * d).sum();
     let correlation =
         |lag: usize| departures.iter().zip(&departures[lag..]).map(|(a, b)| a * b).sum::<f64>() / square;
-    if departures.len() < 3 || !(square > 0.0) || !(correlation(1) > TWO_SIDED_95 / n.sqrt()) {
+    if departures.len() < 3 || !(square > 0.0) || !(correlation(1) > limits.beyond_chance / n.sqrt()) {
         return n;
     }
     let correlations = (1..departures.len()).map(|lag| (lag, correlation(lag)));

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use thiserror::Error;
 
-use super::reading_scatter::{SeriesMean, TWO_SIDED_95};
+use super::reading_scatter::{SeriesLimits, SeriesMean};
 use crate::numerics::robust::central_median;
 use crate::profile::{Diameter, Reading};
 
@@ -189,8 +189,11 @@ impl Recursion {
             return self.stated;
         }
         let phi = (self.product / self.square).clamp(0.0, 0.99);
-        let kept =
-            if phi > TWO_SIDED_95 * self.squared_weights.sqrt() { (1.0 - self.weight) * phi } else { 0.0 };
+        let kept = if phi > SeriesLimits::get().beyond_chance * self.squared_weights.sqrt() {
+            (1.0 - self.weight) * phi
+        } else {
+            0.0
+        };
         let variance = self.square / freedom * self.squared_weights * (1.0 + kept) / (1.0 - kept);
         Diameter { u_random_mm: self.stated.u_random_mm.max(variance.sqrt()), ..self.stated }
     }

@@ -27,12 +27,18 @@ use crate::gauge::form::{
     circumscribed_cylinder, harmonics, least_squares_circle, polar_profile, roundness, silhouette_cylinder,
     straightness, total_run_out,
 };
+use crate::gauge::limit::limits;
 use crate::profile::Reading;
 
-/// Most harmonics reported.
-const MOST_LOBES: usize = 50;
-/// Fewest columns of a station at one angle.
-const LEAST_COLUMNS: usize = 4;
+limits! {
+    /// What sections report.
+    SectionLimits = "sections";
+    /// Most harmonics reported: what the filter of 50 undulations a revolution passes (ISO
+    /// 12181-2).
+    most_lobes: usize = 50;
+    /// Fewest columns of a station at one angle: their scatter then has three degrees of freedom.
+    least_columns: usize = 4;
+}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
@@ -224,9 +230,10 @@ fn section(z_mm: f64, sums: &BTreeMap<i64, Sums>, cutoff: Cutoff) -> Result<Sect
 
 /// A section's turn and what was seen of it, its scatter left open.
 fn section_turn(sums: &BTreeMap<i64, Sums>) -> Result<(Turn, SectionReadings), FormError> {
+    let limits = SectionLimits::get();
     let good: Vec<(f64, &Sums)> = sums
         .iter()
-        .filter(|(_, s)| s.n >= LEAST_COLUMNS as f64)
+        .filter(|(_, s)| s.n >= limits.least_columns as f64)
         .map(|(angle, s)| (*angle as f64 * 1e-6, s))
         .collect();
     let readings: Vec<[f64; 3]> = good
@@ -280,6 +287,7 @@ fn section_form(
     seen: &SectionReadings,
     cutoff: Cutoff,
 ) -> Result<SectionForm, FormError> {
+    let limits = SectionLimits::get();
     let half_turn = seen.u_axis_mm.is_some();
     let scattered_mm = seen.scatter.map_or(0.0, |s| s.sd_width_mm * std::f64::consts::FRAC_1_SQRT_2);
     let u_edge_mm = seen.stated_mm.max(scattered_mm);
@@ -316,7 +324,7 @@ fn section_form(
         u_edge_mm,
         u_axis_mm: seen.u_axis_mm,
         scatter: seen.scatter.and_then(|s| s.test),
-        harmonics: harmonics(turn, MOST_LOBES, u_reading_mm).with_axis(seen.u_axis_mm.unwrap_or(0.0)),
+        harmonics: harmonics(turn, limits.most_lobes, u_reading_mm).with_axis(seen.u_axis_mm.unwrap_or(0.0)),
         profile_mm: points.iter().map(|p| p.distance(centre)).collect(),
     })
 }

@@ -7,14 +7,19 @@
 //! description differs from the one taken is what was not seen of the station: it is the same at
 //! every angle, so that angles do not average it.
 
+use crate::gauge::limit::limits;
 use nalgebra::{Matrix3, Vector3};
 
-/// Variance of a station's mean over that of its columns' plain mean, at most, by the slope and
-/// bend that are adjusted within it: half a station carries a line (exactly 4), two thirds a
-/// parabola.
-const MOST_GAIN: f64 = 4.0;
-/// Fewest columns whose line states what was not seen.
-const LEAST_COLUMNS: f64 = 3.0;
+limits! {
+    /// Which polynomial the columns of a station carry.
+    StationMeanLimits = "station_mean";
+    /// Variance of a station's mean over that of its columns' plain mean, below which a slope or
+    /// bend is adjusted within it: half a station carries a line (exactly 4), two thirds a
+    /// parabola.
+    most_gain: f64 = 4.0;
+    /// Fewest columns whose line states what was not seen: two lie on any line.
+    least_columns: f64 = 3.0;
+}
 
 /// Sums over the columns seen of a station.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,10 +65,11 @@ impl StationColumns {
 
     /// Mean over the whole station.
     pub(crate) fn mean(&self) -> StationMean {
+        let limits = StationMeanLimits::get();
         let plain = (self.values[0] / self.powers[0], 1.0);
         let (line, parabola) = (self.fitted(2), self.fitted(3));
-        let carried = |fit: Option<(f64, f64)>| fit.filter(|f| f.1 < MOST_GAIN);
-        let known = self.powers[0] >= LEAST_COLUMNS;
+        let carried = |fit: Option<(f64, f64)>| fit.filter(|f| f.1 < limits.most_gain);
+        let known = self.powers[0] >= limits.least_columns;
         let (taken, better) = match (carried(parabola), carried(line)) {
             (Some(parabola), _) => (parabola, None),
             (None, Some(line)) => (line, parabola.filter(|_| known)),

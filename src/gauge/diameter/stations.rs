@@ -22,8 +22,21 @@ use nalgebra::{DMatrix, DVector};
 use super::column_diameters::ColumnDiameters;
 use super::station_mean::{StationColumns, StationMean};
 use crate::frame::FrameMeta;
+use crate::gauge::edge::stream::StreamLimits;
+use crate::gauge::limit::limits;
 use crate::gauge::settings::StationSettings;
 use crate::profile::{Diameter, DiameterProfile, Reading, Reason, Station};
+
+limits! {
+    /// When the angles of a station scatter too much.
+    StationLimits = "stations";
+    /// Residual variance over the pooled one, above which a station scatters too much and keeps its
+    /// own: below 0.1 % of good ones with three degrees of freedom.
+    far: f64 = 7.0;
+    /// Degrees of freedom from which on Student's t is the normal distribution to a thousandth of u
+    /// at 95 %.
+    many_freedom: f64 = 1000.0;
+}
 
 /// Sums of one station at one angle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -128,7 +141,7 @@ impl StationAverager {
     /// Adds a frame's diameters.
     pub fn add(&mut self, meta: &FrameMeta, diameters: &ColumnDiameters) {
         self.pitch_mm = diameters.pitch_mm;
-        self.readings = diameters.readings.len() < NARROW;
+        self.readings = diameters.readings.len() < StreamLimits::get().least_columns;
         let angle = (meta.angle_deg * 1e6).round() as i64;
         for (column, reading) in diameters.readings.iter().enumerate() {
             let z_mm = diameters.z_mm(meta, column);
@@ -157,12 +170,13 @@ impl StationAverager {
 
     /// Ends the scan: one reading a station.
     pub fn finish(&self, pass: u32) -> DiameterProfile {
+        let limits = StationLimits::get();
         let mut fits: Vec<Result<AngleFit, Reason>> =
             self.sums.iter().map(|sums| self.fit(sums, None)).collect();
         let pooled = pooled_variance(fits.iter().flatten());
         if let Some((pooled, _)) = pooled {
             for (fit, sums) in fits.iter_mut().zip(&self.sums) {
-                let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > FAR * pooled);
+                let far = fit.as_ref().is_ok_and(|f| f.lobes.residual > limits.far * pooled);
                 if let Some(better) = far.then(|| self.without_outlying_angle(sums, pooled)).flatten() {
                     *fit = Ok(better);
                 }
@@ -214,11 +228,12 @@ impl StationAverager {
     /// The fit without the one angle that lies above what the others state, where that explains the
     /// station's scatter.
     fn without_outlying_angle(&self, sums: &BTreeMap<i64, AngleSums>, pooled: f64) -> Option<AngleFit> {
+        let limits = StationLimits::get();
         let mut best: Option<AngleFit> = None;
         for (angle, s) in self.angles(sums, None) {
             let Ok(fit) = self.fit(sums, Some(angle)) else { continue };
             let above = s.seen.mean().mean - fit.lobes.at(radians(angle));
-            let explains = fit.lobes.freedom >= 2.0 && fit.lobes.residual <= FAR * pooled;
+            let explains = fit.lobes.freedom >= 2.0 && fit.lobes.residual <= limits.far * pooled;
             let outlying = above > 5.0 * pooled.sqrt();
             let better = best.as_ref().is_none_or(|b| fit.lobes.residual < b.lobes.residual);
             if explains && outlying && better {
@@ -228,13 +243,6 @@ impl StationAverager {
         best
     }
 }
-
-/// Columns below which a frame is a reading of a line camera.
-const NARROW: usize = 16;
-
-/// Residual variance over the pooled one from which a station scatters too much (below 0.1 % of
-/// good ones with three degrees of freedom).
-const FAR: f64 = 7.0;
 
 fn radians(microdegrees: i64) -> f64 {
     (microdegrees as f64 * 1e-6).to_radians()
@@ -268,24 +276,28 @@ fn fit_lobes(angles: &[(f64, f64)]) -> LobeFit {
 /// seven times the median's estimate are left out (below 0.1 % of good ones with three degrees of
 /// freedom). `None` without freedom.
 fn pooled_variance<'a>(fits: impl Iterator<Item = &'a AngleFit>) -> Option<(f64, f64)> {
+    let limits = StationLimits::get();
     let mut all: Vec<(f64, f64)> =
         fits.map(|f| &f.lobes).filter(|f| f.freedom > 0.0).map(|f| (f.residual, f.freedom)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, freedom) = *all.get(all.len() / 2)?;
-    let limit = FAR * median / crate::numerics::distributions::chi2_ratio_limit(freedom, 0.0).max(0.2);
+    let limit = limits.far * median / crate::numerics::distributions::chi2_ratio_limit(freedom, 0.0).max(0.2);
     let kept = || all.iter().filter(|v| v.0 <= limit);
     let total: f64 = kept().map(|v| v.1).sum();
     (total > 0.0).then(|| (kept().map(|v| v.0 * v.1).sum::<f64>() / total, total))
 }
 
 fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>) -> Station {
+    let limits = StationLimits::get();
     let gap = |reason| Station { z_mm, reading: Reading::Gap(reason), freedom: None };
     let fit = match fit {
         Ok(fit) => fit,
         Err(reason) => return gap(*reason),
     };
     let (one_angle, freedom) = match pooled {
-        Some((pooled, _)) if fit.lobes.residual > FAR * pooled => (fit.lobes.residual, fit.lobes.freedom),
+        Some((pooled, _)) if fit.lobes.residual > limits.far * pooled => {
+            (fit.lobes.residual, fit.lobes.freedom)
+        }
         Some(pooled) => pooled,
         // One angle a station: what form and texture do to it is unknown, and so is its
         // uncertainty.
@@ -301,13 +313,9 @@ fn station(z_mm: f64, fit: &Result<AngleFit, Reason>, pooled: Option<(f64, f64)>
     // is known.
     let freedom = (scatter >= fit.noise && scatter > 0.0)
         .then(|| freedom.max(1.0) * (diameter.u_mm().powi(2) / scatter).powi(2))
-        .filter(|freedom| *freedom < MANY_FREEDOM);
+        .filter(|freedom| *freedom < limits.many_freedom);
     Station { z_mm, reading: Reading::Value(diameter), freedom }
 }
-
-/// Degrees of freedom from which Student's t is the normal distribution to a thousandth of u at 95
-/// %.
-const MANY_FREEDOM: f64 = 1000.0;
 
 #[cfg(test)]
 mod tests {

@@ -14,9 +14,15 @@
 //! over half a revolution 1 = (4/π)·Σ sin(kφ)/k is itself a sum of odd lobes.
 
 use super::reading_scatter::{ScatterTest, effective_number};
+use crate::gauge::limit::limits;
 
-/// Fewest angles of half a revolution whose even lobes leave a residual.
-const LEAST_HALF: usize = 6;
+limits! {
+    /// What half a revolution determines.
+    TurnLimits = "turn_scatter";
+    /// Fewest angles of half a revolution whose even lobes leave a residual: a mean and one order
+    /// of two terms leave three of six free.
+    least_half: usize = 6;
+}
 
 /// Scatter of a revolution's widths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +48,7 @@ pub(super) fn of_whole_turn(widths_mm: &[f64], u_width_mm: f64) -> TurnScatter {
 /// too few angles to separate form from scatter.
 pub(super) fn of_half_turn(widths_mm: &[f64], cutoff_upr: f64, u_width_mm: f64) -> Option<TurnScatter> {
     let n = widths_mm.len();
-    if n < LEAST_HALF {
+    if n < TurnLimits::get().least_half {
         return None;
     }
     // 1 + 2 for each even order up to K, at most two thirds of the readings.

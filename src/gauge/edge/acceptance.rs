@@ -3,17 +3,27 @@
 use super::refusals::explain;
 use super::rejection::neighbour_test;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
 
-/// Fewest columns with both edges that make a frame acceptable.
-const LEAST_VALID: usize = 8;
-/// Least fraction of the measured columns that must lie on unbroken contours.
-const LEAST_COHERENT: f64 = 0.5;
-/// χ² ratio above which the noise cannot be what keeps the model from fitting.
-const LEAST_CHI2: f64 = 2.0;
-/// Blur below which a drawn step is taken for what it is: no lens makes such edges, and no
-/// edge-spread function fits a hard step to noise.
-const SHARP_PX: f64 = 0.4;
+limits! {
+    /// When a frame as a whole is accepted.
+    AcceptanceLimits = "acceptance";
+    /// Fewest columns with both edges that make a frame or a mean over columns: the standard
+    /// deviation of eight is known to 27 % (1/√(2·7)).
+    least_valid: usize = 8;
+    /// Share of the columns with both edges that must lie on unbroken contours: a part has all of
+    /// them there, blobs of noise a tenth. Below a half most of what would be measured is no
+    /// contour.
+    least_coherent: f64 = 0.5;
+    /// χ² ratio above which a residual is compared with the largest one of the settings. Noise
+    /// alone gives 1; at 2 the model leaves as much as the noise.
+    least_chi2: f64 = 2.0;
+    /// Blur, px, up to which a residual refuses no frame: no lens makes such edges, a drawn step
+    /// does, and no edge-spread function fits a hard step to noise. The area of a pixel alone has a
+    /// standard deviation of 1/√12 = 0.29 px.
+    sharp_px: f64 = 0.4;
+}
 
 /// Largest step of a contour from one column to the next, px.
 pub(crate) fn jump_px(settings: &GaugeSettings) -> f64 {
@@ -31,17 +41,18 @@ pub(crate) fn accept(
     valid: usize,
     contours: bool,
 ) -> Result<(), FrameRefused> {
-    if valid < LEAST_VALID {
-        return Err(explain::too_few(out, valid, LEAST_VALID));
+    let limits = AcceptanceLimits::get();
+    if valid < limits.least_valid {
+        return Err(explain::too_few(out, valid, limits.least_valid));
     }
     let jump_px = jump_px(settings);
     let coherence = if contours { 1.0 } else { neighbour_test::coherence(&out.top, &out.bottom, jump_px) };
-    if coherence < LEAST_COHERENT {
-        return Err(explain::no_contour(coherence, LEAST_COHERENT, jump_px));
+    if coherence < limits.least_coherent {
+        return Err(explain::no_contour(coherence, limits.least_coherent, jump_px));
     }
     let residual = out.figures.reduced_chi2.sqrt() / out.figures.snr;
-    let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > SHARP_PX);
-    if blurred && out.figures.reduced_chi2 > LEAST_CHI2 && residual > settings.max_residual_rel {
+    let blurred = out.figures.sigma_px.iter().any(|sigma| *sigma > limits.sharp_px);
+    if blurred && out.figures.reduced_chi2 > limits.least_chi2 && residual > settings.max_residual_rel {
         let (noise, most) = (out.figures.snr.recip(), settings.max_residual_rel);
         return Err(explain::no_fit(residual, noise, most));
     }

@@ -4,7 +4,7 @@
 use super::estimation::model_bias::ResidualAccumulator;
 use super::model::systematic_residual::SystematicResidual;
 use super::narrow::Narrow;
-use super::stream::{AreaStream, LEAST_COLUMNS, check};
+use super::stream::{AreaStream, StreamLimits, check};
 use crate::frame::FrameView;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
 use crate::gauge::settings::GaugeSettings;
@@ -60,7 +60,7 @@ impl EdgeStream {
     /// # Errors
     /// Refuses frames that show no part with two edges: black, white, noise, too small, not finite.
     pub fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
-        if view.columns() >= LEAST_COLUMNS {
+        if view.columns() >= StreamLimits::get().least_columns {
             return self.area.measure(view, out);
         }
         check(view)?;

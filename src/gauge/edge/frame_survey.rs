@@ -3,10 +3,16 @@
 use super::rounded_frame::Rounding;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::noise::NoiseModel;
+use crate::gauge::limit::limits;
 
-/// Standard deviation of an edge by the area of its window's light, px, from which on windows are
-/// centred by their edges instead.
-const NOISY_AREA_PX: f64 = 0.05;
+limits! {
+    /// When the area of its light centres a window no longer.
+    SurveyLimits = "frame_survey";
+    /// Standard deviation of an edge by the area of its window's light, px, from which on windows
+    /// are centred by their edges instead. Windows are centred within 0.65 px, 0.15 px more than
+    /// half a pixel: three standard deviations.
+    noisy_area_px: f64 = 0.05;
+}
 
 /// What the frame states about itself.
 pub(crate) struct FrameSurvey {
@@ -23,7 +29,7 @@ impl FrameSurvey {
     /// light, whose fit begins where they were centred.
     pub(crate) fn is_noisy(&self, width: usize) -> bool {
         let noise = self.noise.variance(0.5 * (self.dark + self.light)).sqrt() / (self.light - self.dark);
-        self.ends == [None; 2] && noise * (width as f64).sqrt() > NOISY_AREA_PX
+        self.ends == [None; 2] && noise * (width as f64).sqrt() > SurveyLimits::get().noisy_area_px
     }
 }
 

@@ -12,19 +12,29 @@
 //! and of the shadow.
 
 use super::refusals::explain::refused;
-use super::stream::AreaStream;
+use super::stream::{AreaStream, StreamLimits};
 use crate::frame::{FrameView, PixelFormat, Pixels};
 use crate::gauge::edge::estimation::model_bias::ResidualAccumulator;
 use crate::gauge::edges::{FrameEdges, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::{GaugeSettings, Noise, Polarity, Rejection};
 use crate::numerics::robust::MEDIAN_TO_SD;
 use crate::profile::Reason;
 
-/// Readings that are pooled: their levels are then known to a fifth of one reading's, and the noise
-/// to 3 % from ten flat pixels each.
-const POOLED: usize = 32;
-/// Columns of a picture from which levels and noise are estimated: of fewer, no level is pooled.
-const LEAST: usize = 16;
+limits! {
+    /// How readings of a line camera are pooled.
+    NarrowLimits = "narrow";
+    /// Readings that are pooled: their levels are then known to a fifth of one reading's, and the
+    /// noise to 3 % from ten flat pixels each.
+    pooled: usize = 32;
+    /// Share of the pixels of the light, or of the shadow, at one grey value from which on it is
+    /// clipped or shows no noise to show by: of Gaussian noise of one count's standard deviation,
+    /// two fifths stand at one value.
+    piled: f64 = 0.6;
+    /// Range, counts, beyond which the other half of the line is noisy: two grey steps are
+    /// rounding's.
+    noisy: f64 = 2.0;
+}
 
 /// Readings one after the other, in the container they came in.
 #[derive(Clone, Debug)]
@@ -110,17 +120,10 @@ fn append<T: Copy>(lines: &mut Vec<T>, pixels: &[T], view: &FrameView<'_>) {
     }
 }
 
-/// Share of the pixels of the light, or of the shadow, at one grey value from which on it is
-/// clipped or shows no noise to show by: of Gaussian noise of one count's standard deviation, two
-/// fifths stand at one value.
-const PILED: f64 = 0.6;
-/// Values at which more than two grey steps of noise would be seen in the other half of the line,
-/// counts.
-const NOISY: f64 = 2.0;
-
 /// The largest grey value, or the smallest, where most pixels of its half stand at it while the
 /// other half is noisy.
 fn piled_up(values: &[f64]) -> Option<f64> {
+    let limits = NarrowLimits::get();
     let (least, most) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
     let middle = 0.5 * (least + most);
@@ -137,10 +140,10 @@ fn piled_up(values: &[f64]) -> Option<f64> {
         let quarter = half.copied().map(|v| (v - if light { most } else { least }).abs());
         quarter.filter(|d| *d < 0.2 * (most - least)).fold(0.0, f64::max)
     };
-    if share(true, most) > PILED && range(false) > NOISY {
+    if share(true, most) > limits.piled && range(false) > limits.noisy {
         return Some(most);
     }
-    (share(false, least) > PILED && range(true) > NOISY).then_some(least)
+    (share(false, least) > limits.piled && range(true) > limits.noisy).then_some(least)
 }
 
 impl Narrow {
@@ -167,7 +170,7 @@ impl Narrow {
 
     /// Whether the picture has no room for another frame of `columns`.
     pub(crate) fn is_full_for(&self, columns: usize) -> bool {
-        self.count + columns > POOLED
+        self.count + columns > NarrowLimits::get().pooled
     }
 
     /// Measures the picture anew, from the search on; false where it does not hold just `columns`
@@ -181,7 +184,7 @@ impl Narrow {
     }
 
     fn measure_picture(&mut self) -> Result<(), FrameRefused> {
-        if self.count < LEAST { self.few() } else { self.many() }
+        if self.count < StreamLimits::get().least_columns { self.few() } else { self.many() }
     }
 
     /// Whether a view is of the camera whose readings are kept.
@@ -191,9 +194,10 @@ impl Narrow {
 
     /// Measures a frame's columns among the readings before them.
     pub(crate) fn measure(&mut self, view: &FrameView<'_>, out: &mut FrameEdges) -> Result<(), FrameRefused> {
+        let limits = NarrowLimits::get();
         let columns = view.columns();
-        if self.count + columns > POOLED {
-            let gone = self.count + columns - POOLED;
+        if self.count + columns > limits.pooled {
+            let gone = self.count + columns - limits.pooled;
             self.lines.drop_front(gone * self.rows);
             self.count -= gone;
         }
@@ -222,12 +226,12 @@ impl Narrow {
     /// Measures fewer readings than a picture needs: repeated, with the noise of neighbouring
     /// pixels.
     fn few(&mut self) -> Result<(), FrameRefused> {
-        let values = self.values();
+        let (values, least) = (self.values(), StreamLimits::get().least_columns);
         if let Some(level) = piled_up(&values) {
             return Err(refused(
                 Reason::Saturated,
                 format!(
-                    "the light or the shadow of a reading by itself stands at {level} counts in most of its pixels, as what is clipped does; {LEAST} readings of a stream tell, or expose less"
+                    "the light or the shadow of a reading by itself stands at {level} counts in most of its pixels, as what is clipped does; {least} readings of a stream tell, or expose less"
                 ),
             ));
         }
@@ -236,14 +240,14 @@ impl Narrow {
             given => given,
         };
         self.pooled.set_noise(noise, true);
-        for copy in self.count..LEAST {
+        for copy in self.count..least {
             self.lines.repeat((copy - self.count) * self.rows, self.rows);
         }
-        let measured = self.measure_lines(LEAST);
+        let measured = self.measure_lines(least);
         self.lines.truncate(self.count * self.rows);
         measured?;
         // Levels are known from the readings that there are, not from their copies.
-        let copies = (LEAST as f32 / self.count as f32).sqrt();
+        let copies = (least as f32 / self.count as f32).sqrt();
         let edges = self.edges.top.iter_mut().chain(&mut self.edges.bottom);
         edges.for_each(|edge| edge.u_shared_px *= copies);
         Ok(())
@@ -308,7 +312,7 @@ impl Narrow {
     /// Adds what the readings just measured leave of the edge model, where none has been added
     /// before.
     pub(crate) fn accumulate(&mut self, residuals: &mut ResidualAccumulator) {
-        if self.untaught >= self.count && self.count >= LEAST {
+        if self.untaught >= self.count && self.count >= StreamLimits::get().least_columns {
             self.untaught = 0;
             self.pooled.accumulate(residuals, &self.edges);
         }

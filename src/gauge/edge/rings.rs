@@ -16,43 +16,50 @@ use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::scan_windows::{Side, Windows};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edges::FrameRefused;
+use crate::gauge::limit::limits;
 use crate::profile::Reason;
 
-/// Columns looked at.
-const LOOKED_AT: usize = 64;
-/// Pixels beyond the windows in which rings are looked for: the first three of a pattern whose unit
-/// √(λz/2) is 100 px.
-const BEYOND: usize = 384;
-/// Share of the clipped contrast by which the light must fall and rise again: the first valley lies
-/// 0.59 of the bright field below the first crest and 0.42 below the second; light that a lamp
-/// leaves uneven does not rise again, and what a lens in partially coherent light leaves of rings
-/// is less.
-const SWING: f64 = 0.1;
-/// Light that falls deeper than this share of the clipped contrast is no valley between rings but
-/// another shadow: the first valley has 0.78 of the bright field, 0.57 of a scale that ends at the
-/// crest.
-const DEEPEST: f64 = 0.35;
-/// Pixels in a row at the same largest grey value that make a crest cut flat, and share of the
-/// columns that show one.
-const CUT: usize = 3;
-const MOST_COLUMNS: f64 = 0.75;
-
-/// Relative difference of widths of a ringed pattern below which windows serve both: a fifth of a
-/// radian at its farthest ring.
-const SAME_WIDTH: f64 = 2e-3;
-/// Factor of the contrast by which a row among rings must depart from its neighbours to be a stuck
-/// one, over that in even light: a narrow valley lies 0.6 of the contrast below its crests.
-const RING_TO_RING: f32 = 4.0;
+limits! {
+    /// When the rings of coherent light are clipped.
+    RingLimits = "rings";
+    /// Columns looked at: a share of three quarters is known to 5 % from 64.
+    looked_at: usize = 64;
+    /// Pixels beyond the windows in which rings are looked for: the first three of a pattern whose
+    /// unit √(λz/2) is 100 px.
+    beyond_px: usize = 384;
+    /// Share of the clipped contrast by which the light must fall and rise again: the first valley
+    /// lies 0.59 of the bright field below the first crest and 0.42 below the second; light that a
+    /// lamp leaves uneven does not rise again, and what a lens in partially coherent light leaves
+    /// of rings is less.
+    swing: f64 = 0.1;
+    /// Light below this share of the clipped contrast is no valley between rings but another
+    /// shadow: the first valley has 0.78 of the bright field, 0.57 of a scale that ends at the
+    /// crest.
+    deepest: f64 = 0.35;
+    /// Pixels in a row at the same largest grey value that make a crest cut flat: rounding leaves
+    /// two equal. Tuned: see study limits.
+    cut: usize = 3;
+    /// Share of the columns that must show one: a single clipped column is a hot pixel beside a
+    /// crest. Tuned: see study limits.
+    most_columns: f64 = 0.75;
+    /// Relative difference of widths of a ringed pattern below which windows serve both: a fifth of
+    /// a radian at its farthest ring.
+    same_width: f64 = 2e-3;
+    /// Factor of the contrast by which a row among rings must depart from its neighbours to be a
+    /// stuck one, over that in even light: a narrow valley lies 0.6 of the contrast below its
+    /// crests.
+    ring_to_ring: f32 = 4.0;
+}
 
 /// Whether windows laid out for one width of a pattern do not serve another: flat ends that see
 /// rings see others then.
 pub(crate) fn differ(shape: &EdgeSpreadFunction, one: f64, other: f64) -> bool {
-    shape.is_ringed() && (one / other).ln().abs() > SAME_WIDTH
+    shape.is_ringed() && (one / other).ln().abs() > RingLimits::get().same_width
 }
 
 /// The contrast by which stuck rows are found.
 pub(crate) fn stuck_contrast(shape: &EdgeSpreadFunction, contrast: f32) -> f32 {
-    if shape.is_ringed() { RING_TO_RING * contrast } else { contrast }
+    if shape.is_ringed() { RingLimits::get().ring_to_ring * contrast } else { contrast }
 }
 
 /// Checks that no ring is clipped: without the crests the position of the edge is not determined.
@@ -83,27 +90,29 @@ pub(crate) fn check<T: Sample>(plane: &Plane<'_, T>, sides: &[SideState; 2]) -> 
 
 /// Columns with a window, thinned.
 fn looked_at(windows: &Windows) -> impl Iterator<Item = usize> + '_ {
-    let step = windows.centre.len().div_ceil(LOOKED_AT).max(1);
+    let step = windows.centre.len().div_ceil(RingLimits::get().looked_at).max(1);
     (0..windows.centre.len()).step_by(step).filter(|c| windows.centre[*c].is_ok())
 }
 
 /// The grey value at which crests inside the windows are cut flat; `None` where they are whole.
 fn clipped_crest(windows: &Windows) -> Option<f32> {
+    let limits = RingLimits::get();
     let used = windows.width.checked_sub(1)?;
     let most = |column: usize| windows.of(column)[..used].iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let level = looked_at(windows).map(most).fold(f32::NEG_INFINITY, f32::max);
     let (mut cut, mut all) = (0_usize, 0_usize);
     for column in looked_at(windows) {
         let longest = windows.of(column)[..used].chunk_by(|a, b| a == b).filter(|run| run[0] == level);
-        cut += usize::from(longest.map(<[f32]>::len).max().unwrap_or(0) >= CUT);
+        cut += usize::from(longest.map(<[f32]>::len).max().unwrap_or(0) >= limits.cut);
         all += 1;
     }
-    (all > 0 && cut as f64 >= MOST_COLUMNS * all as f64).then_some(level)
+    (all > 0 && cut as f64 >= limits.most_columns * all as f64).then_some(level)
 }
 
 /// The grey value at which light beside the edges is clipped, where that light falls and rises
 /// again farther out.
 fn rings_beyond<T: Sample>(plane: &Plane<'_, T>, windows: &Windows, ends: Option<Ends>) -> Option<f32> {
+    let limits = RingLimits::get();
     let high = ends.filter(|e| e.high.is_finite())?.high;
     let profile = mean_profile(plane, windows);
     let (mut dark, mut count) = (0.0, 0.0);
@@ -114,10 +123,10 @@ fn rings_beyond<T: Sample>(plane: &Plane<'_, T>, windows: &Windows, ends: Option
     let mut valley = f64::INFINITY;
     for value in profile {
         valley = valley.min(value);
-        if high - valley > (1.0 - DEEPEST) * contrast {
+        if high - valley > (1.0 - limits.deepest) * contrast {
             return None;
         }
-        if high - valley > SWING * contrast && value - valley > SWING * contrast {
+        if high - valley > limits.swing * contrast && value - valley > limits.swing * contrast {
             return Some(high as f32);
         }
     }
@@ -127,12 +136,14 @@ fn rings_beyond<T: Sample>(plane: &Plane<'_, T>, windows: &Windows, ends: Option
 /// Mean grey values outwards from the edges' own windows over the columns looked at, to the border
 /// of the field.
 fn mean_profile<T: Sample>(plane: &Plane<'_, T>, windows: &Windows) -> Vec<f64> {
+    let limits = RingLimits::get();
     let (down, sign) = (windows.side == Side::Bottom, windows.side.sign());
     let ahead = (windows.width - half(windows.width)) as i32;
     let room = |centre: i32| if down { plane.rows as i32 - 1 - centre } else { centre };
     let centres = looked_at(windows).filter_map(|c| windows.centre[c].ok());
     let length =
-        centres.map(|centre| room(centre) - ahead).min().unwrap_or(0).clamp(0, BEYOND as i32) as usize;
+        centres.map(|centre| room(centre) - ahead).min().unwrap_or(0).clamp(0, limits.beyond_px as i32)
+            as usize;
     let mut sums = vec![0.0; length];
     let mut line = vec![0.0_f32; length];
     let mut count = 0.0;

@@ -6,7 +6,7 @@ use super::estimation::side_survey::{GreyScaleLimits, SideSurvey};
 use super::image::window_layout::{half, window_width};
 use super::model::systematic_residual::SystematicResidual;
 use super::rejection::neighbour_test;
-use super::side_parts::{ColumnKind, SideFigures, TABLE_BYTES, Workspace};
+use super::side_parts::{ColumnKind, SideFigures, TableLimits, Workspace};
 use crate::gauge::edge::estimation::blur::{self, BlurContext, BlurEstimate, BlurLimits};
 use crate::gauge::edge::estimation::blur_track::{BlurTrack, Change, Placed, TrackView};
 use crate::gauge::edge::estimation::censored::Ends;
@@ -25,16 +25,23 @@ use crate::gauge::edge::image::scan_windows::{LevelSums, Side, Windows, slopes};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::rejection::residual_test;
 use crate::gauge::edges::{Edge, RESIDUAL_BLOCK};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::{Blur, GaugeSettings, Levels, Rejection};
 use crate::numerics::distributions::{chi2_ratio_limit, upper_normal_quantile};
 use crate::profile::Reason;
 
-/// Differences looked at per level for the noise: its variance is then known to 3 %.
-const NOISE_SAMPLES: usize = 4096;
-/// Relative difference of blurs that share a table; under rings one moves an edge by 12 px of
-/// itself.
-const SAME_BLUR: f64 = 0.004;
-const SAME_RINGS: f64 = 1e-4;
+limits! {
+    /// What one side of the silhouette samples, and which blurs are the same.
+    SideLimits = "side";
+    /// Differences looked at per level for the noise: its variance is then known to 3 %.
+    noise_samples: usize = 4096;
+    /// Relative difference of blurs that share a table: weights that are off by so little cost
+    /// nothing in u (it is stationary in them) and move no edge, whose score is odd about it.
+    same_blur: f64 = 0.004;
+    /// The same under rings, where blur scales the pattern and moves an edge by 12 px of itself:
+    /// 0.001 px.
+    same_rings: f64 = 1e-4;
+}
 
 /// Track, settings and memory of one side.
 #[derive(Clone, Debug)]
@@ -155,11 +162,13 @@ impl SideState {
         sigma: f64,
         centring: Option<f64>,
     ) {
+        let table_limits = TableLimits::get();
         self.windows.centre.clear();
         self.windows.centre.extend_from_slice(centres);
         self.windows.centred = centring.is_none();
         self.work.laid_out = sigma;
-        self.work.most_table_bytes = (plane.rows * plane.columns).clamp(TABLE_BYTES.0, TABLE_BYTES.1);
+        self.work.most_table_bytes =
+            (plane.rows * plane.columns).clamp(table_limits.least_bytes, table_limits.most_bytes);
         self.work.outliers.reserve(plane.columns);
         self.figures.model_uncertainty_px.reserve(
             plane.columns.div_ceil(RESIDUAL_BLOCK).saturating_sub(self.figures.model_uncertainty_px.len()),
@@ -265,12 +274,12 @@ impl SideState {
     }
 
     /// Differences of neighbouring columns' flat pixels, thinned to about half of
-    /// [`NOISE_SAMPLES`].
+    /// `side.noise_samples`.
     fn collect_differences(&mut self, in_light: bool) {
         let (windows, out) = (&self.windows, &mut self.work.differences);
         let (columns, flat, width) = (windows.centre.len(), windows.flat, windows.width);
         let first = if in_light { width - 1 - flat } else { 0 };
-        let step = (columns * flat).div_ceil(NOISE_SAMPLES / 2).max(2);
+        let step = (columns * flat).div_ceil(SideLimits::get().noise_samples / 2).max(2);
         out.resize(columns.div_ceil(step) * flat, 0.0);
         let mut places = out.chunks_exact_mut(flat);
         let mut taken = 0;
@@ -327,13 +336,14 @@ impl SideState {
     /// Takes the blur anew from the columns that were not refused: what shades an edge is blurred
     /// otherwise. False where it does not change.
     pub(crate) fn settle_blur(&mut self, noise: &NoiseModel, line: &[Edge]) -> bool {
+        let limits = SideLimits::get();
         let looked_for = self.windows.centre.iter().zip(line).filter(|(centre, _)| centre.is_ok());
         let refused = looked_for.filter(|(_, edge)| !edge.is_usable()).count();
         if refused <= line.len() / 100 {
             return false;
         }
         let settled = self.refined_blur(noise, self.blur.mean(), Some(line));
-        let differs = |(one, other): (&f64, &f64)| (one / other).ln().abs() > SAME_BLUR;
+        let differs = |(one, other): (&f64, &f64)| (one / other).ln().abs() > limits.same_blur;
         let changed = settled.sigma.iter().zip(&self.blur.sigma).any(differs);
         let fits = self.window_width(settled.mean()) <= self.windows.width;
         if changed && fits {
@@ -374,8 +384,9 @@ impl SideState {
 
     /// Index of the table for a blur and noise slope, built where it is missing.
     fn table(&mut self, sigma: f64, kappa: f64, free_levels: bool) -> usize {
+        let limits = SideLimits::get();
         let width = self.windows.width;
-        let same = if self.shape.is_ringed() { SAME_RINGS } else { SAME_BLUR };
+        let same = if self.shape.is_ringed() { limits.same_rings } else { limits.same_blur };
         let near = |t: &Table| {
             t.width == width && (t.sigma / sigma).ln().abs() < same && (t.kappa - kappa).abs() < 0.08
         };
@@ -521,6 +532,7 @@ impl SideState {
 
     /// End of the columns from `from` on that share a blur.
     fn end_of_run(&self, from: usize, sigma: f64) -> usize {
+        let limits = SideLimits::get();
         let columns = self.windows.centre.len();
         let level_slope = BlurLimits::get().level_slope;
         let level = |slope: &f32| slope.abs() < level_slope;
@@ -528,7 +540,7 @@ impl SideState {
             return self.blur.end_of_run(from, columns);
         }
         (from + 1..columns)
-            .find(|c| (self.sigma_at(*c) - sigma).abs() >= SAME_BLUR * sigma)
+            .find(|c| (self.sigma_at(*c) - sigma).abs() >= limits.same_blur * sigma)
             .unwrap_or(columns)
     }
 
@@ -542,7 +554,7 @@ impl SideState {
         // Readings one after the other: neighbours of an area camera differ by noise and form
         // alone.
         let is_readings = self.kind.level_lines && self.shape.is_ringed();
-        if is_readings && self.figures.reduced_chi2 < residual_test::MOST_NOISE {
+        if is_readings && self.figures.reduced_chi2 < residual_test::ResidualLimits::get().most_noise {
             residual_test::take_noise_back(line, self.figures.reduced_chi2);
             self.figures.reduced_chi2 = 1.0;
         }

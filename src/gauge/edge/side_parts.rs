@@ -7,10 +7,18 @@ use crate::gauge::edge::estimation::blur::BlurScratch;
 use crate::gauge::edge::estimation::levels::LevelPool;
 use crate::gauge::edge::estimation::scoring_table::Table;
 use crate::gauge::edge::image::part_localisation::CoarseEdge;
+use crate::gauge::limit::limits;
 
-/// Memory of the tables kept, bytes: one for each pixel of the frame, in these bounds. Steep edges
-/// need many tables.
-pub(super) const TABLE_BYTES: (usize, usize) = (1 << 20, 4 << 20);
+limits! {
+    /// Memory of the scoring tables that a side keeps.
+    TableLimits = "tables";
+    /// Memory of the tables kept, bytes, at least. Within these bounds there is one for each pixel
+    /// of the frame, since steep edges need many tables.
+    least_bytes: usize = 1 << 20;
+    /// Memory of the tables kept, bytes, at most: both sides' stay within the last cache of a small
+    /// computer.
+    most_bytes: usize = 4 << 20;
+}
 
 /// What the frame states of the side beside its edges.
 #[derive(Clone, Debug)]
@@ -75,7 +83,7 @@ impl Default for Workspace {
         Self {
             laid_out: 1.0,
             tables: Vec::new(),
-            most_table_bytes: TABLE_BYTES.0,
+            most_table_bytes: TableLimits::get().least_bytes,
             normalised: Vec::new(),
             floats: Vec::new(),
             differences: Vec::new(),

@@ -27,39 +27,53 @@ use crate::gauge::edge::image::plane::{Plane, Sample, all_finite, with_plane};
 use crate::gauge::edge::image::repeated::repeated_lines;
 use crate::gauge::edge::image::scan_windows::Side;
 use crate::gauge::edge::image::stuck_rows;
-use crate::gauge::edge::image::window_layout::WIDEST_PX;
+use crate::gauge::edge::image::window_layout::{LayoutLimits, WIDEST_PX};
 use crate::gauge::edge::model::edge_spread::{EdgeSpreadFunction, TabulatedEsf};
 use crate::gauge::edge::rejection::departures::AxisScratch;
 use crate::gauge::edge::rejection::one_sided::refuse_one_sided;
 use crate::gauge::edge::wire::frame;
 use crate::gauge::edges::{Edge, FrameEdges, FrameFigures, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::{Blur, EsfModel, GaugeSettings, Noise, Polarity, Rejection};
 use crate::profile::Reason;
 
+limits! {
+    /// When a stream follows its last frame.
+    StreamLimits = "stream";
+    /// Columns below which a frame is readings of a line camera: of fewer, no level is pooled, and
+    /// none shows a station or a stretch by itself. Levels from 16 columns are known to a quarter
+    /// of one column's.
+    least_columns: usize = 16;
+    /// Share of the columns of the last frame that a followed frame must keep: fewer, and the part
+    /// has moved or is another. Tuned: see study limits.
+    least_followed: f64 = 0.98;
+    /// χ² ratio over that of the last full search, above which a followed frame's blur is
+    /// doubted. Over a thousand columns noise changes it by less than one in a hundred.
+    most_chi2: f64 = 1.1;
+    /// Times that the edge-spread function is estimated from the edges found and fitted with: the
+    /// shape then changes places by far less than their u. Tuned: see study limits.
+    lessons: usize = 3;
+    /// Blur, px, with which windows are laid out anew where a stuck row crosses those of a wider
+    /// first guess: that of a telecentric lens in focus.
+    usual_sigma_px: f64 = 1.0;
+    /// Share of a side's windows that a stuck row may cross: beyond a half the rest is no view of
+    /// the part.
+    most_crossed: f64 = 0.5;
+    /// Frames after which the part is searched anew, in case another has come in: a few seconds of
+    /// a camera's frames, over which a search costs little.
+    search_every: u32 = 256;
+}
+
 /// Fewest rows: the shortest window; and fewest columns.
-const LEAST_ROWS: usize = 24;
-pub(crate) const LEAST_COLUMNS: usize = 16;
-/// A followed frame must keep this fraction of the columns that the last one had.
-const LEAST_FOLLOWED: f64 = 0.98;
-/// Median residual above which a followed frame's blur is doubted, as a multiple of the last full
-/// search's.
-const MOST_CHI2: f64 = 1.1;
-/// Times that the edge-spread function is learnt and fitted with.
-const LESSONS: usize = 3;
-/// A usual blur, px.
-const USUAL_SIGMA_PX: f64 = 1.0;
-/// Share of a side's windows that a stuck row may cross.
-const MOST_CROSSED: f64 = 0.5;
-/// Frames after which the part is searched anew, in case another has come in.
-const SEARCH_EVERY: u32 = 256;
 
 /// Refuses views too small for any window, or with values that are none.
 ///
 /// # Errors
 /// Fewer rows than the shortest window, a grey value that is not finite.
 pub(crate) fn check(view: &FrameView<'_>) -> Result<(), FrameRefused> {
-    if view.rows() < LEAST_ROWS {
-        return Err(explain::too_small((view.rows(), view.columns()), LEAST_ROWS));
+    let least = LayoutLimits::get().least_width;
+    if view.rows() < least {
+        return Err(explain::too_small((view.rows(), view.columns()), least));
     }
     if !all_finite(view) {
         return Err(refused(Reason::Unreadable, explain::NOT_FINITE.to_owned()));
@@ -188,7 +202,8 @@ impl AreaStream {
         last: Last,
         out: &mut FrameEdges,
     ) -> bool {
-        if last.size != (plane.rows, plane.columns) || last.frames + 1 >= SEARCH_EVERY {
+        let limits = StreamLimits::get();
+        if last.size != (plane.rows, plane.columns) || last.frames + 1 >= limits.search_every {
             return false;
         }
         let sigma = self.sides.iter().map(|s| s.blur.mean()).fold(0.0, f64::max);
@@ -200,7 +215,8 @@ impl AreaStream {
         }
         let valid = self.valid(out) as f64;
         let reduced_chi2 = self.reduced_chi2();
-        if valid < LEAST_FOLLOWED * last.valid as f64 || reduced_chi2 > MOST_CHI2 * last.reduced_chi2.max(1.0)
+        if valid < limits.least_followed * last.valid as f64
+            || reduced_chi2 > limits.most_chi2 * last.reduced_chi2.max(1.0)
         {
             return false;
         }
@@ -284,6 +300,7 @@ impl AreaStream {
         scale: GreyScaleLimits,
         out: &mut FrameEdges,
     ) -> Result<bool, FrameRefused> {
+        let limits = StreamLimits::get();
         let found = self.coarse.find_part(plane, &self.settings);
         found.map_err(|none| explain::no_shadow(plane, &self.settings, none))?;
         if let Some(lines) = repeated_lines(plane) {
@@ -309,8 +326,8 @@ impl AreaStream {
         survey = match clear {
             // A stuck row within the wide windows of the first guess may have made that guess:
             // narrow ones may be clear of it.
-            Err(_) if given.is_none() && sigma > USUAL_SIGMA_PX => {
-                sigma = USUAL_SIGMA_PX;
+            Err(_) if given.is_none() && sigma > limits.usual_sigma_px => {
+                sigma = limits.usual_sigma_px;
                 let survey = self.read_windows(plane, scale, sigma, Some(self.settings.max_slope))?;
                 self.leave_out_stuck(plane, scale, survey)?
             }
@@ -355,11 +372,12 @@ impl AreaStream {
         scale: GreyScaleLimits,
         survey: FrameSurvey,
     ) -> Result<FrameSurvey, FrameRefused> {
+        let limits = StreamLimits::get();
         let contrast = rings::stuck_contrast(&self.shape, (survey.light - survey.dark) as f32);
         let mut any = false;
         for side in self.sides.iter_mut().filter(|side| !side.kind.copies) {
             let Some(stuck) = stuck_rows::leave_out(plane, &mut side.windows, contrast) else { continue };
-            if stuck.share > MOST_CROSSED {
+            if stuck.share > limits.most_crossed {
                 return Err(explain::stuck_row(stuck.row, plane.sign * stuck.level, side.windows.width / 2));
             }
             any = true;
@@ -371,7 +389,8 @@ impl AreaStream {
     /// Learns each side's edge-spread function and fits again; a side that does not determine it
     /// keeps the Gaussian.
     fn learn(&mut self, survey: &FrameSurvey, out: &mut FrameEdges) {
-        for _ in 0..LESSONS {
+        let limits = StreamLimits::get();
+        for _ in 0..limits.lessons {
             let [top, bottom] = &mut self.sides;
             let clipped = survey.ends.map(|ends| ends.is_some());
             let learnt = (!clipped[0] && top.learn(&out.top), !clipped[1] && bottom.learn(&out.bottom));

@@ -10,7 +10,23 @@ use super::error::RingError;
 use super::settings::RingSettings;
 use crate::frame::FrameView;
 use crate::gauge::edge::image::valleys::{Bridged, Valleys, median_down};
+use crate::gauge::limit::limits;
 use crate::numerics::robust::median_of as median;
+
+limits! {
+    /// When a frame shows a ring.
+    CoarseRingLimits = "ring_coarse";
+    /// Most directions that an outline is looked at in: one a degree.
+    most_directions: usize = 360;
+    /// Arc between directions, px: the farthest pixel of a narrower sector stands well inside the
+    /// outline.
+    arc_px: f64 = 3.0;
+    /// Least contrast over the scatter of light and shadow: splitting pure Gaussian noise at its
+    /// mean gives 1.87 times the two halves' scatter.
+    least_contrast: f64 = 2.5;
+    /// Least contrast of whole counts: between fewer steps rounding is a shape of its own.
+    least_counts: f64 = 4.0;
+}
 
 /// Result of the coarse search, to about a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -20,11 +36,6 @@ pub(super) struct Coarse {
     /// Bore; `None` for a disc.
     pub(super) inner: Option<Circle>,
 }
-
-/// Most directions that an outline is looked at in, and the arc between them, px: the farthest
-/// pixel of a narrower sector stands well inside the outline.
-const MOST_DIRECTIONS: usize = 360;
-const ARC_PX: f64 = 3.0;
 
 /// Grey values row by row, shadow below light whatever the part's polarity.
 struct Grey {
@@ -112,14 +123,10 @@ impl Grey {
     }
 }
 
-/// Least contrast over the scatter of light and shadow: splitting pure Gaussian noise at its mean
-/// gives 1.87 times the two halves' scatter. And least contrast of whole counts.
-const LEAST_CONTRAST: f64 = 2.5;
-const LEAST_COUNTS: f64 = 4.0;
-
 /// Middle between the means of the two classes that split the histogram best (iterative selection,
 /// Ridler & Calvard 1978).
 fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
+    let limits = CoarseRingLimits::get();
     let line = |row: &[f32]| row.iter().step_by(2).map(|v| f64::from(*v)).collect::<Vec<f64>>();
     let values: Vec<f64> = grey.values.chunks_exact(grey.columns).step_by(2).flat_map(line).collect();
     let mean = |over: &dyn Fn(f64) -> bool| {
@@ -143,10 +150,10 @@ fn threshold(grey: &Grey, whole_counts: bool) -> Result<f64, RingError> {
     let (dark, light) = (mean(&|v| v < level), mean(&|v| v >= level));
     let (contrast, noise) = (light.0 - dark.0, dark.1.hypot(light.1));
     if dark.2 == 0.0 {
-        return Err(RingError::LowContrast { contrast: 0.0, noise: light.1, least: LEAST_CONTRAST });
+        return Err(RingError::LowContrast { contrast: 0.0, noise: light.1, least: limits.least_contrast });
     }
-    if contrast < LEAST_CONTRAST * noise || contrast < LEAST_COUNTS && whole_counts {
-        return Err(RingError::LowContrast { contrast, noise, least: LEAST_CONTRAST });
+    if contrast < limits.least_contrast * noise || contrast < limits.least_counts && whole_counts {
+        return Err(RingError::LowContrast { contrast, noise, least: limits.least_contrast });
     }
     Ok(level)
 }
@@ -187,13 +194,14 @@ fn largest_inside(labels: &[u32], rows: usize, columns: usize) -> Shadows {
 /// Circles of the outline and the bore, from the farthest and nearest pixels in each direction,
 /// around a centre that is moved until the outline's first harmonic vanishes.
 fn outline(pixels: &[usize], columns: usize) -> Result<Option<Coarse>, RingError> {
+    let limits = CoarseRingLimits::get();
     if pixels.len() < 100 {
         return Ok(None);
     }
     let at = |p: &usize| DVec2::new((p % columns) as f64, (p / columns) as f64);
     let mut centre = pixels.iter().map(at).sum::<DVec2>() / pixels.len() as f64;
     let farthest = pixels.iter().map(|p| at(p).distance(centre)).fold(0.0, f64::max);
-    let directions = ((TAU * farthest / ARC_PX) as usize).clamp(12, MOST_DIRECTIONS);
+    let directions = ((TAU * farthest / limits.arc_px) as usize).clamp(12, limits.most_directions);
     let mut extremes = Vec::new();
     for _ in 0..4 {
         extremes = vec![(f64::INFINITY, 0.0_f64); directions];

@@ -7,6 +7,15 @@ use crate::frame::FrameView;
 use crate::gauge::edge::estimation::censored::Ends;
 use crate::gauge::edge::estimation::grey_ends::{self, Level};
 use crate::gauge::edge::estimation::light_field::LightField;
+use crate::gauge::limit::limits;
+
+limits! {
+    /// Which pixels of the band around an edge are flat.
+    BandLimits = "ring_band";
+    /// Share of the band's half width beyond which pixels are flat: the band reaches several times
+    /// the blur to either side. Tuned: see study limits.
+    flat: f64 = 0.7;
+}
 
 /// One pixel near an edge.
 #[derive(Clone, Copy, Debug)]
@@ -83,9 +92,6 @@ pub(super) fn collect(view: &FrameView<'_>, order: &BandOrder) -> Band {
     Band { sectors, turned: order.bright_on_dark }
 }
 
-/// Share of the band's half width beyond which pixels are flat.
-pub(super) const FLAT: f64 = 0.7;
-
 impl Band {
     /// Divides the pixels by an uneven light; `dark` is the shadow's level, counts, and `circle`
     /// the circle of the band.
@@ -100,8 +106,9 @@ impl Band {
     /// Where the band's grey values are clipped, if they are; `flank` is the noise at mid-edge,
     /// counts, and `whole` whether grey values are whole counts.
     pub(super) fn ends(&self, flank: f64, whole: bool) -> Option<Ends> {
+        let limits = BandLimits::get();
         let reach = self.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
-        let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > FLAT * reach;
+        let flat = |level: Level, p: &&EdgePixel| f64::from(level.sign()) * p.distance > limits.flat * reach;
         let of = |level: Level| -> Vec<Vec<f32>> {
             let values = |sector: &Vec<EdgePixel>| {
                 let flat = sector.iter().filter(|p| flat(level, p));

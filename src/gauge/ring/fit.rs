@@ -15,32 +15,48 @@ use crate::gauge::edge::estimation::censored::{Censored, Ends};
 use crate::gauge::edge::estimation::grey_ends::robust_mean;
 use crate::gauge::edge::estimation::rounding::{noise_behind, repeated_variance};
 use crate::gauge::edge::model::shape_terms::{ShapeTermLimits, ShapeTerms, TERMS, term_border};
+use crate::gauge::limit::limits;
 use crate::numerics::distributions::phi_pdf;
 use crate::numerics::robust::{MEDIAN_TO_SD, median_of as median};
+
+limits! {
+    /// When pixels and calipers of a ring show an edge.
+    RingFitLimits = "ring_fit";
+    /// Residual in standard deviations, beyond which it counts by its size only (Huber): a hair in
+    /// the light must not lower its level. Noise loses 0.3 % of its pixels.
+    huber: f64 = 3.0;
+    /// Residual in standard deviations, beyond which a pixel is hot or dead, or contamination:
+    /// noise reaches it once in 5·10⁸ pixels.
+    stray: f64 = 6.0;
+    /// Stray pixels that a caliper may have: of 2 % hot pixels, one caliper of thirty pixels in
+    /// fifty has more; contamination covers more.
+    most_stray: usize = 2;
+    /// χ² of a caliper over the usual one, above which it does not show an edge. Of noise with ten
+    /// degrees of freedom 4 is exceeded in 10⁻⁵ of the calipers.
+    chi2: f64 = 4.0;
+    /// Share of a pixel's square that its caliper's shift leaves of it, above which it is evaluated
+    /// for the noise: a smaller share is divided by with a large error.
+    least_left: f64 = 0.1;
+    /// Change of a step, px and fractions of the contrast, below which the calipers of clipped
+    /// light are tested: a tenth of the u that noise of 1 % of the contrast gives a caliper of
+    /// thirty pixels.
+    settled: f64 = 1e-3;
+    /// Upper bound of the contrast in the fit, as a multiple of the part of it that is seen: the
+    /// flank of light clipped at a quarter shows little of its shape. Tuned: see study limits.
+    most_contrast: f64 = 4.0;
+    /// Distance of the samples, px, by which shape terms are made orthogonal: the least blur in the
+    /// fit.
+    shape_step_px: f64 = 0.25;
+    /// Width of the steps in which a refused caliper is read, px: half the distance of two pixels
+    /// along it.
+    crossing_step_px: f64 = 0.5;
+}
 
 /// B0, B1, B2, A0, A1, A2, σ.
 const POOLED: usize = 7;
 /// The same and the amplitudes of the shape terms.
 const SHAPED: usize = POOLED + TERMS;
 const SIGMA: usize = 6;
-/// Residuals beyond so many standard deviations count by their size only (Huber): a hair in the
-/// light must not lower its level.
-const HUBER: f64 = 3.0;
-/// Residuals beyond so many standard deviations are hot or dead pixels, or contamination: noise
-/// reaches it once in 5·10⁸ pixels. A caliper may have so many of them (of 2 % hot pixels, one
-/// caliper of thirty pixels in fifty has more); contamination covers more.
-const STRAY: f64 = 6.0;
-const MOST_STRAY: usize = 2;
-/// χ² of a caliper over the usual one above which it does not show an edge.
-const CHI2_GATE: f64 = 4.0;
-/// Least share of a pixel's square that its caliper's shift leaves of it where it is asked for the
-/// noise.
-const LEAST_LEFT: f64 = 0.1;
-/// Change of a step below which the calipers of clipped light are tested, px and fractions of the
-/// contrast.
-const SETTLED: f64 = 1e-3;
-/// Upper bound of the contrast in the fit, as a multiple of the part of it that is seen.
-const MOST_CONTRAST: f64 = 4.0;
 type Vector<const P: usize> = SVector<f64, P>;
 type Matrix<const P: usize> = SMatrix<f64, P, P>;
 
@@ -194,11 +210,11 @@ impl<const P: usize> State<P> {
     /// Makes the shape terms orthogonal to position and blur of an edge seen whole, under the
     /// current noise.
     fn separate(&mut self, reach: f64) {
-        const STEP: f64 = 0.25;
+        let limits = RingFitLimits::get();
         let (sigma, variance) = (self.pooled[SIGMA], self.variance);
-        let count = (2.0 * reach / STEP) as usize;
+        let count = (2.0 * reach / limits.shape_step_px) as usize;
         let samples = (0..=count).map(|k| {
-            let distance = k as f64 * STEP - reach;
+            let distance = k as f64 * limits.shape_step_px - reach;
             let edge = square_edge(distance, 1.0, 0.0, sigma);
             let by = [edge.by_distance, edge.by_sigma];
             (by, plain_terms(distance, sigma), variance.at(edge.value).recip())
@@ -217,6 +233,7 @@ impl<const P: usize> State<P> {
     }
 
     fn sums(&self, pixels: &[EdgePixel], shift: f64) -> Sums<P> {
+        let limits = RingFitLimits::get();
         let mut s = Sums {
             normal: Matrix::<P>::zeros(),
             right: Vector::<P>::zeros(),
@@ -243,14 +260,14 @@ impl<const P: usize> State<P> {
                 s.by_noise.0 += by_pooled * by_noise;
                 s.by_noise.1 += by_shift * by_noise;
             }
-            if residual.abs() > STRAY * variance.sqrt() {
+            if residual.abs() > limits.stray * variance.sqrt() {
                 s.stray += 1;
             } else {
                 s.chi2 += if between { residual * residual / variance } else { 0.0 };
                 s.pixels += expected;
             }
             let weight =
-                (HUBER * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
+                (limits.huber * variance.sqrt() / residual.abs().max(f64::MIN_POSITIVE)).min(1.0) / variance;
             let informed = weight * information;
             s.normal += by_pooled * by_pooled.transpose() * informed;
             s.right += by_pooled * (weight * residual);
@@ -264,6 +281,7 @@ impl<const P: usize> State<P> {
     /// One Gauss-Newton step; the change of the pooled parameters and of the mean caliper, px, or
     /// `None` if the equations are singular.
     fn step(&mut self, band: &Band) -> Option<f64> {
+        let limits = RingFitLimits::get();
         let sums: Vec<Sums<P>> =
             band.sectors.iter().zip(&self.shifts).map(|(pixels, shift)| self.sums(pixels, *shift)).collect();
         let (mut normal, mut right) = (Matrix::<P>::zeros(), Vector::<P>::zeros());
@@ -282,7 +300,7 @@ impl<const P: usize> State<P> {
         let change = full * scale;
         self.pooled += change;
         if let Some(clipped) = self.clipped.as_ref().filter(|_| P == SHAPED) {
-            self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, MOST_CONTRAST * clipped.seen);
+            self.pooled[3] = self.pooled[3].clamp(0.3 * clipped.seen, limits.most_contrast * clipped.seen);
         }
         self.pooled[SIGMA] = self.pooled[SIGMA].clamp(0.25, 5.0);
         let (mut moved, mut count) = (0.0, 0.0);
@@ -301,6 +319,7 @@ impl<const P: usize> State<P> {
     /// flank, and its own shift takes its share of their squares: what is left of one is 1 − h of
     /// it, h = w·(∂m/∂δ)²/Σw·(∂m/∂δ)².
     fn estimate_variance(&mut self, band: &Band) {
+        let limits = RingFitLimits::get();
         let mut zones = [Vec::new(), Vec::new(), Vec::new()];
         let ends = self.clipped.map_or(Ends::NONE, |c| c.ends);
         let separated = self.clipped.as_ref().map(|c| &c.separated);
@@ -323,7 +342,7 @@ impl<const P: usize> State<P> {
                     _ => continue,
                 };
                 let left = 1.0 - informed(light, by_shift) / own;
-                if left > LEAST_LEFT {
+                if left > limits.least_left {
                     zones[zone].push(((pixel.value - value).powi(2) / left) as f32);
                 }
             }
@@ -360,13 +379,14 @@ impl<const P: usize> State<P> {
     /// Refuses calipers whose residuals do not look like an edge, or whose edge departs from the
     /// neighbours'.
     fn judge(&mut self, band: &Band, outlier_sigmas: f64) {
+        let limits = RingFitLimits::get();
         let judged: Vec<(f64, f64)> = band
             .sectors
             .iter()
             .zip(&self.shifts)
             .map(|(pixels, shift)| {
                 let s = self.sums(pixels, *shift);
-                if s.pixels < 5.0 || s.own <= 0.0 || s.stray > MOST_STRAY {
+                if s.pixels < 5.0 || s.own <= 0.0 || s.stray > limits.most_stray {
                     return (f64::INFINITY, f64::INFINITY);
                 }
                 (s.chi2 / (s.pixels - 1.0), s.own.sqrt().recip())
@@ -378,7 +398,7 @@ impl<const P: usize> State<P> {
         // Along a slope most calipers are their own neighbourhood's median: the departures' scatter
         // alone would be 0.
         let scale = (MEDIAN_TO_SD * median(departure.iter().map(|d| d.abs()).collect())).max(usual(|j| j.1));
-        let level = usual(|j| j.0).max(1e-3) * CHI2_GATE;
+        let level = usual(|j| j.0).max(1e-3) * limits.chi2;
         for k in 0..judged.len() {
             let settled = self.steps[k].abs() < 1e-2;
             self.good[k] = settled && judged[k].0 <= level && departure[k].abs() <= outlier_sigmas * scale;
@@ -386,20 +406,18 @@ impl<const P: usize> State<P> {
     }
 }
 
-/// Width of the steps in which a refused caliper is read, px.
-const CROSSING_STEP: f64 = 0.5;
-
 impl<const P: usize> State<P> {
     /// First crossing of the middle between the levels, from the shadow outwards, of the mean grey
     /// values over the distance.
     fn crossing(&self, pixels: &[EdgePixel]) -> Option<f64> {
+        let limits = RingFitLimits::get();
         let reach = pixels.iter().map(|p| p.distance.abs()).fold(0.0, f64::max);
-        let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / CROSSING_STEP) as usize + 1];
+        let mut bins = vec![(0.0, 0.0, 0.0_f64); (2.0 * reach / limits.crossing_step_px) as usize + 1];
         for pixel in pixels {
             let p = &self.pooled;
             let middle =
                 p[0] + 0.5 * p[3] + (p[1] + 0.5 * p[4]) * pixel.cos + (p[2] + 0.5 * p[5]) * pixel.sin;
-            let bin = &mut bins[((pixel.distance + reach) / CROSSING_STEP) as usize];
+            let bin = &mut bins[((pixel.distance + reach) / limits.crossing_step_px) as usize];
             *bin = (bin.0 + pixel.distance, bin.1 + pixel.value - middle, bin.2 + 1.0);
         }
         let profile: Vec<(f64, f64)> =
@@ -438,6 +456,7 @@ fn settle<const P: usize>(
     band: &Band,
     outlier_sigmas: f64,
 ) -> Result<EdgeFit, String> {
+    let limits = RingFitLimits::get();
     let mut state = start.ok_or("no light on its outer side, or no shadow on its inner")?;
     let singular = "too few pixels, or all of them clipped";
     let reach = band.sectors.iter().flatten().map(|p| p.distance).fold(0.0, f64::max);
@@ -457,14 +476,14 @@ fn settle<const P: usize>(
         state.estimate_variance(band);
         // Calipers that still move are not tested: all of them do while the light beyond the end is
         // being estimated.
-        if round + 1 < rounds && (P == POOLED || settled < SETTLED) {
+        if round + 1 < rounds && (P == POOLED || settled < limits.settled) {
             // Not after the last round: the equations have been solved for these calipers.
             state.judge(band, outlier_sigmas);
         }
     }
     if P == SHAPED
         && let Some(clipped) = &state.clipped
-        && state.pooled[3] > 0.98 * MOST_CONTRAST * clipped.seen
+        && state.pooled[3] > 0.98 * limits.most_contrast * clipped.seen
     {
         return Err("saturated: light or shadow is clipped at the end of the grey scale, and the flank does not state how far beyond it lies; expose less".to_owned());
     }

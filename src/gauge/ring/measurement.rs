@@ -8,19 +8,25 @@ use super::super::form::{
     Circle, FormError, least_squares_circle, maximum_inscribed_circle, minimum_circumscribed_circle,
 };
 use super::coarse::{self, Coarse};
-use super::edge_pixels::{BandOrder, EdgePixel, FLAT, collect};
+use super::edge_pixels::{BandLimits, BandOrder, EdgePixel, collect};
 use super::error::RingError;
 use super::fit::{EdgeFit, fit_edge};
 use super::outline::{Outline, least_ratio_to_stylus};
 use super::settings::RingSettings;
 use crate::frame::{FrameView, PixelFormat};
 use crate::gauge::edge::estimation::light_field::{LightField, Lit};
+use crate::gauge::limit::limits;
 use crate::numerics::robust::median_of;
 
-/// Pixels beyond the band that the light's field is estimated from, and the share of its effect on
-/// the edge that stays uncertain.
-const FIELD_PX: f64 = 16.0;
-const LEFT_OF_LIGHT: f64 = 0.1;
+limits! {
+    /// How uneven light around a ring is corrected.
+    RingLightLimits = "ring_light";
+    /// Pixels beyond the band that the light's field is estimated from. Tuned: see study limits.
+    field_px: f64 = 16.0;
+    /// Share of the light's effect on the edge that stays uncertain: the field is a polynomial over
+    /// the surroundings, extrapolated across the edge. Tuned: see study limits.
+    left: f64 = 0.1;
+}
 
 /// Measures the largest ring or disc that lies wholly in the frame.
 ///
@@ -71,6 +77,7 @@ impl Side<'_> {
     }
 
     fn measure(&self, coarse: Circle, field: Option<&(LightField, f64)>) -> Result<EdgeCircle, RingError> {
+        let limits = RingLightLimits::get();
         let mut calipers = self.settings.calipers;
         while calipers > 64 && coarse.radius * TAU / (calipers as f64) < 2.0 {
             calipers /= 2;
@@ -122,22 +129,23 @@ impl Side<'_> {
         let mut fit = fit;
         if let Some(Ok(plain)) = raw.map(|b| fit_edge(&b, least_variance, self.settings.outlier_sigmas, None))
         {
-            fit.u_mean = fit.u_mean.hypot(LEFT_OF_LIGHT * (fit.mean_shift() - plain.mean_shift()));
+            fit.u_mean = fit.u_mean.hypot(limits.left * (fit.mean_shift() - plain.mean_shift()));
         }
         self.assemble(&followed, &fit, &points, ls.fit.circle)
     }
 
     /// The light beyond the band of the edge.
     fn light(&self, circle: &Circle) -> Option<SeenLight> {
+        let band_limits = BandLimits::get();
         let order = BandOrder {
             circle: *circle,
             light_outside: self.light_outside,
-            half: self.half + FIELD_PX,
+            half: self.half + RingLightLimits::get().field_px,
             sectors: 1,
             bright_on_dark: self.settings.bright_on_dark,
         };
         let pixels = collect(self.view, &order).sectors.pop()?;
-        let in_shadow = |p: &&EdgePixel| (-self.half..-FLAT * self.half).contains(&p.distance);
+        let in_shadow = |p: &&EdgePixel| (-self.half..-band_limits.flat * self.half).contains(&p.distance);
         let dark = median_of(pixels.iter().filter(in_shadow).map(|p| p.value).collect());
         let lit = pixels.iter().filter(|p| p.distance > self.half);
         let lit = lit

@@ -17,7 +17,16 @@ use super::outline::{Outline, PointOrigin, roundness_of};
 use super::settings::RingScale;
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::calibration::{Conditions, LensModel, PARAMETERS};
+use crate::gauge::limit::limits;
 use crate::gauge::uncertainty::budget::{Budget, add_conditions, common};
+
+limits! {
+    /// How a ring's diameter is derived by the lens.
+    RingMillimetreLimits = "ring_millimetres";
+    /// Step of the numerical derivative by a coefficient of the lens: its square, 1e-10, is what is
+    /// left out, and rounding of 1e-16 over it 1e-11.
+    step: f64 = 1e-5;
+}
 
 impl RingScale {
     /// Diameters (of the edge, and as traced by the stylus), u and roundness in mm.
@@ -134,17 +143,17 @@ impl Mapping<'_> {
         d: f64,
         side: f64,
     ) -> Result<[f64; PARAMETERS], FormError> {
-        const STEP: f64 = 1e-5;
+        let limits = RingMillimetreLimits::get();
         let y = self.conditions.axis_y_mm;
         let moved = [
-            LensModel { radial: lens.radial + STEP, ..*lens },
-            LensModel { keystone_across: lens.keystone_across + STEP, ..*lens },
-            LensModel { keystone_along: lens.keystone_along + STEP, ..*lens },
+            LensModel { radial: lens.radial + limits.step, ..*lens },
+            LensModel { keystone_across: lens.keystone_across + limits.step, ..*lens },
+            LensModel { keystone_along: lens.keystone_along + limits.step, ..*lens },
         ];
         let here = ideal_circle(outline, Some(lens))?.1;
         let mut by = [(1.0 + lens.telecentricity_per_mm * y) * d, side, 0.0, 0.0, 0.0, 0.0];
         for (by, moved) in by[2..5].iter_mut().zip(&moved) {
-            *by = self.mm_per_px() * 2.0 * (ideal_circle(outline, Some(moved))?.1 - here) / STEP;
+            *by = self.mm_per_px() * 2.0 * (ideal_circle(outline, Some(moved))?.1 - here) / limits.step;
         }
         by[5] = self.calibration.scale_mm_per_px * y * d;
         Ok(by)

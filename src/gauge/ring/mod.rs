@@ -15,12 +15,12 @@
 //! scale or a calibration is given (`millimetres`). One more figure of a ring is one more field of
 //! `result`, computed in `measurement`.
 
-mod coarse;
-mod edge_pixels;
+pub(crate) mod coarse;
+pub(crate) mod edge_pixels;
 mod error;
-mod fit;
-mod measurement;
-mod millimetres;
+pub(crate) mod fit;
+pub(crate) mod measurement;
+pub(crate) mod millimetres;
 mod model;
 mod outline;
 mod result;

@@ -19,20 +19,30 @@ use thiserror::Error;
 use super::defect_correction::{Grey, ShaftRuns, interpolate_defects};
 use super::response::Response;
 use crate::frame::{Frame, FrameView, PixelsMut};
+use crate::gauge::limit::limits;
 
-/// A pixel this many robust standard deviations off is defective.
-const DEFECT_SIGMAS: f64 = 8.0;
-/// Fall-off below which the light is not corrected: its gradient moves an edge by σ²·l'/l, well
-/// below 1e-3 px.
-const EVEN: f64 = 0.01;
-/// Least light that still shows a part, of the brightest.
-const DARKEST: f64 = 0.3;
-/// Rounding of a surface that was scaled to 1 at its brightest.
-const LIGHT_ROUNDING: f64 = 1e-6;
-/// More defects than this share of the pixels are no defects but a wrong picture.
-const MOST_DEFECTS: f64 = 0.01;
-/// Pixels that the surface is fitted to, along either side.
-const GRID: usize = 128;
+limits! {
+    /// When pixels are defective and light is even.
+    FlatFieldLimits = "flat_field";
+    /// Departure from the others, in robust standard deviations, above which a pixel is defective:
+    /// 10⁻¹⁵ of a normal distribution.
+    defect_sigmas: f64 = 8.0;
+    /// Fall-off up to which the light is not corrected: its gradient moves an edge by σ²·l'/l, well
+    /// below 1e-3 px.
+    even: f64 = 0.01;
+    /// Least light that still shows a part, of the brightest: noise over contrast is 1.8 to 3.3
+    /// times as large there. Named in what is refused.
+    darkest: f64 = 0.3;
+    /// Rounding of a surface that was scaled to 1 at its brightest: of f64 it is below 1e-12, of a
+    /// file with seven digits below 1e-6.
+    light_rounding: f64 = 1e-6;
+    /// Share of the pixels, above which they are no defects but a wrong picture. Named in what is
+    /// refused. Tuned: see study limits.
+    most_defects: f64 = 0.01;
+    /// Pixels that the surface is fitted to, along either side: 16 384 for six coefficients, which
+    /// noise then moves by √6/128 of its own, a fiftieth.
+    grid: usize = 128;
+}
 
 /// Corrections of a sensor and its light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -194,6 +204,7 @@ impl FlatField {
     /// Too few frames, sizes that differ, a flat field that is clipped, dark or not flat, a sensor
     /// with defects everywhere.
     pub fn new(dark: &[FrameView<'_>], flat: &[FrameView<'_>]) -> Result<Self, FlatFieldError> {
+        let limits = FlatFieldLimits::get();
         let darks = Mean::of(dark, "dark")?;
         let flats = Mean::of(flat, "flat")?;
         if (darks.rows, darks.columns) != (flats.rows, flats.columns) {
@@ -218,7 +229,7 @@ impl FlatField {
         let at = |light: &[f64; 6], r: usize, c: usize| value(light, unit(c, columns), unit(r, rows));
         let (low, high) = extremes(&light);
         light.iter_mut().for_each(|l| *l /= high);
-        if low / high < DARKEST {
+        if low / high < limits.darkest {
             return Err(FlatFieldError::NotFlat { darkest: low / high });
         }
         let response: Vec<f32> = flats
@@ -254,15 +265,17 @@ impl FlatField {
     /// Names a surface of light that would divide by 0 or contradicts its own fall-off: (key,
     /// value, what would be right).
     pub(crate) fn impossible_light(&self) -> Option<(&'static str, f64, &'static str)> {
+        let limits = FlatFieldLimits::get();
         let (low, high) = extremes(&self.light);
-        let wrong =
-            [low, high].into_iter().find(|l| !(DARKEST - LIGHT_ROUNDING..=1.0 + LIGHT_ROUNDING).contains(l));
+        let wrong = [low, high]
+            .into_iter()
+            .find(|l| !(limits.darkest - limits.light_rounding..=1.0 + limits.light_rounding).contains(l));
         if let Some(value) = wrong {
             return Some(("bench.flat_field.light", value, "a surface from 0.3 to 1 all over the field"));
         }
         let fall_off = 1.0 - low / high;
         let off = (self.fall_off - fall_off).abs();
-        (!(off <= LIGHT_ROUNDING)).then_some((
+        (!(off <= limits.light_rounding)).then_some((
             "bench.flat_field.fall_off",
             self.fall_off,
             "what `light` falls by, 0 to 0.7",
@@ -272,7 +285,7 @@ impl FlatField {
     /// Names a defective pixel that is none of the frame's, or is out of order.
     pub(crate) fn impossible_defects(&self) -> Option<(&'static str, f64, &'static str)> {
         let key = "bench.flat_field.defects";
-        let most = MOST_DEFECTS * self.rows as f64 * self.columns as f64;
+        let most = FlatFieldLimits::get().most_defects * self.rows as f64 * self.columns as f64;
         if self.defects.len() as f64 > most {
             return Some((key, self.defects.len() as f64, "at most 1 % of the pixels"));
         }
@@ -289,7 +302,7 @@ impl FlatField {
 
     /// Whether the light is uneven enough to be corrected.
     pub fn corrects_light(&self) -> bool {
-        self.fall_off > EVEN
+        self.fall_off > FlatFieldLimits::get().even
     }
 
     /// Corrects a frame of the size calibrated whose shaft lies level, in its own format; other
@@ -359,7 +372,8 @@ fn extremes(light: &[f64; 6]) -> (f64, f64) {
 /// Least-squares surface through a thinned frame above black; medians of small tiles keep dust and
 /// defects out.
 fn surface(flats: &Mean, black: f64) -> [f64; 6] {
-    let (tile_rows, tile_columns) = (flats.rows.div_ceil(GRID), flats.columns.div_ceil(GRID));
+    let limits = FlatFieldLimits::get();
+    let (tile_rows, tile_columns) = (flats.rows.div_ceil(limits.grid), flats.columns.div_ceil(limits.grid));
     let mut normal = DMatrix::<f64>::zeros(6, 6);
     let mut right = DVector::<f64>::zeros(6);
     let mut pool = Vec::new();
@@ -394,8 +408,9 @@ fn defects(
     (black, dark_spread): (f64, f64),
     prnu: f64,
 ) -> Result<Vec<[u32; 2]>, FlatFieldError> {
-    let dark_limit = DEFECT_SIGMAS * dark_spread.max(0.25);
-    let flat_limit = DEFECT_SIGMAS * prnu.max(1e-3);
+    let limits = FlatFieldLimits::get();
+    let dark_limit = limits.defect_sigmas * dark_spread.max(0.25);
+    let flat_limit = limits.defect_sigmas * prnu.max(1e-3);
     let defects: Vec<[u32; 2]> = darks
         .values
         .iter()
@@ -407,7 +422,7 @@ fn defects(
         .map(|(i, _)| [(i / darks.columns) as u32, (i % darks.columns) as u32])
         .collect();
     let pixels = darks.values.len();
-    if defects.len() as f64 > MOST_DEFECTS * pixels as f64 {
+    if defects.len() as f64 > limits.most_defects * pixels as f64 {
         return Err(FlatFieldError::Defects { found: defects.len(), pixels });
     }
     Ok(defects)

@@ -10,9 +10,9 @@
 //! another room of the gauge.
 
 mod defect_correction;
-mod flat_field;
+pub(crate) mod flat_field;
 pub mod photon_transfer;
-mod response;
+pub(crate) mod response;
 
 pub use defect_correction::ShaftRuns;
 pub use flat_field::{FlatField, FlatFieldError};

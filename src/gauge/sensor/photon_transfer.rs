@@ -19,9 +19,14 @@
 use thiserror::Error;
 
 use crate::frame::{FrameView, Pixels};
+use crate::gauge::limit::limits;
 
-/// Exposures differ where they do so by this share of the brightest: more than a lamp drifts.
-const LEAST_DIFFERENCE: f64 = 0.02;
+limits! {
+    /// Which exposures differ.
+    PhotonTransferLimits = "photon_transfer";
+    /// Relative difference of exposures up to which they are one: what a lamp drifts by.
+    same_exposure: f64 = 0.02;
+}
 
 /// Two frames of the same scene and exposure.
 #[derive(Clone, Copy, Debug)]
@@ -403,7 +408,7 @@ fn linearity(curve: &[TransferPoint], saturation: f64) -> Result<(f64, f64), Pho
 fn check_different(exposures: &[f64], place: &'static str) -> Result<(), PhotonTransferError> {
     let mut sorted = exposures.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let least = LEAST_DIFFERENCE * sorted.last().copied().unwrap_or(0.0);
+    let least = PhotonTransferLimits::get().same_exposure * sorted.last().copied().unwrap_or(0.0);
     let mut last = f64::NEG_INFINITY;
     let different = sorted.iter().filter(|e| {
         let differs = **e > last + least;

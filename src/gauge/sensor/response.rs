@@ -14,26 +14,33 @@
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
+use super::photon_transfer::PhotonTransferLimits;
 use crate::frame::{Buffer, Frame, FrameView};
+use crate::gauge::limit::limits;
 use crate::numerics::robust::median_of;
 
-/// Departure from a line, as a share of the reference, below which a response is linear: cameras
-/// state 1 % and less (EMVA 1288 LE), and a lamp that drifts by 1 % between two exposures a factor
-/// of 1.5 apart feigns .9 %.
-const LINEAR: f64 = 0.01;
-/// Least ratio of the largest to the smallest exposure in use (see [`LINEAR`]).
-const LEAST_RATIO: f64 = 1.5;
-/// Exposures nearer to each other are one.
-const SAME_EXPOSURE: f64 = 0.02;
-/// Least signal of a tile in use, of the brightest: below, the dark level's own error counts.
-const LEAST_SIGNAL: f64 = 0.05;
-/// Signal that is clipped, or nearly, of full scale.
-const MOST_SIGNAL: f64 = 0.97;
-/// Residual of ln e, rms, beyond which the curve does not describe these exposures: lamp and
-/// shutter are good to 1 %.
-const MOST_RESIDUAL: f64 = 0.03;
-/// Tiles along either side.
-const TILES: usize = 8;
+limits! {
+    /// When a sensor's response is not linear.
+    ResponseLimits = "response";
+    /// Departure from a line, as a share of the reference, up to which a response is linear:
+    /// cameras state 1 % and less (EMVA 1288 LE), and a lamp that drifts by 1 % between two
+    /// exposures a factor of 1.5 apart feigns 0.9 %.
+    linear: f64 = 0.01;
+    /// Least ratio of the largest to the smallest exposure in use: see `linear`.
+    least_ratio: f64 = 1.5;
+    /// Least signal of a tile in use, of the brightest: below, the dark level's own error counts.
+    /// An error of a thousandth of the brightest is 2 % of it.
+    least_signal: f64 = 0.05;
+    /// Median signal of an exposure in use, of full scale: above it half of the pixels are clipped,
+    /// or nearly, with a scatter of 1 to 3 %.
+    most_signal: f64 = 0.97;
+    /// Residual of ln e, rms, beyond which the curve does not describe these exposures: three times
+    /// the 1 % that lamp and shutter are good to.
+    most_residual: f64 = 0.03;
+    /// Tiles along either side: the median of each keeps dust and defects out, and light that falls
+    /// off shows as 64 levels.
+    tiles: usize = 8;
+}
 
 /// The inverse of a response that is not linear.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,6 +91,8 @@ pub fn response(
     dark: &[FrameView<'_>],
     flats: &[(f64, Vec<FrameView<'_>>)],
 ) -> Result<Option<Response>, NoResponse> {
+    let limits = ResponseLimits::get();
+    let photon_transfer_limits = PhotonTransferLimits::get();
     let Some(first) = dark.first() else { return Ok(None) };
     let black = median_of(tiles(dark));
     let full = first.full_scale().map_or(f64::INFINITY, f64::from);
@@ -95,12 +104,14 @@ pub fn response(
             Exposure { exposure: *exposure, signals }
         })
         .collect();
-    exposures.retain(|e| median_of(e.signals.clone()) + black < MOST_SIGNAL * full);
+    exposures.retain(|e| median_of(e.signals.clone()) + black < limits.most_signal * full);
     exposures.sort_by(|a, b| a.exposure.total_cmp(&b.exposure));
-    let different =
-        1 + exposures.windows(2).filter(|p| p[1].exposure > p[0].exposure * (1.0 + SAME_EXPOSURE)).count();
+    let different = 1 + exposures
+        .windows(2)
+        .filter(|p| p[1].exposure > p[0].exposure * (1.0 + photon_transfer_limits.same_exposure))
+        .count();
     let (Some(least), Some(most)) = (exposures.first(), exposures.last()) else { return Ok(None) };
-    if different < 2 || most.exposure < LEAST_RATIO * least.exposure {
+    if different < 2 || most.exposure < limits.least_ratio * least.exposure {
         return Ok(None);
     }
     let brightest = exposures.iter().flat_map(|e| &e.signals).copied().fold(0.0, f64::max);
@@ -108,7 +119,8 @@ pub fn response(
     if !(brightest > 0.0 && reference > 0.0) {
         return Ok(None);
     }
-    Ok(fitted(&exposures, (black, reference, brightest), different > 2)?.filter(|r| r.departure > LINEAR))
+    Ok(fitted(&exposures, (black, reference, brightest), different > 2)?
+        .filter(|r| r.departure > limits.linear))
 }
 
 fn same_size(first: &FrameView<'_>, frames: &[FrameView<'_>]) -> bool {
@@ -121,7 +133,8 @@ fn fitted(
     (black, reference, brightest): (f64, f64, f64),
     curved: bool,
 ) -> Result<Option<Response>, NoResponse> {
-    let points = centred(exposures, reference, LEAST_SIGNAL * brightest);
+    let limits = ResponseLimits::get();
+    let points = centred(exposures, reference, limits.least_signal * brightest);
     let sum = |f: &dyn Fn(&[f64; 3]) -> f64| points.iter().map(f).sum::<f64>();
     let (xx, xy, yy) = (sum(&|p| p[0] * p[0]), sum(&|p| p[0] * p[1]), sum(&|p| p[1] * p[1]));
     let (xe, ye) = (sum(&|p| p[0] * p[2]), sum(&|p| p[1] * p[2]));
@@ -144,8 +157,8 @@ fn fitted(
     };
     let off = |i: u32| (response.light(f64::from(i) / 64.0) - f64::from(i) / 64.0).abs();
     response.departure = (0..=64).map(off).fold(0.0, f64::max);
-    let refused =
-        response.departure > LINEAR && (residual > MOST_RESIDUAL || response.impossible().is_some());
+    let refused = response.departure > limits.linear
+        && (residual > limits.most_residual || response.impossible().is_some());
     if refused {
         return Err(NoResponse { exponent, departure: response.departure, residual });
     }
@@ -173,11 +186,14 @@ fn centred(exposures: &[Exposure], reference: f64, least: f64) -> Vec<[f64; 3]> 
 
 /// Medians of the mean frame's tiles: dust and defects stay out.
 fn tiles(frames: &[FrameView<'_>]) -> Vec<f64> {
+    let limits = ResponseLimits::get();
     let Some(first) = frames.first() else { return Vec::new() };
     let (rows, columns) = (first.rows(), first.columns());
-    let span = |n: usize, i: usize| (i * n / TILES)..((i + 1) * n / TILES).max(i * n / TILES + 1).min(n);
+    let span = |n: usize, i: usize| {
+        (i * n / limits.tiles)..((i + 1) * n / limits.tiles).max(i * n / limits.tiles + 1).min(n)
+    };
     let mut medians = Vec::new();
-    for (i, j) in (0..TILES * TILES).map(|t| (t / TILES, t % TILES)) {
+    for (i, j) in (0..limits.tiles * limits.tiles).map(|t| (t / limits.tiles, t % limits.tiles)) {
         let pixels = span(rows, i).flat_map(|r| span(columns, j).map(move |c| (r, c)));
         let mean = |(r, c)| {
             frames.iter().filter_map(|f| f.get(r, c)).map(f64::from).sum::<f64>() / frames.len() as f64

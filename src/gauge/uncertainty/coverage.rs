@@ -10,7 +10,7 @@
 //! P(|X| ≤ w) = ∫ g(r)·[Φ((w − r)/s) − Φ((−w − r)/s)] dr        g  density of the sum of the rectangles
 //! ```
 //!
-//! with s the standard uncertainty of the rest; from fewer than [`FEW`] degrees of freedom
+//! with s the standard uncertainty of the rest; from fewer than `coverage.few_freedom` degrees of freedom
 //! Student's t stands in place of Φ.
 
 use rand_pcg::Pcg64;
@@ -18,17 +18,21 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::budget::{Budget, Contribution, DRAWS, PROBABILITY, Shape};
 use super::monte_carlo::Distribution;
+use crate::gauge::limit::limits;
 use crate::numerics::distributions::{phi_cdf, student};
 
-/// Share of rectangles in the variance below which their sum with the rest is a normal to 0.1 % of
-/// k.
-const LEAST_SHARE: f64 = 0.1;
-
-/// Cells of the rectangles' density.
-const CELLS: usize = 256;
-
-/// Degrees of freedom from which t is a normal 4 % wider.
-const FEW: f64 = 30.0;
+limits! {
+    /// When rectangles are convolved with the rest.
+    CoverageLimits = "coverage";
+    /// Share of rectangles in the variance, up to which their sum with the rest is a normal to 0.1
+    /// % of k.
+    least_share: f64 = 0.1;
+    /// Cells of the rectangles' density: one is 0.8 % of their reach to either side, and within it
+    /// the sum is a line.
+    cells: usize = 256;
+    /// Degrees of freedom from which on t is a normal that is wider by 4 %: student(30, 0.9545)/2.
+    few_freedom: f64 = 30.0;
+}
 
 impl Contribution {
     /// Its distribution, scaled to the diameter.
@@ -77,6 +81,7 @@ impl Budget {
     /// Half width by the convolution of the rectangular rows with the rest; `None` where they
     /// hardly make a difference.
     fn bounded_half_width(&self, probability: f64) -> Option<f64> {
+        let limits = CoverageLimits::get();
         // A product whose factor is known to 5 % is the rectangle of its other factor.
         let rectangle =
             |shape| shape == Shape::Rectangular || matches!(shape, Shape::Product { known } if known > 0.95);
@@ -85,7 +90,7 @@ impl Budget {
             self.contributions.iter().filter(bounded).map(|c| c.u_mm * 3.0_f64.sqrt()).collect();
         let variance = halves.iter().map(|a| a * a / 3.0).sum::<f64>();
         let total = self.u_mm().powi(2);
-        if !(variance > LEAST_SHARE * total) || !total.is_finite() {
+        if !(variance > limits.least_share * total) || !total.is_finite() {
             return None;
         }
         let others = || self.contributions.iter().filter(|c| !bounded(c));
@@ -105,7 +110,7 @@ struct Rest {
 
 impl Rest {
     fn new(u: f64, freedom: f64, probability: f64) -> Self {
-        if freedom < FEW {
+        if freedom < CoverageLimits::get().few_freedom {
             // As in the draws: below two degrees of freedom there is no standard deviation.
             return Self { s: u, student: StudentsT::new(0.0, 1.0, freedom.max(2.1)).ok() };
         }
@@ -123,7 +128,7 @@ impl Rest {
 fn half_width(halves: &[f64], rest: &Rest, probability: f64) -> f64 {
     let reach: f64 = halves.iter().sum();
     let density = Density::of(halves, reach);
-    let rest = &Rest { s: rest.s.max(1e-3 * reach / CELLS as f64), ..*rest };
+    let rest = &Rest { s: rest.s.max(1e-3 * reach / CoverageLimits::get().cells as f64), ..*rest };
     let s = rest.s;
     let covered = |w: f64| {
         let of = |(j, mass): (usize, &f64)| {
@@ -153,39 +158,41 @@ impl Density {
     /// Convolves one rectangle after the other, the largest first, through the integral of the
     /// density.
     fn of(halves: &[f64], reach: f64) -> Self {
+        let limits = CoverageLimits::get();
         let mut sorted = halves.to_vec();
         sorted.sort_by(|a, b| b.total_cmp(a));
-        let border = |k: usize| reach * (2.0 * k as f64 / CELLS as f64 - 1.0);
+        let border = |k: usize| reach * (2.0 * k as f64 / limits.cells as f64 - 1.0);
         let (first, others) = sorted.split_first().map_or((reach, &[][..]), |(f, o)| (*f, o));
-        let mut integral: Vec<f64> = (0..=CELLS)
+        let mut integral: Vec<f64> = (0..=limits.cells)
             .map(|k| (0.5 + 0.5 * border(k) / first.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
             .collect();
         for half in others {
             // The integral of the integral, so that a rectangle narrower than a cell still widens
             // the sum.
-            let mut twice = vec![0.0; CELLS + 1];
-            for k in 0..CELLS {
+            let mut twice = vec![0.0; limits.cells + 1];
+            for k in 0..limits.cells {
                 twice[k + 1] = twice[k] + 0.5 * (integral[k] + integral[k + 1]);
             }
-            let cell = 2.0 * reach / CELLS as f64;
+            let cell = 2.0 * reach / limits.cells as f64;
             let at = |x: f64| {
                 let place = (x + reach) / cell;
                 if place <= 0.0 {
                     return 0.0;
                 }
-                let k = (place as usize).min(CELLS);
+                let k = (place as usize).min(limits.cells);
                 let t = place - k as f64;
                 let next = integral.get(k + 1).copied().unwrap_or(1.0);
                 cell * (twice[k] + t * (integral[k] + 0.5 * t * (next - integral[k])))
             };
-            integral =
-                (0..=CELLS).map(|k| (at(border(k) + half) - at(border(k) - half)) / (2.0 * half)).collect();
+            integral = (0..=limits.cells)
+                .map(|k| (at(border(k) + half) - at(border(k) - half)) / (2.0 * half))
+                .collect();
         }
         Self { masses: integral.windows(2).map(|w| (w[1] - w[0]).max(0.0)).collect(), reach }
     }
 
     fn middle(&self, cell: usize) -> f64 {
-        self.reach * ((2.0 * cell as f64 + 1.0) / CELLS as f64 - 1.0)
+        self.reach * ((2.0 * cell as f64 + 1.0) / CoverageLimits::get().cells as f64 - 1.0)
     }
 }
 

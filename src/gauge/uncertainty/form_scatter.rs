@@ -9,15 +9,28 @@
 
 use crate::gauge::calibration::{ColumnSpread, LensModel};
 use crate::gauge::edges::FrameEdges;
+use crate::gauge::limit::limits;
 use crate::gauge::width::column_means::ColumnMeans;
 use crate::numerics::line::Line;
 
-/// Columns of a block.
-const BLOCK: usize = 16;
-/// Least and most blocks: two lie on any line.
-const BLOCKS: (usize, usize) = (3, 12);
-/// Columns below which their scatter does not separate form from noise.
-pub(super) const FEW_COLUMNS: usize = BLOCKS.0 * BLOCK;
+limits! {
+    /// Blocks whose widths show form.
+    FormScatterLimits = "form_scatter";
+    /// Columns of a block: longer than texture and blur correlate neighbours.
+    block_columns: usize = 16;
+    /// Fewest blocks: two lie on any line.
+    least_blocks: usize = 3;
+    /// Most blocks: their scatter then has ten degrees of freedom, and form shorter than a twelfth
+    /// of the mean is averaged.
+    most_blocks: usize = 12;
+}
+
+impl FormScatterLimits {
+    /// Columns below which their scatter does not separate form from noise.
+    pub(super) fn few_columns(&self) -> usize {
+        self.least_blocks * self.block_columns
+    }
+}
 
 /// Mean edges of a block of neighbouring columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,11 +84,12 @@ pub enum Scatter {
 impl Scatter {
     /// Blocks of the columns that a mean was taken over.
     pub(super) fn of_blocks(edges: &FrameEdges, over: &ColumnMeans) -> Self {
+        let limits = FormScatterLimits::get();
         let used = &over.used;
-        let count = (used.len() / BLOCK).clamp(BLOCKS.0, BLOCKS.1);
+        let count = (used.len() / limits.block_columns).clamp(limits.least_blocks, limits.most_blocks);
         let part = |b: usize| &used[b * used.len() / count..(b + 1) * used.len() / count];
         let blocks = (0..count).map(|b| Block::of(edges, part(b))).collect();
-        Self::Blocks { blocks, tell_noise: used.len() >= FEW_COLUMNS }
+        Self::Blocks { blocks, tell_noise: used.len() >= limits.few_columns() }
     }
 
     /// Standard uncertainty of the mean width beyond the noise' own, px, and its degrees of

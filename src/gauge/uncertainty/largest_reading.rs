@@ -1,7 +1,7 @@
 //! The largest diameter of a frame as a reading, input of its budget.
 
 use super::budget::{WidthReading, quantisation_share};
-use super::form_scatter::{FEW_COLUMNS, Scatter};
+use super::form_scatter::{FormScatterLimits, Scatter};
 use crate::gauge::calibration::gauge_calibration::Calibration;
 use crate::gauge::edges::FrameEdges;
 use crate::gauge::width::blur_sensitivity::u_blur_px;
@@ -11,6 +11,7 @@ impl WidthReading {
     /// The largest caliper diameter of a frame over stretches of `least_columns` or more, as
     /// [`crate::gauge::largest_caliper`] finds it, behind the lens of a calibration.
     pub fn of_largest(edges: &FrameEdges, calibration: &Calibration, least_columns: usize) -> Option<Self> {
+        let form_scatter_limits = FormScatterLimits::get();
         let largest = match &calibration.setup {
             Some(setup) => largest_caliper_where(edges, least_columns, |column, top_px, bottom_px| {
                 let row = |row_px| setup.lens.ideal_row(column as f64, row_px);
@@ -36,7 +37,7 @@ impl WidthReading {
             true => {
                 let own = mean(&|c| square(edges.top[c].u_own_px) + square(edges.bottom[c].u_own_px));
                 let noise = std::f64::consts::FRAC_PI_2 * own / n;
-                if used.len() < FEW_COLUMNS { noise } else { noise.min(own_u) }
+                if used.len() < form_scatter_limits.few_columns() { noise } else { noise.min(own_u) }
             }
             false => largest.u_noise_px.powi(2).min(own_u),
         };

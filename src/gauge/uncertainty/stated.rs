@@ -1,20 +1,27 @@
 //! Values with their uncertainty as printed: u or U with two significant digits, the value rounded
 //! to the same place (GUM 7.2.6). Files and JSON keep every digit.
+use crate::gauge::limit::limits;
 
-/// Significant digits of an uncertainty.
-const DIGITS: i32 = 2;
-/// Decimals printed where no uncertainty determines how many are significant.
-const WITHOUT_U: i32 = 5;
+limits! {
+    /// Digits that are printed.
+    StatedLimits = "stated";
+    /// Significant digits of an uncertainty (GUM 7.2.6: at most two suffice).
+    digits: i32 = 2;
+    /// Decimals printed where no uncertainty determines how many are significant: of mm, hundredths
+    /// of a µm.
+    without_u: i32 = 5;
+}
 
 /// Decimals to which an uncertainty has two significant digits: those of the rounded value, 0.0996
 /// is 0.10. Negative from 100 on.
 pub fn decimals(u: f64) -> i32 {
+    let limits = StatedLimits::get();
     if !(u > 0.0 && u.is_finite()) {
-        return WITHOUT_U;
+        return limits.without_u;
     }
-    let decimals = DIGITS - 1 - u.log10().floor() as i32;
+    let decimals = limits.digits - 1 - u.log10().floor() as i32;
     let rounded = (u * 10f64.powi(decimals)).round();
-    if rounded >= 10f64.powi(DIGITS) { decimals - 1 } else { decimals }
+    if rounded >= 10f64.powi(limits.digits) { decimals - 1 } else { decimals }
 }
 
 /// A number rounded to so many decimals; to tens, hundreds, … where they are negative.

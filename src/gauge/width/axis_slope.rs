@@ -9,24 +9,35 @@ use nalgebra::SVector;
 
 use super::axis_pose::Pose;
 use crate::gauge::edges::FrameEdges;
+use crate::gauge::limit::limits;
 use crate::numerics::normal_equations::NormalEquations;
+
+limits! {
+    /// When an axis is bent rather than straight.
+    AxisSlopeLimits = "axis_slope";
+    /// Fewest columns of a bent axis: sixteen blocks, ten more than coefficients.
+    least_columns: usize = 256;
+    /// Columns whose middles are averaged first: their noise falls to a quarter, and a bend is
+    /// longer.
+    block_columns: usize = 16;
+    /// Residual over that of a line, below which an axis is bent: a bend below the noise changes no
+    /// diameter. Tuned: see study limits.
+    better: f64 = 0.7;
+    /// Residual up to which the polynomial describes the middles, in units of their own roughness:
+    /// steps out of the centre are no bend. Tuned: see study limits.
+    rough: f64 = 2.0;
+    /// What is added to that, px: the tilt that is left is 0.02 px over some hundred columns, whose
+    /// cosine is 1 to 10⁻⁷.
+    rough_px: f64 = 0.02;
+    /// Standard deviations beyond which a middle is left out: 0.3 % of good ones are.
+    far: f64 = 3.0;
+    /// Rounds of that: the second has the scatter without the outliers, the third is fitted by it.
+    rounds: usize = 3;
+}
 
 /// Coefficients: over a third of a half wave the slope of the best polynomial is right to 1e-6 of
 /// it, that of a cubic to 1 %.
 const TERMS: usize = 6;
-/// Fewest columns of a bent axis.
-const LEAST_COLUMNS: usize = 256;
-/// Columns whose middles are averaged first.
-const BLOCK: usize = 16;
-/// Largest residual as a fraction of that of a line: a bend below the noise changes no diameter.
-const BETTER: f64 = 0.7;
-/// Largest residual in units of the middles' own roughness, and in px, at which the polynomial
-/// describes them: steps out of the centre are no bend.
-const ROUGH: f64 = 2.0;
-const ROUGH_PX: f64 = 0.02;
-/// Standard deviations beyond which a middle is left out, and rounds of it.
-const FAR: f64 = 3.0;
-const ROUNDS: usize = 3;
 
 /// Slopes of axis and flanks in a frame.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +70,7 @@ impl AxisSlope {
 
 /// Middles of blocks of columns that have both edges.
 fn middles(edges: &FrameEdges) -> Vec<(f64, f64)> {
+    let limits = AxisSlopeLimits::get();
     let both = edges.top.iter().zip(&edges.bottom).enumerate();
     let all: Vec<(f64, f64)> = both
         .filter(|(_, (t, b))| t.is_usable() && b.is_usable())
@@ -69,13 +81,14 @@ fn middles(edges: &FrameEdges) -> Vec<(f64, f64)> {
         let sum = block.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
         (sum.0 / n, sum.1 / n)
     };
-    all.chunks(BLOCK).map(mean).collect()
+    all.chunks(limits.block_columns).map(mean).collect()
 }
 
 impl Bent {
     fn through(points: &[(f64, f64)]) -> Option<Self> {
+        let limits = AxisSlopeLimits::get();
         let (first, last) = (points.first()?.0, points.last()?.0);
-        if points.len() < LEAST_COLUMNS / BLOCK {
+        if points.len() < limits.least_columns / limits.block_columns {
             return None;
         }
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
@@ -86,8 +99,8 @@ impl Bent {
         let mut bends: Vec<f64> = points.windows(3).map(|p| (p[2].1 - 2.0 * p[1].1 + p[0].1).abs()).collect();
         let at = bends.len() / 2;
         let rough = *bends.select_nth_unstable_by(at, f64::total_cmp).1 / 1.652;
-        let describes = bent.1 < ROUGH * rough + ROUGH_PX;
-        (describes && bent.1 < BETTER * line.1).then_some(Self { coefficients: bent.0, middle, half })
+        let describes = bent.1 < limits.rough * rough + limits.rough_px;
+        (describes && bent.1 < limits.better * line.1).then_some(Self { coefficients: bent.0, middle, half })
     }
 
     /// Rows per column.
@@ -104,13 +117,14 @@ fn fitted(
     (middle, half): (f64, f64),
     terms: usize,
 ) -> Option<(SVector<f64, TERMS>, f64)> {
+    let limits = AxisSlopeLimits::get();
     let start = points[0].1;
     let basis = |x: f64| {
         let t = (x - middle) / half;
         SVector::<f64, TERMS>::from_fn(|k, _| t.powi(k as i32))
     };
     let (mut found, mut rest, mut limit) = (SVector::<f64, TERMS>::zeros(), f64::INFINITY, f64::INFINITY);
-    for _ in 0..ROUNDS {
+    for _ in 0..limits.rounds {
         let (mut fit, mut count) = (NormalEquations::<TERMS>::new(), 0.0);
         for (x, y) in points {
             let phi = basis(*x);
@@ -125,7 +139,7 @@ fn fitted(
             fit.normal[(k, k)] = 1.0;
             fit.right[k] = 0.0;
         }
-        if count < (LEAST_COLUMNS / BLOCK / 2) as f64 {
+        if count < (limits.least_columns / limits.block_columns / 2) as f64 {
             break;
         }
         found = fit.by_inverse()?;
@@ -136,7 +150,7 @@ fn fitted(
             .map(|r| r * r)
             .sum();
         rest = (square / count).sqrt();
-        limit = FAR * rest + 1e-9;
+        limit = limits.far * rest + 1e-9;
     }
     Some((found, rest))
 }

@@ -9,9 +9,16 @@
 use crate::gauge::edge::estimation::blur;
 use crate::gauge::edge::model::gaussian::{EdgeSample, edge_samples};
 use crate::gauge::edges::{Edge, FrameEdges};
+use crate::gauge::limit::limits;
 
-/// Columns whose phases are evaluated.
-const LOOKED_AT: usize = 64;
+limits! {
+    /// Where the weight of the blur is evaluated.
+    BlurSensitivityLimits = "blur_sensitivity";
+    /// Columns whose phases are evaluated: those of an edge that is not level are then a 64th of a
+    /// pixel apart in the mean.
+    looked_at: usize = 64;
+}
+
 /// Pixels either side of the edge.
 const REACH: i32 = 24;
 
@@ -33,12 +40,13 @@ pub(crate) fn u_blur_px(edges: &FrameEdges, used: &[usize]) -> (f64, f64) {
 }
 
 fn of_side(edges: &FrameEdges, side: usize, line: &[Edge], used: &[usize]) -> (f64, f64) {
+    let limits = BlurSensitivityLimits::get();
     let figures = &edges.figures;
     let (dark, contrast) = (figures.dark[side], figures.light[side] - figures.dark[side]);
     let variance = figures.noise.map(|n| n * n);
     let (mut lever, mut information, mut count) = (0.0, 0.0, 0.0);
     let mut samples = [EdgeSample::default(); 2 * REACH as usize + 1];
-    for column in used.iter().step_by(used.len().div_ceil(LOOKED_AT).max(1)) {
+    for column in used.iter().step_by(used.len().div_ceil(limits.looked_at).max(1)) {
         let row = line[*column].row_px;
         // From the shadow to the light: upwards at the upper edge.
         let phase = if side == 0 { row.round() - row } else { row - row.round() };

@@ -2,10 +2,8 @@
 //! budget.
 
 use super::axis_pose::Pose;
+use crate::gauge::edge::acceptance::AcceptanceLimits;
 use crate::gauge::edges::{Edge, FrameEdges};
-
-/// Fewest columns with both edges that make a mean.
-pub(crate) const LEAST_COLUMNS: usize = 8;
 
 /// Means over the columns of a stretch that have both edges.
 pub(crate) struct ColumnMeans {
@@ -26,10 +24,11 @@ pub(crate) struct ColumnMeans {
 }
 
 impl ColumnMeans {
-    /// Means over `columns`; `None` where fewer than [`LEAST_COLUMNS`] have both edges.
+    /// Means over `columns`; `None` where fewer than `acceptance.least_valid` have both edges.
     pub(crate) fn over(edges: &FrameEdges, columns: std::ops::Range<usize>) -> Option<Self> {
+        let acceptance_limits = AcceptanceLimits::get();
         let used: Vec<usize> = columns.filter(|c| edges.width_px(*c).is_some()).collect();
-        if used.len() < LEAST_COLUMNS {
+        if used.len() < acceptance_limits.least_valid {
             return None;
         }
         let n = used.len() as f64;

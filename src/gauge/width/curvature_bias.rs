@@ -5,11 +5,18 @@
 //! dark disc's edge moves towards its centre, by (σ² + 1/12)/2R.
 
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 
-/// Columns either side of the parabola that gives y''.
-const ARM: usize = 12;
-/// A curvature below so many standard uncertainties is noise, and not corrected.
-const SIGNIFICANT: f64 = 4.0;
+limits! {
+    /// When an edge is curved.
+    CurvatureLimits = "curvature_bias";
+    /// Columns either side of the parabola that gives y'': over 25 columns noise of 0.02 px gives
+    /// it to 0.0002/px, which moves an edge of a blur of 1 px by 0.0001 px.
+    arm: usize = 12;
+    /// Standard uncertainties up to which a curvature is noise, and not corrected: 6·10⁻⁵ of
+    /// straight edges have more.
+    significant: f64 = 4.0;
+}
 
 /// ½(σ² + 1/12), px²: the bias a unit of y'' gives.
 pub(crate) fn bias_per_curvature(sigma_px: f64) -> f64 {
@@ -19,19 +26,20 @@ pub(crate) fn bias_per_curvature(sigma_px: f64) -> f64 {
 /// Bias of each edge of a line, px, to be subtracted from its row; 0 where the edge is straight or
 /// its curvature not significant.
 pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Vec<f64> {
+    let limits = CurvatureLimits::get();
     let mut bias = vec![0.0; line.len()];
     let factor = bias_per_curvature(sigma_px);
     // y'' and slope of evenly spaced points: fixed weights, Σ w·y with w = t² − mean(t²).
-    let arm = ARM as f64;
+    let arm = limits.arm as f64;
     let n = 2.0 * arm + 1.0;
     let mean_square = arm * (arm + 1.0) / 3.0;
     let fourth = (arm * (arm + 1.0) * (3.0 * arm * arm + 3.0 * arm - 1.0)) / 15.0;
     let spread = n * (fourth - mean_square * mean_square);
-    for (middle, window) in line.windows(2 * ARM + 1).enumerate() {
+    for (middle, window) in line.windows(2 * limits.arm + 1).enumerate() {
         if window.iter().any(|e| !e.is_usable()) {
             continue;
         }
-        let base = window[ARM].row_px;
+        let base = window[limits.arm].row_px;
         let (mut bend, mut slope, mut noise) = (0.0, 0.0, 0.0);
         for (k, edge) in window.iter().enumerate() {
             let t = k as f64 - arm;
@@ -41,9 +49,9 @@ pub(crate) fn curvature_bias(line: &[Edge], sigma_px: f64) -> Vec<f64> {
         }
         let second = 2.0 * bend / spread;
         let u_second = 2.0 * (noise / n / spread).sqrt();
-        if second.abs() > SIGNIFICANT * u_second {
+        if second.abs() > limits.significant * u_second {
             let tan = slope / (n * mean_square);
-            bias[middle + ARM] = second / (1.0 + tan * tan) * factor;
+            bias[middle + limits.arm] = second / (1.0 + tan * tan) * factor;
         }
     }
     bias

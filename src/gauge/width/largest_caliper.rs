@@ -11,18 +11,27 @@ use super::axis_slope::AxisSlope;
 use super::curvature_bias::bias_per_curvature;
 use super::stretch::crests::Crests;
 use super::stretch::largest_value::{LEAST_STRETCH, Largest, Line};
+use crate::gauge::edge::stream::StreamLimits;
 use crate::gauge::edges::FrameEdges;
+use crate::gauge::limit::limits;
 use crate::numerics::normal_equations::NormalEquations;
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
-/// Standard uncertainties by which the tangents must lie farther apart than the largest width to
-/// give the caliper diameter.
-const APART: f64 = 2.0;
-/// −d²(w²)/dc²/2 of a circle is 4; between these it is taken for a round part seen end-on.
-const ROUND: (f64, f64) = (2.0, 8.0);
-/// Half width of the vertex fit, as a fraction of the diameter: 12 % either side, 7 % of the radius
-/// deep.
-const VERTEX_FRACTION: f64 = 0.12;
+limits! {
+    /// Which width is the largest caliper diameter.
+    CaliperLimits = "largest_caliper";
+    /// Standard uncertainties by which the tangents must lie farther apart than the largest width
+    /// to give the caliper diameter: chance lets them once in forty.
+    apart: f64 = 2.0;
+    /// −d²(w²)/dc²/2, from which on a part is taken for round and seen end-on: half of the 4 of a
+    /// circle, as an ellipse has that is √2 times as long along the columns as it is high.
+    least_round: f64 = 2.0;
+    /// The same, up to which it is: twice that of a circle.
+    most_round: f64 = 8.0;
+    /// Half width of the vertex fit, of the diameter: 12 % either side, 7 % of the radius deep.
+    /// Wider fits are quieter, narrower ones clear of flats and keyways. Tuned: see study limits.
+    vertex: f64 = 0.12;
+}
 
 /// The largest caliper diameter of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,9 +79,10 @@ pub(crate) fn largest_caliper_where(
     least: usize,
     size: impl Fn(usize, f64, f64) -> f64,
 ) -> Option<LargestCaliper> {
+    let stream_limits = StreamLimits::get();
     let widths: Vec<(f64, f64)> =
         (0..edges.columns()).filter_map(|c| edges.width_px(c).map(|w| (c as f64, w))).collect();
-    if edges.columns() < READINGS {
+    if edges.columns() < stream_limits.least_columns {
         return mean_of_readings(edges, size);
     }
     let crests = Crests::find(edges).and_then(|crests| crests.tangents(least));
@@ -101,10 +111,6 @@ pub(crate) fn largest_caliper_where(
     })
 }
 
-/// Columns below which a frame is a few readings of a line camera: they show no stretch that could
-/// be the largest.
-const READINGS: usize = 16;
-
 /// The mean width of a few readings; `None` where none has both edges.
 fn mean_of_readings(edges: &FrameEdges, size: impl Fn(usize, f64, f64) -> f64) -> Option<LargestCaliper> {
     let both: Vec<usize> = (0..edges.columns()).filter(|c| edges.width_px(*c).is_some()).collect();
@@ -132,7 +138,7 @@ fn mean_of_readings(edges: &FrameEdges, size: impl Fn(usize, f64, f64) -> f64) -
 
 /// Whether the tangents lie farther apart than the largest width, beyond what noise explains.
 fn rises_above(crests: &Largest, along: &Largest) -> bool {
-    crests.value_px - along.value_px > APART * crests.u_px.hypot(along.u_px)
+    crests.value_px - along.value_px > CaliperLimits::get().apart * crests.u_px.hypot(along.u_px)
 }
 
 /// The largest width over stretches of the columns that have both edges.
@@ -183,7 +189,8 @@ fn shared_u_px(edges: &FrameEdges) -> f64 {
 /// Vertex of the robust parabola through w² around `centre`; `None` where the part is not round or
 /// its vertex not seen.
 fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCaliper> {
-    let reach = VERTEX_FRACTION * widest;
+    let limits = CaliperLimits::get();
+    let reach = limits.vertex * widest;
     let mut centre = centre;
     let mut found = None;
     for _ in 0..3 {
@@ -198,7 +205,7 @@ fn vertex(widths: &[(f64, f64)], centre: f64, widest: f64) -> Option<LargestCali
         }
         let (p, u) = robust_parabola(&near)?;
         let curvature = -p[2] / (reach * reach);
-        if !(ROUND.0..=ROUND.1).contains(&curvature) {
+        if !(limits.least_round..=limits.most_round).contains(&curvature) {
             return None;
         }
         let at = -0.5 * p[1] / p[2];

@@ -226,7 +226,7 @@ impl Table {
         let side = half(width) * pixel + pixel / 2 + steps;
         let borders = &mut self.borders;
         shape.borders(sigma, per_px, 2 * side + 1, borders);
-        let mut samples = [EdgeSample::default(); MOST_WIDTH.1];
+        let mut samples = [EdgeSample::default(); MOST_WIDTH];
         let samples = &mut samples[..width - 1];
         for index in 0..count {
             let phase = (index as f64 - steps as f64) / f64::from(per_px);

@@ -4,21 +4,33 @@
 
 use super::part_localisation::CoarseEdge;
 use super::plane::{Plane, Sample};
+use crate::gauge::limit::limits;
+
+limits! {
+    /// When gaps between grey values are the step of a scale.
+    GreyStepLimits = "grey_step";
+    /// Number of different floats from which on their least distance is a step: a gap of two or
+    /// three steps is a multiple within `near` by chance once in ten, the gaps of sixteen values
+    /// once in 10¹⁴.
+    enough_values: usize = 16;
+    /// Distance from a multiple of the step, counts, up to which a stretched value is one: half a
+    /// count by its own rounding, and a quarter, the mean size of the rounding of the value that is
+    /// counted from.
+    rounded: f64 = 0.75;
+    /// Difference of the steps tried, counts: a step that is off by half of it moves its 512th
+    /// multiple by half a count.
+    finest: f64 = 1.0 / 512.0;
+    /// Probability with which grey values of a scale of single counts show a larger step by chance.
+    chance: f64 = 1e-4;
+    /// Distance from a multiple of the step, in steps and of that multiple, up to which a float is
+    /// one: what conversions to f32 and back leave is far less. Tuned: see study limits.
+    near: f32 = 0.02;
+}
 
 /// Columns looked at, and pixels across either edge of each: the grey values between shadow and
 /// light are the many ones.
 const COLUMNS: usize = 48;
 const ACROSS: usize = 24;
-/// Number of different floats above which their least distance is taken for a step and not for
-/// chance.
-const ENOUGH_VALUES: usize = 16;
-/// Rounding of stretched values, counts, and the finest difference of the steps tried.
-const ROUNDED: f64 = 0.75;
-const FINEST: f64 = 1.0 / 512.0;
-/// Chance at which whole counts without a step lie on one all the same.
-const CHANCE: f64 = 1e-4;
-/// Departure from a multiple of the step that floats may round to, in steps.
-const NEAR: f32 = 0.02;
 
 /// The step of a frame's grey values around its edges, counts; 0 for floats without one.
 pub(crate) fn grey_step<T: Sample>(
@@ -26,6 +38,7 @@ pub(crate) fn grey_step<T: Sample>(
     edges: [&Vec<CoarseEdge>; 2],
     whole_counts: bool,
 ) -> f64 {
+    let limits = GreyStepLimits::get();
     let mut grid = [0.0_f32; 2 * COLUMNS * ACROSS];
     let step = plane.columns.div_ceil(COLUMNS).max(1);
     let places = edges.into_iter().flat_map(|line| line.iter().enumerate().step_by(step)).flat_map(
@@ -63,33 +76,35 @@ pub(crate) fn grey_step<T: Sample>(
         }
         return lattice(values, f64::from(least)).max(unit);
     }
-    let multiple = |gap: f32| (gap / least - (gap / least).round()).abs() < NEAR * (gap / least).max(1.0);
-    if values.len() >= ENOUGH_VALUES && gaps().all(multiple) { f64::from(least) } else { 0.0 }
+    let multiple =
+        |gap: f32| (gap / least - (gap / least).round()).abs() < limits.near * (gap / least).max(1.0);
+    if values.len() >= limits.enough_values && gaps().all(multiple) { f64::from(least) } else { 0.0 }
 }
 
 /// Whether so many grey values of a scale of single counts have gaps with a common divisor by
 /// chance: the first gap gives one, each further gap is a multiple of it with probability
 /// 1/divisor. Two values, of a drawn or thresholded picture, show no step.
 fn is_chance(values: usize, divisor: u32) -> bool {
-    (2.0 - values as f64) * f64::from(divisor).ln() > CHANCE.ln()
+    (2.0 - values as f64) * f64::from(divisor).ln() > GreyStepLimits::get().chance.ln()
 }
 
 /// The step near `least` that all values are rounded multiples of, counted from the first; 1 where
 /// there is none, or where values without a step would show one by chance: each of them lies within
 /// ± 3/4 count of a multiple with probability 1.5/step.
 fn lattice(values: &[f32], least: f64) -> f64 {
-    if (values.len() as f64 - 2.0) * (1.5 / least).ln() > CHANCE.ln() {
+    let limits = GreyStepLimits::get();
+    if (values.len() as f64 - 2.0) * (1.5 / least).ln() > limits.chance.ln() {
         return 1.0;
     }
-    let tries = (2.0 / FINEST) as usize;
+    let tries = (2.0 / limits.finest) as usize;
     let fits = |step: f64| {
         values.iter().all(|v| {
             let far = f64::from(*v) - f64::from(values[0]);
-            (far - step * (far / step).round()).abs() <= ROUNDED
+            (far - step * (far / step).round()).abs() <= limits.rounded
         })
     };
     // The largest that fits: every fraction of a step fits, too.
-    (0..tries).rev().map(|k| least - 1.0 + k as f64 * FINEST).find(|step| fits(*step)).unwrap_or(1.0)
+    (0..tries).rev().map(|k| least - 1.0 + k as f64 * limits.finest).find(|step| fits(*step)).unwrap_or(1.0)
 }
 
 fn greatest_common_divisor(a: u32, b: u32) -> u32 {

@@ -14,36 +14,47 @@ use wide::f32x4;
 use super::connected_components::Span;
 use super::plane::{Plane, Sample};
 use super::shadows::{Grid, NoShadow, Shadows};
+use super::valleys::ValleyLimits;
 use super::valleys::{Bridged, Valleys, median_down};
 use crate::gauge::edges::ShadowsSeen;
+use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
 use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
-/// Cells a side of the thinned image, at most.
-const CELLS: usize = 256;
-/// (Difference of the two class means)²/(variance inside the classes) that two levels must exceed:
-/// a Gaussian noise image reaches 7.0, a uniform one or a plain ramp 12.
-const TWO_LEVELS: f64 = 16.0;
-
-/// Least width of a column as a share of the least diameter, which the part has in the median of
-/// its columns.
-const NECK: f64 = 0.8;
-/// Share of the columns with both edges from which the search by two levels has found all of a
-/// part.
-const WHOLE: f64 = 0.98;
-/// Share of the columns that a shadow between light must have where the frame has no two levels,
-/// and how many times as many as the search by two levels found: a speck in a field whose part
-/// reaches beyond the border is no part.
-const LEAST_BETWEEN: f64 = 0.25;
-const MORE: f64 = 1.02;
-/// Columns in which light inside the shadow is looked for, and rows beside its edges that blur may
-/// light.
-const LOOKED_AT: usize = 32;
-const EDGE: usize = 8;
-
-/// Rows that the shadow itself is looked for inside a stretch of dimmed light.
-const INWARDS: usize = 256;
+limits! {
+    /// When a dark area of the thinned image is the part.
+    LocalisationLimits = "part_localisation";
+    /// Cells a side of the thinned image, at most: as f32 all of them take 256 KiB, which a core's
+    /// second cache holds.
+    cells: usize = 256;
+    /// (Difference of the two class means)²/(variance inside the classes) that two levels must
+    /// exceed: a Gaussian noise image reaches 7.0, a uniform one or a plain ramp 12.
+    two_levels: f64 = 16.0;
+    /// Least width of a column over the least diameter, which the part has in the median of its
+    /// columns: a groove may be narrower than the part. Tuned: see study limits.
+    neck: f64 = 0.8;
+    /// Share of the columns with both edges from which on the search by two levels has found all of
+    /// a part, and the second search is saved. Tuned: see study limits.
+    whole: f64 = 0.98;
+    /// Share of the columns that a shadow between light must have where the frame has no two
+    /// levels: a speck in a field whose part reaches beyond the border is no part. Tuned: see study
+    /// limits.
+    least_between: f64 = 0.25;
+    /// Columns that the search between light must find over those that the search by two levels
+    /// found: as many and two in a hundred, since both find the same part within a few columns of
+    /// its ends. Tuned: see study limits.
+    more: f64 = 1.02;
+    /// Columns in which light inside the shadow is looked for: a line along the part crosses most
+    /// of them, and a share of a half is known to 9 % from 32.
+    looked_at: usize = 32;
+    /// Rows beside the edges of the shadow that blur may light: four standard deviations of a blur
+    /// of 2 px.
+    edge_rows: usize = 8;
+    /// Rows, at least, in which the shadow itself is looked for inside a stretch of dimmed light. A
+    /// bound of time alone: mist of more rows hides a part. Tuned: see study limits.
+    inwards: usize = 256;
+}
 
 /// A whole-pixel edge: the shadow's outermost pixel, or why there is none.
 pub(crate) type CoarseEdge = Result<i32, Reason>;
@@ -128,10 +139,11 @@ impl Coarse {
         plane: &Plane<'_, T>,
         settings: &GaugeSettings,
     ) -> Result<(), NoShadow> {
+        let limits = LocalisationLimits::get();
         self.thinned.fill(plane, settings.min_diameter_px);
         let by_levels = self.find_by_levels(plane, settings);
         let seen = self.pairs();
-        if by_levels.is_ok() && seen as f64 >= WHOLE * plane.columns as f64 {
+        if by_levels.is_ok() && seen as f64 >= limits.whole * plane.columns as f64 {
             return Ok(());
         }
         // A choice among several shadows is kept: between light lies one wall as well as one part.
@@ -143,7 +155,9 @@ impl Coarse {
         std::mem::swap(bottom, &mut self.bottom);
         self.find_by_valleys(plane, settings);
         let between = self.pairs();
-        if between as f64 >= LEAST_BETWEEN * plane.columns as f64 && between as f64 > MORE * seen as f64 {
+        if between as f64 >= limits.least_between * plane.columns as f64
+            && between as f64 > limits.more * seen as f64
+        {
             return Ok(());
         }
         let [top, bottom] = &mut self.spare;
@@ -200,6 +214,7 @@ impl Coarse {
         column: usize,
         min_diameter_px: f64,
     ) -> (CoarseEdge, CoarseEdge) {
+        let limits = LocalisationLimits::get();
         let cell = column / self.thinned.column_step;
         let nearest =
             if column % self.thinned.column_step > self.thinned.column_step / 2 { cell + 1 } else { cell };
@@ -214,7 +229,7 @@ impl Coarse {
         let top = walk_out(plane, column, &Walk { start: first, down: false, threshold, reach });
         let bottom = walk_out(plane, column, &Walk { start: last, down: true, threshold, reach });
         match (top, bottom) {
-            (Ok(t), Ok(b)) if f64::from(width(t, b)) < NECK * min_diameter_px => {
+            (Ok(t), Ok(b)) if f64::from(width(t, b)) < limits.neck * min_diameter_px => {
                 (Err(Reason::NoEdge), Err(Reason::NoEdge))
             }
             pair => pair,
@@ -248,12 +263,15 @@ impl Coarse {
     /// Light inside the shadow that the thinned image may be too coarse to show, px: its mean
     /// thickness where most of the columns looked at have some, else 0.
     fn light_inside<T: Sample>(&self, plane: &Plane<'_, T>, threshold: f32) -> f64 {
+        let limits = LocalisationLimits::get();
         let (mut lit, mut looked, mut sum) = (0, 0, 0.0);
-        for column in (0..plane.columns).step_by(plane.columns.div_ceil(LOOKED_AT)) {
+        for column in (0..plane.columns).step_by(plane.columns.div_ceil(limits.looked_at)) {
             let (Ok(top), Ok(bottom)) = (self.top[column], self.bottom[column]) else { continue };
             looked += 1;
             let (mut longest, mut run) = (0, 0);
-            for row in top.max(0) as usize + EDGE..(bottom.max(0) as usize).saturating_sub(EDGE) {
+            for row in top.max(0) as usize + limits.edge_rows
+                ..(bottom.max(0) as usize).saturating_sub(limits.edge_rows)
+            {
                 run = if plane.at(row, column) >= threshold { run + 1 } else { 0 };
                 longest = longest.max(run);
             }
@@ -279,8 +297,9 @@ impl Coarse {
 
 impl Thinned {
     fn fill<T: Sample>(&mut self, plane: &Plane<'_, T>, min_diameter_px: f64) {
+        let limits = LocalisationLimits::get();
         let finest = (min_diameter_px / 3.0).max(1.0) as usize;
-        let step = |n: usize| n.div_ceil(CELLS).clamp(1, finest);
+        let step = |n: usize| n.div_ceil(limits.cells).clamp(1, finest);
         (self.row_step, self.column_step) = (step(plane.rows), step(plane.columns));
         self.columns = plane.columns.div_ceil(self.column_step);
         self.values.clear();
@@ -312,11 +331,10 @@ struct TwoLevels {
     shadow: f32,
 }
 
-/// Share of the way from shadow to light below which a pixel is shadow.
-const SHADOW: f64 = 0.35;
-
 /// The two levels, if the values fall into two at all.
 fn separate(values: &[f32]) -> Option<TwoLevels> {
+    let limits = LocalisationLimits::get();
+    let valley_limits = ValleyLimits::get();
     const BINS: usize = 1024;
     let (low, high) = range(values);
     if !(high > low) {
@@ -360,11 +378,11 @@ fn separate(values: &[f32]) -> Option<TwoLevels> {
     }
     let (between, below, above) = best;
     let within = square / total - (sum / total).powi(2) - between / (total * total);
-    let two_levels = (above - below).powi(2) > TWO_LEVELS * within.max(1.0 / 12.0);
+    let two_levels = (above - below).powi(2) > limits.two_levels * within.max(1.0 / 12.0);
     let grey = |bin: f64| low + (bin as f32 + 0.5) / scale;
     two_levels.then(|| TwoLevels {
         threshold: grey(0.5 * (below + above)),
-        shadow: grey(below + SHADOW * (above - below)),
+        shadow: grey(below + valley_limits.shadow_level * (above - below)),
     })
 }
 
@@ -402,12 +420,13 @@ struct Walk {
 
 /// From a shadow pixel (or one near the border of the shadow) outwards to the last shadow pixel.
 fn walk_out<T: Sample>(plane: &Plane<'_, T>, column: usize, walk: &Walk) -> CoarseEdge {
+    let limits = LocalisationLimits::get();
     let Walk { start, down, threshold, reach } = *walk;
     let outward: i32 = if down { 1 } else { -1 };
     let inside = |row: i32| row >= 0 && (row as usize) < plane.rows;
     let dark = |row: i32| inside(row) && plane.at(row as usize, column) < threshold;
     let mut row = start as i32;
-    let mut budget = INWARDS.max(reach);
+    let mut budget = limits.inwards.max(reach);
     while !(dark(row) && dark(row - outward)) {
         row -= outward;
         budget -= 1;

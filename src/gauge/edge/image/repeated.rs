@@ -10,14 +10,24 @@
 use std::fmt;
 
 use super::plane::{Plane, Sample};
+use crate::gauge::limit::limits;
+
+limits! {
+    /// When equal lines of pixels repeat each other.
+    RepeatedLimits = "repeated";
+    /// Fewest pixels of a line that are evidence: chance makes two lines of a noisy picture equal
+    /// in 48 pixels with a probability of (5/8)⁴⁸ = 2e-10.
+    least_places: usize = 48;
+    /// Pixels compared that lie side by side: sixteen of four bytes are read as one line of the
+    /// cache.
+    cluster: usize = 16;
+    /// Most equal pairs in a row that are looked for: a picture enlarged four times. Longer runs
+    /// are also what compression leaves of a flat field.
+    longest_run: usize = 3;
+}
 
 /// Pixels of a line that are compared, and the least number that is evidence.
 const PLACES: usize = 64;
-const LEAST_PLACES: usize = 48;
-/// Pixels compared that lie side by side.
-const CLUSTER: usize = 16;
-/// Most equal pairs in a row.
-const LONGEST_RUN: usize = 3;
 
 /// Lines that repeat the one before them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,11 +64,12 @@ pub(crate) fn repeated_lines<T: Sample>(plane: &Plane<'_, T>) -> Option<Repeated
 
 /// Places along a line in clusters spread over it; none where there are too few.
 fn places(length: usize) -> ([usize; PLACES], usize) {
-    let clusters = PLACES / CLUSTER;
-    let first = |k: usize| ((2 * k + 1) * length / (2 * clusters)).saturating_sub(CLUSTER / 2);
+    let limits = RepeatedLimits::get();
+    let clusters = PLACES / limits.cluster;
+    let first = |k: usize| ((2 * k + 1) * length / (2 * clusters)).saturating_sub(limits.cluster / 2);
     let spread = length >= PLACES;
-    let place = |i: usize| if spread { first(i / CLUSTER) + i % CLUSTER } else { i };
-    let count = if length < LEAST_PLACES { 0 } else { length.min(PLACES) };
+    let place = |i: usize| if spread { first(i / limits.cluster) + i % limits.cluster } else { i };
+    let count = if length < limits.least_places { 0 } else { length.min(PLACES) };
     (std::array::from_fn(place), count)
 }
 
@@ -68,6 +79,7 @@ fn scan(
     places: &[usize],
     at: impl Fn(usize, usize) -> f32,
 ) -> Option<RepeatedLines> {
+    let limits = RepeatedLimits::get();
     if places.is_empty() {
         return None;
     }
@@ -85,7 +97,7 @@ fn scan(
             let along = places.windows(2).filter(|p| at(upper, p[0]) != at(upper, p[1]));
             2 * along.count() >= enough
         };
-        if differs && differed && (1..=LONGEST_RUN).contains(&run) && varies() {
+        if differs && differed && (1..=limits.longest_run).contains(&run) && varies() {
             found.get_or_insert(RepeatedLines { line, first: upper - run, count: 0, of: lines - 1 }).count +=
                 run;
         }

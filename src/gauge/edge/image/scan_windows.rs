@@ -8,22 +8,29 @@ use super::plane::{Plane, Sample};
 use super::window_layout::{MOST_WIDTH, PHASE_REACH, half};
 use crate::gauge::edge::model::edge_spread::EdgeSpreadFunction;
 use crate::gauge::edge::model::gaussian::EdgeSample;
+use crate::gauge::limit::limits;
 use crate::profile::Reason;
 
-/// Distance of an edge from the central pixel below which its window is centred, px. More than half
-/// a pixel, so that noise cannot alternate a window between two rows.
-const CENTRED: f32 = 0.65;
-
-/// Largest distance left to the scoring where noise alternates a window, px: its own shifts reach
-/// that far.
-const LATER: f32 = 2.5;
+limits! {
+    /// When a window is centred on its edge.
+    WindowLimits = "scan_windows";
+    /// Distance of an edge from the central pixel up to which its window is centred, px: more than
+    /// half a pixel, so that noise of 0.05 px (`frame_survey.noisy_area_px`) cannot alternate a
+    /// window between two rows.
+    central_px: f32 = 0.65;
+    /// Distance left to the scoring where noise alternates a window, px: its own shifts reach that
+    /// far.
+    later_px: f32 = 2.5;
+    /// Rows by which the edges in a tile of 64 columns may differ: a slope of 1/8. Steeper tiles
+    /// are read column by column, which is slower and gives the same.
+    most_spread: i32 = 8;
+    /// Columns either side over which the slope of an edge is taken: first estimates good to 0.05
+    /// px give it to 0.05·√2/16 = 0.004.
+    slope_arm: usize = 8;
+}
 
 /// Columns of a tile: their pixels in a row fill one or two lines of the cache.
 const TILE: usize = 64;
-/// Most rows by which the edges in a tile may differ.
-const MOST_SPREAD: i32 = 8;
-/// The most rows that the windows of a tile can span, with one more either side.
-const TILE_ROWS: usize = MOST_WIDTH.1 + MOST_SPREAD as usize + 2;
 /// Columns that are turned into windows together.
 const GROUP: usize = 8;
 
@@ -71,6 +78,7 @@ pub(crate) struct Windows {
     /// Position of the edge by the area of the light relative to the fitted one, px into the light.
     centroid: f32,
     tile: Vec<[f32; TILE]>,
+    limits: &'static WindowLimits,
 }
 
 impl Windows {
@@ -87,6 +95,7 @@ impl Windows {
             centred: false,
             centroid: 0.0,
             tile: Vec::new(),
+            limits: WindowLimits::get(),
         }
     }
 
@@ -162,7 +171,7 @@ impl Windows {
     /// Reads all windows whose centre is known, and centres them.
     pub(crate) fn read<T: Sample>(&mut self, plane: &Plane<'_, T>) {
         let mut tile = std::mem::take(&mut self.tile);
-        tile.resize(TILE_ROWS, [0.0; TILE]);
+        tile.resize(self.limits.tile_rows(), [0.0; TILE]);
         for from in (0..plane.columns).step_by(TILE) {
             let to = (from + TILE).min(plane.columns);
             match self.tile_rows(plane, from, to) {
@@ -181,7 +190,7 @@ impl Windows {
             let row = centre.ok()?;
             (low, high) = (low.min(row), high.max(row));
         }
-        if high - low > MOST_SPREAD || to - from < TILE || plane.column_stride != 1 {
+        if high - low > self.limits.most_spread || to - from < TILE || plane.column_stride != 1 {
             return None;
         }
         let (half, width) = (half(self.width) as i32, self.width as i32);
@@ -211,7 +220,7 @@ impl Windows {
         }
         let (dark, light, area) = area_start(window, self.flat);
         let x = area - self.centroid;
-        let central = is_central(dark, light, x);
+        let central = self.limits.is_central(dark, light, x);
         if central {
             (self.start[column], self.dark[column], self.light[column]) = (x, dark, light);
         }
@@ -249,7 +258,7 @@ impl Windows {
         let mut shifts = [0_usize; GROUP];
         for k in 0..GROUP {
             let [_, here, _] = &starts;
-            let there = if is_central(here.dark[k], here.light[k], here.x[k]) {
+            let there = if self.limits.is_central(here.dark[k], here.light[k], here.x[k]) {
                 1
             } else if here.x[k] > 0.0 {
                 2
@@ -257,7 +266,7 @@ impl Windows {
                 0
             };
             let start = &starts[there];
-            open[k] = !is_central(start.dark[k], start.light[k], start.x[k]);
+            open[k] = !self.limits.is_central(start.dark[k], start.light[k], start.x[k]);
             shifts[k] = there;
             if !open[k] {
                 self.start[column + k] = start.x[k];
@@ -293,7 +302,8 @@ impl Windows {
                 break;
             }
             let shift = x.round();
-            if x.abs() <= if hop < 3 && !self.centred { CENTRED } else { LATER } {
+            if x.abs() <= if hop < 3 && !self.centred { self.limits.central_px } else { self.limits.later_px }
+            {
                 self.centre[place] = Ok(centre);
                 self.start[place] = x;
                 self.dark[place] = dark;
@@ -405,10 +415,17 @@ fn group_start(part: &[[f32; TILE]], lane: usize, flat: usize, centroid: f32) ->
     GroupStart { dark, light, x }
 }
 
-/// Whether a window with these flat ends and this edge is centred.
-#[inline(always)]
-fn is_central(dark: f32, light: f32, x: f32) -> bool {
-    light > dark && x.abs() <= CENTRED
+impl WindowLimits {
+    /// The most rows that the windows of a tile can span, with one more either side.
+    fn tile_rows(&self) -> usize {
+        MOST_WIDTH + self.most_spread as usize + 2
+    }
+
+    /// Whether a window with these flat ends and this edge is centred.
+    #[inline(always)]
+    fn is_central(&self, dark: f32, light: f32, x: f32) -> bool {
+        light > dark && x.abs() <= self.central_px
+    }
 }
 
 /// Means of the flat ends, in the shadow and in the light.
@@ -438,12 +455,13 @@ fn area_start(window: &[f32], flat: usize) -> (f32, f32, f32) {
 /// Slope of the edge line, rows per column, from first estimates up to eight columns either side; 0
 /// where there are none.
 pub(crate) fn slopes(windows: &Windows, out: &mut Vec<f32>) {
-    const ARM: usize = 8;
+    let limits = WindowLimits::get();
     let columns = windows.centre.len();
     let known = |column: usize| windows.centre[column].is_ok();
     out.clear();
     for column in 0..columns {
-        let (from, to) = (column.saturating_sub(ARM), (column + ARM).min(columns - 1));
+        let (from, to) =
+            (column.saturating_sub(limits.slope_arm), (column + limits.slope_arm).min(columns - 1));
         let left = if known(from) { Some(from) } else { (from..=column).find(|c| known(*c)) };
         let right = if known(to) { Some(to) } else { (column..=to).rev().find(|c| known(*c)) };
         out.push(match (left, right) {

@@ -10,26 +10,36 @@
 
 use super::connected_components::{Area, Components, Span, largest};
 use crate::gauge::edges::ShadowsSeen;
+use crate::gauge::limit::limits;
 use crate::gauge::settings::Which;
 use crate::profile::Reason;
 
-/// Shadows looked at, the largest ones: a frame with more is no view of a shaft.
-const MOST: usize = 16;
-/// Share of the largest shadow's columns that another one must run along to count as a second part.
-const ALONG: f64 = 0.5;
-/// Share of the columns that strips must have in common to be walls of one part.
-const BESIDE: f64 = 0.8;
-/// Gap between strips over the thicker one up to which they are one part. The highlight of a
-/// polished pin and the focal line of a glass capillary in parallel light take less than a tenth of
-/// the diameter; n = 1.5 focuses a rod's light of numerical aperture .1 to .1 D.
-const NARROW: f64 = 0.25;
-/// Gap over the thinner strip beyond which a pair is taken for two parts: the bore of a tube with
-/// D/d up to 5 is narrower.
-const WIDE: f64 = 0.5;
-/// Ratio of thicknesses from which strips count as equal.
-const EQUAL: f64 = 0.8;
-/// Share of the thickness of the shadow measured from which another shadow counts as as large.
-const AS_LARGE: f64 = 0.5;
+limits! {
+    /// Which of several shadows are parts, and which are strips of one.
+    ShadowLimits = "shadows";
+    /// Shadows kept, the largest ones: a frame with more is no view of a shaft.
+    most: usize = 16;
+    /// Share of the largest shadow's columns that another one must run along to count as a second
+    /// part: half, as of two parts in one field either is seen along most of it.
+    along: f64 = 0.5;
+    /// Share of the columns that strips must have in common to be walls of one part, which end
+    /// together. Tuned: see study limits.
+    beside: f64 = 0.8;
+    /// Gap between strips over the thicker one up to which they are one part. The highlight of a
+    /// polished pin and the focal line of a glass capillary in parallel light take less than a
+    /// tenth of the diameter; n = 1.5 focuses a rod's light of numerical aperture 0.1 to 0.1 D.
+    narrow: f64 = 0.25;
+    /// Gap over the thinner strip up to which a pair may be one tube: its bore over its wall is
+    /// 2/(D/d − 1), so that D/d of 5 and more give this or less.
+    wide: f64 = 0.5;
+    /// Ratio of thicknesses from which on strips count as equal: the walls of one tube are, but for
+    /// its eccentricity and the estimate by whole cells. Tuned: see study limits.
+    equal: f64 = 0.8;
+    /// Share of the thickness of the shadow measured from which on another shadow is reported as
+    /// left out: half of it can be the part, hardly a hair or a wire beside it. Tuned: see study
+    /// limits.
+    as_large: f64 = 0.5;
+}
 
 /// One strip: a shadow with its mean position.
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +139,7 @@ impl Shadows {
 
     /// The shadows that run along the field with both edges in it, from the top.
     fn find_strips(&mut self, grid: &Grid<'_>) {
+        let limits = ShadowLimits::get();
         let last_row = (grid.values.len() / grid.columns) as u32 - 1;
         let inside = |area: &Area| area.rows.0 > 0 && area.rows.1 < last_row;
         self.strips.clear();
@@ -137,7 +148,7 @@ impl Shadows {
             return;
         };
         let wide = |area: &Area| f64::from(area.columns.1 - area.columns.0);
-        let least = ALONG * wide(&main);
+        let least = limits.along * wide(&main);
         let continues = |area: &Area| is_continued(&main, area);
         for area in self.areas.iter().filter(|area| inside(area) && wide(area) >= least && !continues(area)) {
             self.components.spans(area, grid.columns, &mut self.other);
@@ -155,7 +166,7 @@ impl Shadows {
             }
         }
         self.strips.sort_unstable_by_key(|s| (std::cmp::Reverse(s.area.cells), s.area.root));
-        self.strips.truncate(MOST);
+        self.strips.truncate(limits.most);
         self.strips.sort_unstable_by(|a, b| a.middle_px().total_cmp(&b.middle_px()));
     }
 
@@ -235,6 +246,7 @@ impl Shadows {
     }
 
     fn describe(&mut self, first: usize, last: usize) {
+        let limits = ShadowLimits::get();
         let strips = &self.strips;
         let number = |to: usize| strips[..to].iter().filter(|s| s.part).count() as u16;
         // From +0: an empty sum of floats is −0.
@@ -245,7 +257,7 @@ impl Shadows {
             .enumerate()
             .filter(|(k, s)| !(first..=last).contains(k) && s.part)
             .map(|(_, s)| s)
-            .filter(|s| s.thickness_px() >= AS_LARGE * thickness_px)
+            .filter(|s| s.thickness_px() >= limits.as_large * thickness_px)
             .max_by(|a, b| a.thickness_px().total_cmp(&b.thickness_px()));
         self.seen = ShadowsSeen {
             seen: number(strips.len()).max(1),
@@ -278,20 +290,23 @@ fn beside(upper: &Strip, lower: &Strip) -> Option<(f64, f64)> {
     let to = upper.area.columns.1.min(lower.area.columns.1);
     let common = f64::from(to.saturating_sub(from));
     let (a, b) = (upper.thickness_px(), lower.thickness_px());
-    (common >= BESIDE * upper.columns.max(lower.columns) as f64).then_some((a.min(b), a.max(b)))
+    (common >= ShadowLimits::get().beside * upper.columns.max(lower.columns) as f64)
+        .then_some((a.min(b), a.max(b)))
 }
 
 /// Whether the light between two strips is a line on one part.
 fn is_one_part(upper: &Strip, lower: &Strip) -> bool {
+    let limits = ShadowLimits::get();
     let gap = gap_px(upper, lower);
-    beside(upper, lower).is_some_and(|(thin, thick)| gap <= NARROW * thick && gap <= thin)
+    beside(upper, lower).is_some_and(|(thin, thick)| gap <= limits.narrow * thick && gap <= thin)
 }
 
 /// Ambiguous strips: equally thick, and closer than two parts usually lie.
 fn doubt(upper: &Strip, lower: &Strip) -> Option<String> {
+    let limits = ShadowLimits::get();
     let gap = gap_px(upper, lower);
     let (thin, thick) = beside(upper, lower).filter(|_| upper.part && lower.part)?;
-    (thin >= EQUAL * thick && gap <= WIDE * thin).then(|| {
+    (thin >= limits.equal * thick && gap <= limits.wide * thin).then(|| {
         format!(
             "two shadows {:.0} and {:.0} px thick with {gap:.0} px of light between them may be the walls of one tube or two parts: \
              state it with --which outermost (one part from the first edge to the last) or largest, nearest-centre or 1, 2 ... \

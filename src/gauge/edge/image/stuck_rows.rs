@@ -7,20 +7,34 @@
 use super::plane::{Plane, Sample};
 use super::scan_windows::Windows;
 use super::window_layout::half;
+use crate::gauge::limit::limits;
 use crate::profile::Reason;
 
-/// Departure from both neighbours, as a share of the contrast.
-const DEPARTURE: f32 = 0.2;
-/// Share of the columns that must depart to the same side, and share that has one value in a stuck
-/// row and in a live one.
-const NEARLY_ALL: f64 = 0.9;
-const ALIKE: f64 = 0.95;
-const ALIVE: f64 = 0.6;
-/// Least range of a live row's grey values, counts: less may be one level and its rounding.
-const LEAST_RANGE: f32 = 3.0;
-/// Columns looked at, at most, and the fewest that show a row.
-const SAMPLES: usize = 64;
-const LEAST: usize = 8;
+limits! {
+    /// When a row beside an edge is stuck.
+    StuckRowLimits = "stuck_rows";
+    /// Departure from both neighbours over the contrast: an edge is monotone and a fringe's crest
+    /// wider than a pixel, so that of a live row noise alone departs, less than a fifth in nearly
+    /// all columns.
+    departure: f32 = 0.2;
+    /// Share of the columns that must depart to the same side: all but those where the stuck value
+    /// lies between its neighbours, along a slanted edge. Tuned: see study limits.
+    nearly_all: f64 = 0.9;
+    /// Share of the columns that have one value in a stuck row: all but hot pixels. Tuned: see
+    /// study limits.
+    alike: f64 = 0.95;
+    /// Share of the columns that may have one value in the live rows beside it: of Gaussian noise
+    /// with a standard deviation of one count two fifths stand at one value.
+    alive: f64 = 0.6;
+    /// Least range of a live row's grey values, counts: less may be one level and its rounding,
+    /// which gives two values.
+    least_range: f32 = 3.0;
+    /// Columns looked at, at most: a share of 0.9 is known to 4 % from 64.
+    samples: usize = 64;
+    /// Fewest columns that show a row: noise is above both neighbours once in three, in eight
+    /// columns once in 6500.
+    least: usize = 8;
+}
 
 /// A stuck row.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +99,8 @@ fn level_if_stuck<T: Sample>(
     row: i32,
     (reach, contrast): (i32, f32),
 ) -> Option<Level> {
-    let step = windows.centre.len().div_ceil(SAMPLES).max(1);
+    let limits = StuckRowLimits::get();
+    let step = windows.centre.len().div_ceil(limits.samples).max(1);
     let in_reach = |k: &usize| windows.centre[*k].is_ok_and(|c| (row - c).abs() <= reach);
     let (mut above, mut below, mut count) = (0, 0, 0);
     let mut equal = [0; 3];
@@ -94,8 +109,8 @@ fn level_if_stuck<T: Sample>(
     for column in (0..windows.centre.len()).step_by(step).filter(in_reach) {
         let values = [-1, 0, 1].map(|k| plane.at((row + k) as usize, column));
         let [upper, own, lower] = values;
-        above += usize::from(own > upper.max(lower) + DEPARTURE * contrast);
-        below += usize::from(own < upper.min(lower) - DEPARTURE * contrast);
+        above += usize::from(own > upper.max(lower) + limits.departure * contrast);
+        below += usize::from(own < upper.min(lower) - limits.departure * contrast);
         let first = first.get_or_insert(values);
         for ((equal, value), first) in equal.iter_mut().zip(values).zip(first) {
             *equal += usize::from(value.to_bits() == first.to_bits());
@@ -105,14 +120,15 @@ fn level_if_stuck<T: Sample>(
         }
         count += 1;
     }
-    let scatters = |k: usize| range[k].1 - range[k].0 >= LEAST_RANGE && share_of(equal[k], count) <= ALIVE;
-    let departs = share_of(above.max(below), count) >= NEARLY_ALL;
-    let dead = share_of(equal[1], count) >= ALIKE && scatters(0) && scatters(2);
+    let scatters =
+        |k: usize| range[k].1 - range[k].0 >= limits.least_range && share_of(equal[k], count) <= limits.alive;
+    let departs = share_of(above.max(below), count) >= limits.nearly_all;
+    let dead = share_of(equal[1], count) >= limits.alike && scatters(0) && scatters(2);
     let level = |[upper, own, lower]: [f32; 3]| Level {
         counts: own,
         departure: (own - upper.max(lower)).max(upper.min(lower) - own).max(0.0),
     };
-    first.filter(|_| count >= LEAST && (departs || dead)).map(level)
+    first.filter(|_| count >= limits.least && (departs || dead)).map(level)
 }
 
 fn share_of(part: usize, all: usize) -> f64 {

@@ -13,18 +13,25 @@
 //! margin of an undistorted picture) is none. A cell is shadow where it lies below the middle
 //! between its valley's floor and its fill. No level of the whole frame is needed, so that light
 //! may fall off by as much as its noise allows.
+use crate::gauge::limit::limits;
 
-/// Depth of a valley in standard deviations of the noise: of a hundred thousand cells of noise none
-/// is as deep.
-const LEAST_DEPTH_SIGMAS: f32 = 8.0;
-/// Depth of a valley as a fraction of the frame's whole range of grey values: a part is opaque;
-/// what hardly dims the light is mist or a film.
-const LEAST_DEPTH_SHARE: f32 = 0.03;
-/// Cells of a row between two shadow cells that count as shadow: a stuck column of the sensor does
-/// not cut a part in two.
-const BRIDGE: usize = 4;
-/// Share of the way from floor to fill below which a pixel is shadow, as for a frame of two levels.
-const SHADOW: f32 = 0.35;
+limits! {
+    /// When a valley of grey values is a shadow.
+    ValleyLimits = "valleys";
+    /// Depth of a valley in standard deviations of the noise: of a hundred thousand cells of noise
+    /// none is as deep.
+    least_depth_sigmas: f32 = 8.0;
+    /// Depth of a valley over the frame's whole range of grey values: a part is opaque; what hardly
+    /// dims the light is mist or a film. Tuned: see study limits.
+    least_depth_share: f32 = 0.03;
+    /// Cells of a row between two shadow cells that count as shadow: a stuck column of the sensor
+    /// does not cut a part in two. A cell is a pixel or more, so that four columns side by side
+    /// are bridged.
+    bridge: usize = 4;
+    /// Share of the way from shadow to light below which a pixel is shadow: below the middle, which
+    /// is the edge, so that a pixel of the shadow is one to two thirds at least.
+    shadow_level: f64 = 0.35;
+}
 
 /// The valleys of a thinned image, row by row; buffers that a stream keeps.
 #[derive(Clone, Debug, Default)]
@@ -116,6 +123,7 @@ impl Valleys {
     /// Depth from which a valley counts, counts: by the scatter of neighbours in a row and the
     /// range of the grey values.
     fn least_depth(&mut self, values: &[f32], columns: usize) -> f32 {
+        let limits = ValleyLimits::get();
         let step = (values.len() / 4096).max(1);
         self.differences.clear();
         let pairs = (0..values.len().saturating_sub(1)).step_by(step).filter(|k| (k + 1) % columns != 0);
@@ -129,7 +137,9 @@ impl Valleys {
         let noise = *median / 0.954;
         let range =
             values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-        (LEAST_DEPTH_SIGMAS * noise).max(LEAST_DEPTH_SHARE * (range.1 - range.0)).max(f32::MIN_POSITIVE)
+        (limits.least_depth_sigmas * noise)
+            .max(limits.least_depth_share * (range.1 - range.0))
+            .max(f32::MIN_POSITIVE)
     }
 
     /// Shares of the valleys of one column that are deep enough.
@@ -158,6 +168,7 @@ impl Valleys {
     /// Levels of the pixels' own threshold in each column of a part's spans; a bridged column has
     /// its neighbour's.
     pub(crate) fn set_levels(&mut self, values: &[f32], spans: &[Option<(usize, usize)>]) {
+        let limits = ValleyLimits::get();
         let columns = spans.len();
         self.shadow.clear();
         let mut last = f32::NAN;
@@ -174,7 +185,7 @@ impl Valleys {
             }
             if 2.0 * count > (end - first) as f32 {
                 let floor = sum / count;
-                last = floor + SHADOW * (fill - floor);
+                last = floor + limits.shadow_level as f32 * (fill - floor);
             }
             self.shadow.push(last);
         }
@@ -183,10 +194,11 @@ impl Valleys {
 
 /// Counts short gaps between the shadow cells of a row as shadow.
 fn bridge(row: &mut [f32]) {
+    let limits = ValleyLimits::get();
     let mut last = None;
     for column in 0..row.len() {
         if row[column] < 0.5 {
-            if let Some(from) = last.filter(|from| column - from <= BRIDGE + 1) {
+            if let Some(from) = last.filter(|from| column - from <= limits.bridge + 1) {
                 row[from + 1..column].fill(0.0);
             }
             last = Some(column);

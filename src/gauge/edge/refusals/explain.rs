@@ -7,13 +7,19 @@ use super::other_views;
 use crate::gauge::edge::image::plane::{Plane, Sample};
 use crate::gauge::edge::image::shadows::NoShadow;
 use crate::gauge::edges::{Edge, FrameEdges, FrameRefused};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
 use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
-/// Range of grey values over their noise up to which a frame shows one level: the extremes of a
-/// million normal values lie 9.8 standard deviations apart, and whole counts round them outwards.
-const ONE_LEVEL: f64 = 12.0;
+limits! {
+    /// Which reason a refusal gives.
+    ExplainLimits = "explain";
+    /// Range of grey values over their noise up to which a frame shows one level: the extremes of a
+    /// million normal values lie 9.8 standard deviations apart, and whole counts round them
+    /// outwards.
+    one_level: f64 = 12.0;
+}
 
 /// Text where no window holds both levels.
 const NO_LEVELS: &str = "no column shows both light and shadow beside an edge, and one is needed at least: the part is hidden, blurred beyond \
@@ -125,7 +131,8 @@ impl GreyValues {
     }
 
     fn is_one_level(&self) -> bool {
-        f64::from(self.most - self.least) <= ONE_LEVEL * self.noise || self.most <= self.least
+        let limits = ExplainLimits::get();
+        f64::from(self.most - self.least) <= limits.one_level * self.noise || self.most <= self.least
     }
 
     fn range(&self) -> String {
@@ -139,8 +146,9 @@ impl GreyValues {
             "nothing but one level and its noise: no part stands in the light, or there is none"
         };
         format!(
-            "{}: {level}; light and shadow must lie more than {ONE_LEVEL} times the noise apart: put a part into the field, light it from behind, or set the exposure",
-            self.range()
+            "{}: {level}; light and shadow must lie more than {} times the noise apart: put a part into the field, light it from behind, or set the exposure",
+            self.range(),
+            ExplainLimits::get().one_level
         )
     }
 }

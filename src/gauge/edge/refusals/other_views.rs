@@ -3,12 +3,18 @@
 
 use crate::gauge::edge::image::part_localisation::Coarse;
 use crate::gauge::edge::image::plane::{Plane, Sample};
+use crate::gauge::limit::limits;
 use crate::gauge::settings::GaugeSettings;
 
-/// Least size, px, of a shadow that is looked for in order to report the size of the largest one.
-const SMALLEST_PX: f64 = 6.0;
-/// Share of the columns in which another view of the frame must show a part to be recommended.
-const RECOMMENDED: f64 = 0.5;
+limits! {
+    /// When another view of a frame is recommended.
+    OtherViewLimits = "other_views";
+    /// Least size, px, of a shadow that is looked for in order to report the size of the largest
+    /// one: two edges with a blur of 1 px either side, three standard deviations each.
+    smallest_px: f64 = 6.0;
+    /// Share of the columns in which another view of the frame must show a part: most of them.
+    recommended: f64 = 0.5;
+}
 
 /// A view of a frame by other options than those given.
 #[derive(Clone, Copy, Debug)]
@@ -41,15 +47,16 @@ pub(crate) fn recommended<T: Sample>(plane: &Plane<'_, T>, settings: &GaugeSetti
 
 impl View {
     fn words<T: Sample>(&self, given: &Plane<'_, T>, settings: &GaugeSettings) -> Option<String> {
+        let limits = OtherViewLimits::get();
         let least = settings.min_diameter_px;
         let turned = if self.upright { given.transposed() } else { *given };
         let plane = if self.exchanged { turned.inverted() } else { turned };
-        let min_diameter_px = if self.smaller { SMALLEST_PX } else { least };
-        if self.smaller && least <= SMALLEST_PX {
+        let min_diameter_px = if self.smaller { limits.smallest_px } else { least };
+        if self.smaller && least <= limits.smallest_px {
             return None;
         }
         let settings = GaugeSettings { min_diameter_px, ..settings.clone() };
-        let width = Coarse::found(&plane, &settings).filter(|f| f.share >= RECOMMENDED)?.width_px;
+        let width = Coarse::found(&plane, &settings).filter(|f| f.share >= limits.recommended)?.width_px;
         if self.smaller && width >= least {
             return None;
         }

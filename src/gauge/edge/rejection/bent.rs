@@ -5,27 +5,35 @@
 
 use nalgebra::SVector;
 
-use super::centreline::CALM_PX;
+use super::centreline::CentrelineLimits;
 use super::departures::Block;
+use crate::gauge::limit::limits;
 use crate::numerics::normal_equations::NormalEquations;
+
+limits! {
+    /// When an axis is bent and nothing contaminates it.
+    BentLimits = "bent";
+    /// Largest departure of a width from its line over the largest departure of a middle from its
+    /// line: a quarter of the ratio that contamination gives, 2.
+    most_widening: f64 = 0.5;
+    /// Fewest blocks from which such a curve is fitted: four for each of its coefficients.
+    least_blocks: usize = 4 * TERMS;
+}
 
 /// Coefficients of the curve: half a sine over two fields is approximated to 1e-4 of its height.
 const TERMS: usize = 6;
-/// Largest departure of a width from its line over the largest departure of a middle from its line:
-/// a quarter of the ratio that contamination gives.
-const MOST_WIDENING: f64 = 0.5;
-/// Fewest blocks from which such a curve can be fitted.
-const LEAST_BLOCKS: usize = 4 * TERMS;
 
 /// Whether the middle of every block lies on a smooth curve while the widths stay on a line.
 pub(super) fn is_bent(blocks: &[Block]) -> bool {
-    if blocks.len() < LEAST_BLOCKS {
+    let limits = BentLimits::get();
+    let centreline_limits = CentrelineLimits::get();
+    if blocks.len() < limits.least_blocks {
         return false;
     }
     let Some(off_curve) = largest(blocks, |b| b.middle, TERMS) else { return false };
     let Some(off_line) = largest(blocks, |b| b.middle, 2) else { return false };
     let Some(widening) = largest(blocks, |b| b.width, 2) else { return false };
-    off_curve < CALM_PX && widening < MOST_WIDENING * off_line
+    off_curve < centreline_limits.calm_px && widening < limits.most_widening * off_line
 }
 
 /// Largest departure from the least-squares polynomial of `terms` coefficients; `None` where a

@@ -2,16 +2,25 @@
 //! across the bump of which it is a flank.
 
 use super::centreline::fit;
-use super::departures::{AxisScratch, FLOOR_PX, GROWTH};
+use super::departures::{AxisScratch, DepartureLimits};
+use crate::gauge::limit::limits;
 
-/// Columns whose mean widths are compared on the way down.
-const MEAN_COLUMNS: usize = 8;
-/// Widening behind a refused stretch from which on it is a local bump's flank, px; shoulders are
-/// steeper than so many px a column.
-const RISE_PX: f64 = 0.1;
-const SHOULDER: f64 = 0.3;
-/// Share of a local bump's height down to which it is one.
-const BASE_FRACTION: f64 = 0.2;
+limits! {
+    /// How far a local bump extends.
+    BumpExtentLimits = "bump_extent";
+    /// Columns whose mean widths are compared on the way down: the mean of eight has 0.35 of one
+    /// width's noise, and a flank is longer.
+    mean_columns: usize = 8;
+    /// Widening behind a refused stretch from which on it is a local bump's flank, px: two and a
+    /// half times what is tested (`departures.floor_px`). Tuned: see study limits.
+    rise_px: f64 = 0.1;
+    /// Widening a column, px, above which it is a shoulder of the part: a slope of 17°, steeper
+    /// than what adheres ends with. Tuned: see study limits.
+    shoulder: f64 = 0.3;
+    /// Share of a local bump's height down to which it is one: the rest is below what is tested,
+    /// but for bumps that are refused by their height alone. Tuned: see study limits.
+    base: f64 = 0.2;
+}
 
 impl AxisScratch {
     /// Whether a column has no width left.
@@ -56,6 +65,8 @@ impl AxisScratch {
     /// stays high like a collar, or falls again where the middle departs to the other side, as at a
     /// collar of a tilted part.
     fn cross_from(&mut self, near: isize, far: isize, step: isize, taper: f64) -> bool {
+        let departure_limits = DepartureLimits::get();
+        let limits = BumpExtentLimits::get();
         let length = (near - far).abs() as f64;
         let (Some(base), Some(beyond)) =
             (self.mean_width(far - step, -step), self.mean_width(near + step, step))
@@ -63,20 +74,21 @@ impl AxisScratch {
             return false;
         };
         // A round part's crown rises already before the stretch.
-        let before = self.mean_width(far - step * (1 + 2 * MEAN_COLUMNS as isize), -step);
-        let Some(slope) = before.map(|before| (base - before) / (2 * MEAN_COLUMNS) as f64) else {
+        let before = self.mean_width(far - step * (1 + 2 * limits.mean_columns as isize), -step);
+        let Some(slope) = before.map(|before| (base - before) / (2 * limits.mean_columns) as f64) else {
             return false;
         };
-        let on_the_way = (length + 1.0 + MEAN_COLUMNS as f64) * (slope - taper * step as f64).max(0.0);
-        let rise = beyond - base - taper * step as f64 * (length + 1.0 + MEAN_COLUMNS as f64) - on_the_way;
-        if rise < RISE_PX || rise > SHOULDER * (length + 1.0) {
+        let on_the_way = (length + 1.0 + limits.mean_columns as f64) * (slope - taper * step as f64).max(0.0);
+        let rise =
+            beyond - base - taper * step as f64 * (length + 1.0 + limits.mean_columns as f64) - on_the_way;
+        if rise < limits.rise_px || rise > limits.shoulder * (length + 1.0) {
             return false;
         }
         let side = self.side_of(near, -step);
         let columns = self.departures.len() as isize;
         let mut at = near + step;
-        while (at - near).unsigned_abs() < 2 * GROWTH {
-            let ahead = at + step * (MEAN_COLUMNS as isize - 1);
+        while (at - near).unsigned_abs() < 2 * departure_limits.growth {
+            let ahead = at + step * (limits.mean_columns as isize - 1);
             let border = ahead < 0 || ahead >= columns;
             let meets = !border && self.refused[ahead as usize];
             if meets && self.side_of(ahead, step) * side < 0.0 {
@@ -85,21 +97,27 @@ impl AxisScratch {
             let height = self.mean_width(at, step).map(|width| {
                 width
                     - base
-                    - taper * step as f64 * (length + 1.0 + (at - near).abs() as f64 + MEAN_COLUMNS as f64)
+                    - taper
+                        * step as f64
+                        * (length + 1.0 + (at - near).abs() as f64 + limits.mean_columns as f64)
             });
-            if border || meets || height.is_some_and(|h| h < (BASE_FRACTION * rise).max(FLOOR_PX)) {
+            if border
+                || meets
+                || height.is_some_and(|h| h < (limits.base * rise).max(departure_limits.floor_px))
+            {
                 let end = ahead.clamp(0, columns - 1);
                 self.refused[near.min(end) as usize..=near.max(end) as usize].fill(true);
                 return true;
             }
-            at += step * MEAN_COLUMNS as isize;
+            at += step * limits.mean_columns as isize;
         }
         false
     }
 
     /// Sum of the departures over the columns at the end of a stretch.
     fn side_of(&self, end: isize, step: isize) -> f32 {
-        let columns = (0..2 * MEAN_COLUMNS as isize).map(|k| end + step * k);
+        let limits = BumpExtentLimits::get();
+        let columns = (0..2 * limits.mean_columns as isize).map(|k| end + step * k);
         let known = columns.filter_map(|c| self.departures.get(usize::try_from(c).ok()?));
         known.filter(|d| d.is_finite()).sum()
     }
@@ -121,17 +139,19 @@ impl AxisScratch {
     /// Refuses the columns on the way down from one to where the width levels out; none where it
     /// does not: that is form.
     fn extend_from(&mut self, from: isize, step: isize, taper: f64) {
-        let tapered = taper * (MEAN_COLUMNS as isize * step) as f64;
+        let departure_limits = DepartureLimits::get();
+        let limits = BumpExtentLimits::get();
+        let tapered = taper * (limits.mean_columns as isize * step) as f64;
         let mut at = from;
-        for _ in 0..2 * GROWTH / MEAN_COLUMNS {
-            let below = at + step * MEAN_COLUMNS as isize;
+        for _ in 0..2 * departure_limits.growth / limits.mean_columns {
+            let below = at + step * limits.mean_columns as isize;
             let (Some(here), Some(next)) = (self.mean_width(at, step), self.mean_width(below, step)) else {
                 return;
             };
             // Falls both by itself and after subtraction of the taper: a step elsewhere in the
             // field makes the fitted taper too steep.
             let fall = (here - next).min(here - next + tapered);
-            if fall < FLOOR_PX {
+            if fall < departure_limits.floor_px {
                 if at != from {
                     let (low, high) = (from.min(at - step), from.max(at - step));
                     self.refused[low as usize..=high as usize].fill(true);
@@ -142,10 +162,10 @@ impl AxisScratch {
         }
     }
 
-    /// Mean width of [`MEAN_COLUMNS`] columns from one on; `None` where they leave the frame or few
+    /// Mean width of `mean_columns` columns from one on; `None` where they leave the frame or few
     /// have one.
     fn mean_width(&self, from: isize, step: isize) -> Option<f64> {
-        let last = from + step * (MEAN_COLUMNS as isize - 1);
+        let last = from + step * (BumpExtentLimits::get().mean_columns as isize - 1);
         let (low, high) = (usize::try_from(from.min(last)).ok()?, usize::try_from(from.max(last)).ok()?);
         let widths = self.widths.get(low..=high)?;
         let (mut sum, mut count) = (0.0, 0.0);

@@ -4,31 +4,41 @@
 use nalgebra::Vector3;
 
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 use crate::numerics::median_network::{BLOCK, LANES, medians};
 use crate::numerics::robust::{MEDIAN_TO_SD, upper_median};
 
-/// Departures of a column and of a block's mean that are refused, in robust standard deviations of
-/// either.
-const COLUMN_LIMIT: f64 = 5.5;
-const BLOCK_LIMIT: f64 = 4.0;
+limits! {
+    /// When a column or a block departs from the axis.
+    DepartureLimits = "departures";
+    /// Departure of a column that is refused, in robust standard deviations: noise gives it in
+    /// 4·10⁻⁸ of the columns, one frame of 2400 in ten thousand.
+    column: f64 = 5.5;
+    /// Departure of a block's mean that is refused, in robust standard deviations: noise gives it
+    /// in 6·10⁻⁵ of the blocks, where `floor_px` is no larger.
+    block: f64 = 4.0;
+    /// Departures below this are not tested, px: they change a diameter by twice as much, well
+    /// within the scatter of a station.
+    floor_px: f64 = 0.04;
+    /// Departure to the same side, in standard deviations of a column, up to which neighbours join
+    /// a refused stretch: noise gives it in 7 % of the columns.
+    grow: f64 = 1.5;
+    /// Columns by which a stretch grows at most: four blocks. A longer one is found by its blocks.
+    growth: usize = 64;
+    /// Neighbouring columns that are refused with a stretch: the base of a flank too gentle to be
+    /// detected. Tuned: see study limits.
+    guard: usize = 6;
+    /// Share of the blocks that must agree with the axis: the median of their departures gives
+    /// their scatter. A smaller share would find axes among films that cover most of a field, and
+    /// bends in clean texture.
+    agreeing: f64 = 0.5;
+    /// Bumps that are left out together when the scatter elsewhere is estimated: the two largest
+    /// may hide the third. More would leave few places elsewhere.
+    bumps: usize = 3;
+}
+
 /// Standard deviation of a block's median over that of a column: √(π/2)/√16.
 pub(super) const MEDIAN_OF_BLOCK: f64 = 0.3133;
-/// Departures below this are not tested, px: they change a diameter by twice as much, well within
-/// the scatter of a station.
-pub(super) const FLOOR_PX: f64 = 0.04;
-/// A refused stretch grows over neighbours that depart to the same side by so many standard
-/// deviations, this far at most.
-pub(super) const GROW_LIMIT: f64 = 1.5;
-pub(super) const GROWTH: usize = 64;
-/// Neighbouring columns that are refused with a stretch: the base of a flank too gentle to be
-/// detected.
-const GUARD: usize = 6;
-/// Fraction of the blocks that must agree with the axis: the median of their departures gives their
-/// scatter. A smaller fraction would find axes among films that cover most of a field, and bends in
-/// clean texture.
-pub(super) const AGREEING: f64 = 0.5;
-/// Bumps that are left out together when the scatter elsewhere is estimated.
-pub(crate) const BUMPS: usize = 3;
 
 /// Sixteen columns.
 #[derive(Clone, Copy, Debug)]
@@ -101,10 +111,10 @@ fn whole_medians(chunk: &[f32]) -> Option<[f32; LANES]> {
     Some(medians(&mut turned))
 }
 
-/// Robust standard deviation: the [`AGREEING`] quantile of absolute departures over that of a
+/// Robust standard deviation: the `agreeing` quantile of absolute departures over that of a
 /// normal distribution.
 pub(super) fn robust_sd(sizes: &mut [f64]) -> f64 {
-    let index = (AGREEING * sizes.len() as f64) as usize;
+    let index = (DepartureLimits::get().agreeing * sizes.len() as f64) as usize;
     MEDIAN_TO_SD * *sizes.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
@@ -137,7 +147,7 @@ impl AxisScratch {
         room(&mut self.blocks, columns / BLOCK + 1);
         room(&mut self.sizes, columns / BLOCK + 257);
         room(&mut self.pool, BLOCK);
-        room(&mut self.suspects, BUMPS);
+        room(&mut self.suspects, DepartureLimits::get().bumps);
     }
 
     /// Standard deviation of the median of a block by the own noise of its edges, with so many
@@ -235,10 +245,11 @@ impl AxisScratch {
     /// illumination falls off along the shaft, edges in its dim part scatter by more than the mean
     /// of the field: a departure within their own noise is none.
     pub(super) fn mark(&mut self, (column_sd, block_sd): (f64, f64), edges: (&[Edge], &[Edge])) -> bool {
+        let limits = DepartureLimits::get();
         let columns = self.departures.len();
-        let column_limit = (COLUMN_LIMIT * column_sd).max(2.0 * FLOOR_PX) as f32;
-        let block_limit = (BLOCK_LIMIT * block_sd).max(FLOOR_PX) as f32;
-        let grow = (GROW_LIMIT * column_sd).max(0.5 * FLOOR_PX) as f32;
+        let column_limit = (limits.column * column_sd).max(2.0 * limits.floor_px) as f32;
+        let block_limit = (limits.block * block_sd).max(limits.floor_px) as f32;
+        let grow = (limits.grow * column_sd).max(0.5 * limits.floor_px) as f32;
         self.refused.clear();
         self.refused.resize(columns, false);
         let mut any = false;
@@ -254,12 +265,12 @@ impl AxisScratch {
             }
             let place = index * BLOCK..index * BLOCK + chunk.len();
             let own = own_noise(edges, place.clone()) as f32;
-            if whole && sum.abs() > BLOCK_LIMIT as f32 * own * count.sqrt() {
+            if whole && sum.abs() > limits.block as f32 * own * count.sqrt() {
                 self.refused[place].fill(true);
                 any = true;
                 continue;
             }
-            let limit = column_limit.max(COLUMN_LIMIT as f32 * own);
+            let limit = column_limit.max(limits.column as f32 * own);
             for (refused, d) in self.refused[place].iter_mut().zip(chunk) {
                 *refused |= d.abs() > limit;
                 any |= *refused;
@@ -279,6 +290,7 @@ impl AxisScratch {
     /// Extends refused stretches over neighbouring columns that depart to the same side, and by a
     /// guard beyond.
     pub(super) fn grow(&mut self, limit: f32) {
+        let limits = DepartureLimits::get();
         let columns = self.departures.len() as isize;
         let refused = &self.refused;
         let open = |n: isize| n >= 0 && n < columns && !refused[n as usize];
@@ -289,7 +301,7 @@ impl AxisScratch {
             let sign = self.departures[seed as usize].signum();
             for step in [-1_isize, 1] {
                 let (mut at, mut quiet, mut last) = (seed, 0, seed);
-                while quiet < 4 && (at - seed).unsigned_abs() < GROWTH {
+                while quiet < 4 && (at - seed).unsigned_abs() < limits.growth {
                     at += step;
                     if at < 0 || at >= columns {
                         break;
@@ -301,7 +313,7 @@ impl AxisScratch {
                         quiet += 1;
                     }
                 }
-                let reach = (last + step * GUARD as isize).clamp(0, columns - 1);
+                let reach = (last + step * limits.guard as isize).clamp(0, columns - 1);
                 let (a, b) = (seed.min(reach) as usize, seed.max(reach) as usize);
                 self.refused[a..=b].fill(true);
             }

@@ -11,41 +11,66 @@
 
 use nalgebra::Vector3;
 
-use super::centreline::{LEAST_WIDENING_RATIO, MOST_WIDENING_RATIO};
+use super::centreline::CentrelineLimits;
 use super::departures::{
-    AxisScratch, BUMPS, Block, FLOOR_PX, GROW_LIMIT, LocalBump, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
+    AxisScratch, Block, DepartureLimits, LocalBump, MEDIAN_OF_BLOCK, basis, own_noise, robust_sd,
 };
 use crate::gauge::edges::Edge;
+use crate::gauge::limit::limits;
 use crate::numerics::median_network::BLOCK;
 
-/// Distance in blocks at which the neighbourhood of a block is read: half the length of a film,
-/// short ones first.
-const REACHES: [usize; 3] = [2, 3, 5];
-/// Departures from the neighbourhood that are contamination: in robust standard deviations of the
-/// same comparison at n places elsewhere, and px. A standard deviation from few places is
-/// uncertain, so that the limit is 1 + FEW/n times higher; in a field known to be contaminated the
-/// prior probability is higher, and the limit lower.
-const LOCAL_LIMIT: f64 = 4.0;
-const FEW: f64 = 4.0;
-const AMONG_CONTAMINATION: f64 = 0.85;
-const LOCAL_FLOOR_PX: f64 = 0.05;
-/// Fewest places elsewhere from which that standard deviation is estimated.
-const LEAST_PLACES: usize = 3;
+limits! {
+    /// When a block protrudes from its neighbourhood.
+    LocalBumpLimits = "local_bumps";
+    /// Distance, blocks, at which the neighbourhood of a block is read first, for the shortest
+    /// films: half their length. A block has 16 columns.
+    short_reach: usize = 2;
+    /// The next distance, blocks: films of six.
+    middle_reach: usize = 3;
+    /// The longest distance, blocks: films of ten. Over twice as many the axis is no line.
+    long_reach: usize = 5;
+    /// Departure from the neighbourhood that is contamination, in robust standard deviations of the
+    /// same comparison at n places elsewhere: noise gives it in 6·10⁻⁵ of the blocks.
+    limit: f64 = 4.0;
+    /// A standard deviation from few places is uncertain, so that the limit is 1 + few/n times
+    /// higher: of n places it is known to 1/√(2n) at best, a median to less. Tuned: see study
+    /// limits.
+    few: f64 = 4.0;
+    /// Factor of the limit in a field known to be contaminated, whose prior probability is higher.
+    /// Tuned: see study limits.
+    among_contamination: f64 = 0.85;
+    /// Departure below which none is contamination, px: little more than what is tested of an axis
+    /// (`departures.floor_px`), as the neighbourhood is known less well.
+    floor_px: f64 = 0.05;
+    /// Fewest places elsewhere from which that standard deviation is estimated: of two the median
+    /// is the larger one.
+    least_places: usize = 3;
+    /// Share of a departure down to which the neighbouring blocks belong to it. Tuned: see study
+    /// limits.
+    flank: f64 = 0.2;
+    /// Every how many columns are read for the noise of a block: it hardly varies along the field.
+    every: usize = 4;
+}
+
 /// Standard deviation of a comparison over that of one block, between two others at equal distances
 /// and beyond them: √1.5 and √6.
 const BETWEEN: f64 = 1.2247;
 const BEYOND: f64 = 2.4495;
-/// Fraction of a departure down to which the neighbouring blocks belong to it.
-const FLANK: f64 = 0.2;
 
 /// Standard deviation of the middle of a block by the noise of its edges alone, px: the lower bound
 /// of the scatter, as that of a few places may be smaller by chance.
 fn noise_of_block(top: &[Edge], bottom: &[Edge]) -> f64 {
-    const STEP: usize = 4;
+    let limits = LocalBumpLimits::get();
     let own = |edge: &Edge| f64::from(edge.u_own_px).powi(2);
-    let pairs = top.iter().zip(bottom).step_by(STEP).filter(|(t, b)| t.is_usable() && b.is_usable());
+    let pairs = top.iter().zip(bottom).step_by(limits.every).filter(|(t, b)| t.is_usable() && b.is_usable());
     let (sum, count) = pairs.fold((0.0, 0.0_f64), |(sum, n), (t, b)| (sum + own(t) + own(b), n + 1.0));
     MEDIAN_OF_BLOCK * (0.25 * sum / count.max(1.0)).sqrt()
+}
+
+impl LocalBumpLimits {
+    fn reaches(&self) -> [usize; 3] {
+        [self.short_reach, self.middle_reach, self.long_reach]
+    }
 }
 
 impl AxisScratch {
@@ -57,16 +82,18 @@ impl AxisScratch {
         (column_sd, contaminated): (f64, bool),
         edges: (&[Edge], &[Edge]),
     ) -> bool {
+        let departure_limits = DepartureLimits::get();
+        let limits = LocalBumpLimits::get();
         let block_noise = noise_of_block(edges.0, edges.1);
         let mut any = false;
-        for reach in REACHES {
+        for reach in limits.reaches() {
             for (border, gain) in [(false, BETWEEN), (true, BEYOND)] {
                 any |=
                     self.mark_bumps(axis, (reach, border), (gain, gain * block_noise, contaminated), edges);
             }
         }
         if any {
-            self.grow((GROW_LIMIT * column_sd).max(0.5 * FLOOR_PX) as f32);
+            self.grow((departure_limits.grow * column_sd).max(0.5 * departure_limits.floor_px) as f32);
         }
         any
     }
@@ -81,17 +108,20 @@ impl AxisScratch {
         (gain, noise, contaminated): (f64, f64, bool),
         edges: (&[Edge], &[Edge]),
     ) -> bool {
+        let departure_limits = DepartureLimits::get();
+        let limits = LocalBumpLimits::get();
         self.suspects.clear();
         let mut any = false;
-        while self.suspects.len() < BUMPS {
+        while self.suspects.len() < departure_limits.bumps {
             let Some(bump) = self.bump(axis, reach, border) else { break };
             self.suspects.push(bump);
             let (places, sd) = self.elsewhere(axis, reach, bump.step);
-            if places < LEAST_PLACES {
+            if places < limits.least_places {
                 continue;
             }
-            let few = if contaminated { AMONG_CONTAMINATION } else { 1.0 + FEW / places as f64 };
-            let limit = LOCAL_LIMIT * few * (0.75 + 0.25 * self.suspects.len() as f64);
+            let few =
+                if contaminated { limits.among_contamination } else { 1.0 + limits.few / places as f64 };
+            let limit = limits.limit * few * (0.75 + 0.25 * self.suspects.len() as f64);
             for suspect in 0..self.suspects.len() {
                 let bump = self.suspects[suspect];
                 let from = self.blocks[bump.first].index * BLOCK;
@@ -149,6 +179,9 @@ impl AxisScratch {
     /// The block that protrudes most as contamination does, within the field or near its border,
     /// with those of its neighbours that protrude too.
     fn bump(&self, axis: &Vector3<f64>, reach: usize, border: bool) -> Option<LocalBump> {
+        let departure_limits = DepartureLimits::get();
+        let limits = LocalBumpLimits::get();
+        let centreline_limits = CentrelineLimits::get();
         let n = self.blocks.len();
         let mut most: Option<LocalBump> = None;
         let steps: &[isize] = if border { &[-1, 1] } else { &[0] };
@@ -160,16 +193,16 @@ impl AxisScratch {
                 let Some(ends) = self.neighbours(k, reach, *step) else { continue };
                 let (peak, widening) = self.protrusion(axis, k, ends);
                 let moved = 2.0 * peak.abs();
-                let contamination =
-                    widening > LEAST_WIDENING_RATIO * moved && widening < MOST_WIDENING_RATIO * moved;
-                if contamination && peak.abs() > most.map_or(LOCAL_FLOOR_PX, |m| m.peak.abs()) {
+                let contamination = widening > centreline_limits.least_widening * moved
+                    && widening < centreline_limits.most_widening * moved;
+                if contamination && peak.abs() > most.map_or(limits.floor_px, |m| m.peak.abs()) {
                     most = Some(LocalBump { peak, first: k, last: k, step: *step });
                 }
             }
         }
         let mut bump = most?;
         let ends = self.neighbours(bump.first, reach, bump.step)?;
-        let least = (FLANK * bump.peak.abs()).max(0.5 * FLOOR_PX);
+        let least = (limits.flank * bump.peak.abs()).max(0.5 * departure_limits.floor_px);
         let belongs = |at: &usize| {
             *at != ends.0 && *at != ends.1 && self.protrusion(axis, *at, ends).0 * bump.peak.signum() > least
         };

@@ -2,16 +2,30 @@
 //! part.
 
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::limit::limits;
 use crate::numerics::robust::upper_median;
 use crate::profile::Reason;
 
-/// Columns whose median represents a neighbourhood.
-const NEIGHBOURS: usize = 32;
+limits! {
+    /// When edges lie on one line with their neighbours.
+    NeighbourLimits = "neighbour_test";
+    /// Columns whose median represents a neighbourhood: it is known to 0.22 of one column's u,
+    /// 1.25/√32, and up to fifteen outliers leave it.
+    neighbours: usize = 32;
+    /// Shortest run of columns that counts as a contour: blobs of noise are shorter.
+    contour: usize = 32;
+    /// Gap, columns, that does not end a contour. Tuned: see study limits.
+    bridge: usize = 16;
+    /// Share of a contour's columns that must have both edges: two hot pixels in a hundred leave
+    /// half of them, where a window of a dozen pixels at either edge has none.
+    present: f64 = 1.0 / 3.0;
+}
 
 /// Medians of the usable edges in groups of neighbours, as (column, row).
 fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
+    let limits = NeighbourLimits::get();
     out.clear();
-    for (index, chunk) in line.chunks(NEIGHBOURS).enumerate() {
+    for (index, chunk) in line.chunks(limits.neighbours).enumerate() {
         pool.clear();
         let mut column = 0.0;
         for (offset, edge) in chunk.iter().enumerate().filter(|(_, e)| e.is_usable()) {
@@ -19,7 +33,7 @@ fn medians(line: &[Edge], pool: &mut Vec<f64>, out: &mut Vec<(f64, f64)>) {
             column += offset as f64;
         }
         if pool.len() >= 4 {
-            let column = column / pool.len() as f64 + (index * NEIGHBOURS) as f64;
+            let column = column / pool.len() as f64 + (index * limits.neighbours) as f64;
             out.extend(upper_median(pool, f64::total_cmp).map(|median| (column, median)));
         }
     }
@@ -35,8 +49,9 @@ pub(crate) struct OutlierScratch {
 impl OutlierScratch {
     /// Reserves buffers for lines of so many columns.
     pub(crate) fn reserve(&mut self, columns: usize) {
-        self.pool.reserve(NEIGHBOURS.saturating_sub(self.pool.len()));
-        self.medians.reserve((columns / NEIGHBOURS + 1).saturating_sub(self.medians.len()));
+        let limits = NeighbourLimits::get();
+        self.pool.reserve(limits.neighbours.saturating_sub(self.pool.len()));
+        self.medians.reserve((columns / limits.neighbours + 1).saturating_sub(self.medians.len()));
     }
 }
 
@@ -74,13 +89,14 @@ pub(crate) fn refuse_outliers(line: &mut [Edge], limit_px: f64, scratch: &mut Ou
 /// about the line through the ends, span so little that nothing between their medians (nor beyond
 /// them, at the ends) lies `limit_px` away.
 fn is_quiet(line: &[Edge], limit_px: f64) -> bool {
+    let limits = NeighbourLimits::get();
     let (Some(first), Some(last)) = (line.first(), line.last()) else { return true };
     let slope = (last.row_px - first.row_px) / line.len() as f64;
     let mut before = [(f64::INFINITY, f64::NEG_INFINITY); 2];
-    for (index, group) in line.chunks(NEIGHBOURS).enumerate() {
+    for (index, group) in line.chunks(limits.neighbours).enumerate() {
         let (mut low, mut high, mut usable) = (f64::INFINITY, f64::NEG_INFINITY, true);
         for (offset, edge) in group.iter().enumerate() {
-            let row = edge.row_px - slope * (index * NEIGHBOURS + offset) as f64;
+            let row = edge.row_px - slope * (index * limits.neighbours + offset) as f64;
             low = if row < low { row } else { low };
             high = if row > high { row } else { high };
             usable &= edge.is_usable() & row.is_finite();
@@ -119,21 +135,15 @@ pub(crate) fn largest_jump(line: &[Edge]) -> f64 {
     if whole { most } else { f64::INFINITY }
 }
 
-/// Shortest run of columns that counts as a contour, the gap that does not end one, and the share
-/// of its columns that must have both edges: two hot pixels in a hundred leave half of them, where
-/// a window of a dozen pixels at either edge has none.
-const CONTOUR: usize = 32;
-const BRIDGE: usize = 16;
-const PRESENT: f64 = 1.0 / 3.0;
-
 /// Fraction of the usable columns that lie in runs over at least 32 columns (half the frame, in
 /// narrower ones) along which neither edge jumps: near 1 for a part, small for blobs of noise that
 /// happen to have edges.
 pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
-    let contour = CONTOUR.min(top.len() / 2).max(1);
+    let limits = NeighbourLimits::get();
+    let contour = limits.contour.min(top.len() / 2).max(1);
     let (mut all, mut coherent, mut run, mut first) = (0_usize, 0_usize, 0_usize, 0_usize);
     let mut last: Option<(usize, f64, f64)> = None;
-    let is_contour = |run: usize, span: usize| span >= contour && run as f64 >= PRESENT * span as f64;
+    let is_contour = |run: usize, span: usize| span >= contour && run as f64 >= limits.present * span as f64;
     for (column, (t, b)) in top.iter().zip(bottom).enumerate() {
         if !(t.is_usable() && b.is_usable()) {
             continue;
@@ -141,8 +151,8 @@ pub(crate) fn coherence(top: &[Edge], bottom: &[Edge], jump_px: f64) -> f64 {
         all += 1;
         let goes_on = last.is_some_and(|(c, top, bottom)| {
             let gap = column - c;
-            let limit = jump_px * gap.min(BRIDGE / 2) as f64;
-            gap <= BRIDGE && (t.row_px - top).abs() <= limit && (b.row_px - bottom).abs() <= limit
+            let limit = jump_px * gap.min(limits.bridge / 2) as f64;
+            gap <= limits.bridge && (t.row_px - top).abs() <= limit && (b.row_px - bottom).abs() <= limit
         });
         if !goes_on {
             let span = last.map_or(0, |(c, ..)| c + 1 - first);

@@ -12,24 +12,34 @@
 use super::bent;
 use super::departures::AxisScratch;
 use crate::gauge::edges::{Edge, EdgeState};
+use crate::gauge::limit::limits;
 use crate::numerics::median_network::BLOCK;
 use crate::profile::Reason;
 
-/// Fewest blocks from which the axis can be separated from a local departure.
-const LEAST_BLOCKS: usize = 8;
-/// Number of times that the axis is fitted again to the columns not yet refused.
-const PASSES: usize = 3;
-/// Share of the columns that contamination hides from which a field counts as contaminated, and the
-/// spread about the axis, px, above which nothing confirms what is left of a contaminated field:
-/// among much contamination a middle that is wavy is contamination too, sooner than form.
-const CONTAMINATED: f64 = 0.05;
-const CONFIRMED_PX: f64 = 0.08;
+limits! {
+    /// When one edge alone departs from the contour.
+    OneSidedLimits = "one_sided";
+    /// Fewest blocks from which the axis can be separated from a local departure: a parabola leaves
+    /// five of eight free, and a departure in two leaves most of these.
+    least_blocks: usize = 8;
+    /// Times that the axis is fitted again to the columns not yet refused: what the first pass
+    /// leaves moves the second, seldom the third. Tuned: see study limits.
+    passes: usize = 3;
+    /// Share of the columns that contamination hides, above which a field counts as contaminated:
+    /// more than noise and hot pixels refuse. Tuned: see study limits.
+    contaminated: f64 = 0.05;
+    /// Spread about the axis, px, above which nothing confirms what is left of a contaminated
+    /// field: among much contamination a middle that is wavy is contamination too, sooner than
+    /// form. Twice what is tested (`departures.floor_px`).
+    confirmed_px: f64 = 0.08;
+}
 
 /// Refuses the edge of each column that leaves the axis to its side; gives the share of the columns
 /// refused.
 pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &mut AxisScratch) -> f64 {
+    let limits = OneSidedLimits::get();
     let (mut refused, mut contaminated) = (0.0, None);
-    for _ in 0..PASSES {
+    for _ in 0..limits.passes {
         let share = refuse_once(top, bottom, &mut contaminated, scratch);
         refused += share * (1.0 - refused);
         if share == 0.0 {
@@ -41,10 +51,11 @@ pub(crate) fn refuse_one_sided(top: &mut [Edge], bottom: &mut [Edge], scratch: &
 
 /// Whether contamination hides much of a field.
 fn is_contaminated(top: &[Edge], bottom: &[Edge]) -> bool {
+    let limits = OneSidedLimits::get();
     let by_contamination =
         |e: &Edge| matches!(e.reason(), Some(Reason::Residual | Reason::Contaminated | Reason::Outlier));
     let hidden = top.iter().zip(bottom).filter(|(t, b)| by_contamination(t) || by_contamination(b)).count();
-    hidden as f64 > CONTAMINATED * top.len() as f64
+    hidden as f64 > limits.contaminated * top.len() as f64
 }
 
 /// One pass; `contaminated` is found out in the first.
@@ -54,9 +65,10 @@ fn refuse_once(
     contaminated: &mut Option<bool>,
     scratch: &mut AxisScratch,
 ) -> f64 {
+    let limits = OneSidedLimits::get();
     let usable = scratch.middles(top, bottom);
-    if scratch.blocks.len() < LEAST_BLOCKS {
-        if usable == 0 || top.len() < 2 * LEAST_BLOCKS * BLOCK {
+    if scratch.blocks.len() < limits.least_blocks {
+        if usable == 0 || top.len() < 2 * limits.least_blocks * BLOCK {
             return 0.0;
         }
         // Too few columns of a wide field are left to fit an axis: none of them can be confirmed.
@@ -81,7 +93,7 @@ fn refuse_once(
     if !any && usable == top.len() {
         return 0.0;
     }
-    if !any && contaminated && block_sd > CONFIRMED_PX {
+    if !any && contaminated && block_sd > limits.confirmed_px {
         return refuse_all(top);
     }
     scratch.measure_widths(top, bottom);

@@ -3,28 +3,36 @@
 //! A jaw of a caliper touches the crests, wherever the roots of the other side are: the diameter is
 //! the distance of the two tangents, not the largest width of a column. The axis is the line midway
 //! between both sides' own lines; each side's largest height above it is found over a stretch of
-//! [`PITCHES`] pitches, so that both jaws touch crests of the same place.
+//! `crests.pitches` pitches, so that both jaws touch crests of the same place.
 
 use super::largest_value::{Choice, Largest, Line};
 use crate::gauge::edges::{Edge, FrameEdges};
+use crate::gauge::limit::limits;
 
-/// Columns whose mean shows whether the middle leaves the axis.
-const BLOCK: usize = 5;
-/// Sign changes of the middle about the axis from which crests and roots alternate: two pitches.
-const LEAST_CHANGES: usize = 4;
-/// Departure of a block's middle, in its standard uncertainties, that counts for a sign.
-const SIGNIFICANT: f64 = 4.0;
-/// Least amplitude of the middle, px: vibration and texture are below it and remain with the
-/// columns.
-const LEAST_PX: f64 = 0.1;
-/// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it
-/// begins.
-const PITCHES: f64 = 2.5;
-/// Relative standard deviation of half a pitch of a thread or knurl: blocks of five columns leave
-/// 1.4 px of ten or more.
-const MOST_UNEVEN: f64 = 0.3;
-/// Shortest such stretch, columns.
-const SHORTEST: f64 = 65.0;
+limits! {
+    /// When crests face roots.
+    CrestLimits = "crests";
+    /// Columns whose mean shows whether the middle leaves the axis: half a pitch of ten or more has
+    /// two blocks.
+    block_columns: usize = 5;
+    /// Sign changes of the middle about the axis from which on crests and roots alternate: two
+    /// pitches.
+    least_changes: usize = 4;
+    /// Departure of a block's middle, in its standard uncertainties, that counts for a sign: 6·10⁻⁵
+    /// of blocks on the axis have more.
+    significant: f64 = 4.0;
+    /// Least amplitude of the middle, px: vibration and texture are below it and remain with the
+    /// columns.
+    least_px: f64 = 0.1;
+    /// Stretch over which both jaws touch, pitches: one crest of either side at least, wherever it
+    /// begins.
+    pitches: f64 = 2.5;
+    /// Relative standard deviation of half a pitch, up to which it is that of a thread or knurl:
+    /// blocks of five columns leave 1.4 px of ten or more.
+    most_uneven: f64 = 0.3;
+    /// Shortest such stretch, columns: of fine threads it has more crests. Tuned: see study limits.
+    shortest: f64 = 65.0;
+}
 
 /// Crests and roots of a frame.
 pub(crate) struct Crests {
@@ -40,7 +48,8 @@ pub(crate) struct Crests {
 /// Pitch of crests that face roots, px, where the frame shows such at even distances: contamination
 /// on both sides alternates, but not evenly.
 pub fn crest_pitch_px(edges: &FrameEdges) -> Option<f64> {
-    Crests::find(edges).filter(|crests| crests.unevenness <= MOST_UNEVEN).map(|crests| crests.pitch_px)
+    let limits = CrestLimits::get();
+    Crests::find(edges).filter(|crests| crests.unevenness <= limits.most_uneven).map(|crests| crests.pitch_px)
 }
 
 /// A side's heights above the axis as points of a line.
@@ -110,9 +119,10 @@ impl Crests {
         })
     }
 
-    /// Largest distance of the tangents over a stretch of [`PITCHES`] pitches.
+    /// Largest distance of the tangents over a stretch of `crests.pitches` pitches.
     pub(crate) fn tangents(&self, least: usize) -> Option<Largest> {
-        let length = (PITCHES * self.pitch_px).max(SHORTEST).min(self.columns as f64);
+        let limits = CrestLimits::get();
+        let length = (limits.pitches * self.pitch_px).max(limits.shortest).min(self.columns as f64);
         let mut best: [Option<(f64, Choice, Choice)>; 2] = [None, None];
         let last = self.columns as f64 - length;
         let steps = (4.0 * last / length).ceil().max(0.0) as usize;
@@ -151,11 +161,12 @@ fn within(line: &Line, from: f64, length: f64) -> std::ops::Range<usize> {
 /// Pitch of crests that face roots, px: twice the mean distance of the middle's changes of side;
 /// with that distance's relative scatter.
 fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let limits = CrestLimits::get();
     let (mut side, mut changes) = (0.0, Vec::new());
     let (mut square, mut count) = (0.0, 0.0);
-    for from in (0..edges.columns()).step_by(BLOCK) {
+    for from in (0..edges.columns()).step_by(limits.block_columns) {
         let (mut sum, mut variance, mut n) = (0.0, 0.0, 0.0);
-        for column in from..(from + BLOCK).min(edges.columns()) {
+        for column in from..(from + limits.block_columns).min(edges.columns()) {
             if edges.width_px(column).is_none() {
                 continue;
             }
@@ -169,7 +180,7 @@ fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         }
         let (mean, u) = (sum / n, variance.sqrt() / n);
         (square, count) = (square + mean * mean, count + 1.0);
-        if mean.abs() <= SIGNIFICANT * u {
+        if mean.abs() <= limits.significant * u {
             continue;
         }
         let now = mean.signum();
@@ -181,7 +192,7 @@ fn pitch(edges: &FrameEdges, axis: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         }
     }
     let amplitude = (2.0 * square / f64::max(count, 1.0)).sqrt();
-    if changes.len() < LEAST_CHANGES || amplitude < LEAST_PX {
+    if changes.len() < limits.least_changes || amplitude < limits.least_px {
         return None;
     }
     let n = (changes.len() - 1) as f64;

@@ -1,6 +1,17 @@
 //! Polynomials through the values of a stretch of columns, with the change by the next orders.
 
+use crate::gauge::limit::limits;
 use nalgebra::{Matrix3, Vector3};
+
+limits! {
+    /// When a line or parabola describes its stretch.
+    StretchFitLimits = "stretch_fit";
+    /// Standard deviations of χ² up to which it does: 2.3 % of good ones are left out, and others
+    /// nearby take their place.
+    chi2: f64 = 2.0;
+    /// The same of the covariance of neighbouring residuals: 10 % of good ones are left out.
+    lag: f64 = 1.3;
+}
 
 /// Values along a line of columns, each with the standard deviation of its noise.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +45,6 @@ pub(crate) struct Estimate {
     /// By how much the next two orders would lower it, beyond their noise, px.
     pub(crate) excess: f64,
 }
-
-/// Standard deviations of χ² and of the covariance of neighbouring residuals up to which a line or
-/// parabola describes its stretch: 2.3 % and 10 % of good ones are left out, and others nearby take
-/// their place.
-const CHI2_LIMIT: f64 = 2.0;
-const LAG_LIMIT: f64 = 1.3;
 
 /// Least-squares fits to one stretch; abscissa t = (x − middle)/half length.
 #[derive(Clone, Debug)]
@@ -178,6 +183,7 @@ impl Fit {
         points: &Points<'_>,
         indices: impl Iterator<Item = usize>,
     ) -> bool {
+        let limits = StretchFitLimits::get();
         let fitted = match order {
             Order::Mean => return true,
             Order::Line => 2.0,
@@ -185,8 +191,8 @@ impl Fit {
         };
         let residuals = self.residuals(order, points, indices);
         let freedom = (self.n - fitted).max(0.5);
-        residuals.square <= self.variance * (freedom + CHI2_LIMIT * (2.0 * freedom).sqrt())
-            && residuals.lag <= self.variance * LAG_LIMIT * self.n.sqrt()
+        residuals.square <= self.variance * (freedom + limits.chi2 * (2.0 * freedom).sqrt())
+            && residuals.lag <= self.variance * limits.lag * self.n.sqrt()
     }
 
     /// Change of the value at a column by the next two orders, beyond noise.

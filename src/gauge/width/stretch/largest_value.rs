@@ -10,43 +10,56 @@
 //! places, what they differ by beyond noise is stated.
 
 use super::fit::{Estimate, Fit, Order, Points};
+use crate::gauge::limit::limits;
+
+limits! {
+    /// Which stretch has the largest value.
+    LargestValueLimits = "largest_value";
+    /// Widest mean, columns: the largest diameter is a local size, and wider stretches are lines or
+    /// parabolas.
+    widest_mean: usize = 65;
+    /// Fewest columns of a line's stretch: each half of them, which chooses or measures, has four
+    /// points.
+    least_of_line: usize = 9;
+    /// Fewest columns of a parabola's stretch: a point more in each half.
+    least_of_parabola: usize = 11;
+    /// λ over √(2 ln(2n/w)), about the largest of n/w independent normal deviates. At 1 plain
+    /// cylinders are given by stretches of 17 columns and more, so that u hardly changes from frame
+    /// to frame; at 0.9 bumps of one to two standard deviations on five columns are found more
+    /// often, and u of a cylinder is larger by a quarter.
+    choice: f64 = 1.0;
+    /// Share of the stretch chosen over which a line or parabola is fitted to measure: what the
+    /// chosen width leaves of the next orders, as much as noise, falls by its square and its fourth
+    /// power.
+    measured: f64 = 0.7;
+    /// Width, columns, whose mean is as uncertain as what noise may hide between wider stretches:
+    /// that which plain cylinders are given by (`choice`).
+    hidden: f64 = 17.0;
+    /// Columns that may be missing inside a stretch before it ends there. Tuned: see study limits.
+    bridge_px: f64 = 8.0;
+    /// Drop beside a stretch, in standard deviations of a column, above which it ends at a
+    /// shoulder: that of two means of four, 0.7 of a column's, eleven times.
+    shoulder: f64 = 8.0;
+    /// Such a drop, px, at least: a wave that turns down by less may pass for one, and a line to
+    /// its crest would end above it.
+    shoulder_px: f64 = 1.0;
+    /// Departure from the median of five neighbours, in standard deviations, above which one column
+    /// alone is no stretch of the part: noise has one in 10⁷, since the median of the other four
+    /// adds half of its own.
+    speck: f64 = 6.0;
+    /// Ratio of the scatter's estimates by a quarter and by half of the differences, below which
+    /// corners of the outline raise the latter. Noise gives 1. Tuned: see study limits.
+    corners: f64 = 0.6;
+    /// Scale of the columns' scatter over their stated noise, at least: a median of fourth
+    /// differences may be small by chance.
+    least_scatter: f64 = 0.5;
+}
 
 /// Least width of a stretch where none is stated, columns.
 pub const LEAST_STRETCH: usize = 5;
-/// Widths tried; a mean is taken over [`WIDEST_MEAN`] columns at most: the largest diameter is a
-/// local size.
+/// Widths tried, each wider by a quarter to two thirds: of a stretch in between the mean or line
+/// over the next narrower one has a u that is larger by less than a third.
 const WIDTHS: [usize; 12] = [5, 7, 9, 13, 17, 25, 33, 45, 65, 105, 165, 257];
-/// Widest mean, columns.
-const WIDEST_MEAN: usize = 65;
-/// Fewest columns of a line's and of a parabola's stretch.
-const LEAST_OF_LINE: usize = 9;
-const LEAST_OF_PARABOLA: usize = 11;
-/// λ over √(2 ln(2n/w)), about the largest of n/w independent normal deviates. At 1 plain cylinders
-/// are given by stretches of 17 columns and more, so that u hardly changes from frame to frame; at
-/// .9 bumps of one to two standard deviations on five columns are found more often, and u of a
-/// cylinder is larger by a quarter.
-const CHOICE: f64 = 1.0;
-/// Share of the stretch chosen over which a line or parabola is fitted to measure: what the chosen
-/// width leaves of the next orders, as much as noise, falls by its square and its fourth power.
-const MEASURED: f64 = 0.7;
-/// Width whose mean is as uncertain as what noise may hide between wider stretches, columns.
-const HIDDEN: f64 = 17.0;
-/// Columns that may be missing inside a stretch before it ends there.
-const BRIDGE_PX: f64 = 8.0;
-/// Drop beside a stretch, in standard deviations of a column, from which it ends at a shoulder.
-const SHOULDER: f64 = 8.0;
-/// Such a drop, px, at least: a wave that turns down by less may pass for one, and a line to its
-/// crest would end above it.
-const SHOULDER_PX: f64 = 1.0;
-/// Departure from the median of five neighbours, in standard deviations, from which one column
-/// alone is no stretch of the part.
-const SPECK: f64 = 6.0;
-/// Ratio of the scatter's estimates by a quarter and by half of the differences below which corners
-/// of the outline raise the latter.
-const CORNERS: f64 = 0.6;
-/// Scale of the columns' scatter over their stated noise, at least: a median of fourth differences
-/// may be small by chance.
-const LEAST_SCATTER: f64 = 0.5;
 
 /// A line of columns.
 #[derive(Clone, Debug)]
@@ -92,11 +105,12 @@ impl Line {
     /// A line of points (column, size, value shown, standard deviation by the stated noise); single
     /// specks are left out.
     pub(crate) fn new(points: &[(f64, f64, f64, f64)]) -> Self {
+        let limits = LargestValueLimits::get();
         let size: Vec<f64> = points.iter().map(|p| p.1).collect();
         let noise: Vec<f64> = points.iter().map(|p| p.3).collect();
         let scatter = scatter(&size, &noise);
         let kept: Vec<usize> =
-            (0..points.len()).filter(|i| !is_speck(&size, *i, SPECK * scatter * noise[*i])).collect();
+            (0..points.len()).filter(|i| !is_speck(&size, *i, limits.speck * scatter * noise[*i])).collect();
         let of = |value: &dyn Fn(usize) -> f64| kept.iter().map(|i| value(*i)).collect();
         Self {
             x: of(&|i| points[i].0),
@@ -122,6 +136,7 @@ impl Line {
 
     /// Estimates of two choices by the halves that did not make them.
     pub(super) fn measured(&self, choices: [Choice; 2]) -> Option<Largest> {
+        let limits = LargestValueLimits::get();
         let [Some(a), Some(b)] = [0, 1].map(|parity| self.measure(&choices[parity], parity)) else {
             return None;
         };
@@ -129,7 +144,7 @@ impl Line {
         let apart = 0.25 * (a.value - b.value).powi(2) - noise;
         let narrower = choices.iter().map(|c| c.to - c.from).min().unwrap_or(0);
         let sd = self.sd[choices[0].from];
-        let hidden = if narrower as f64 > HIDDEN { sd * sd / HIDDEN } else { 0.0 };
+        let hidden = if narrower as f64 > limits.hidden { sd * sd / limits.hidden } else { 0.0 };
         let excess = 0.5 * (a.excess + b.excess);
         let better = &choices[usize::from(choices[1].score > choices[0].score)];
         Some(Largest {
@@ -148,16 +163,17 @@ impl Line {
         least: usize,
         parity: usize,
     ) -> Option<Choice> {
+        let limits = LargestValueLimits::get();
         let points = Points { x: &self.x, y: &self.size, sd: &self.sd };
         let (n, least) = (range.len(), least.clamp(1, range.len().max(1)));
         let mut best: Option<Choice> = None;
         let stated = if WIDTHS.contains(&least) { 0 } else { least };
         for width in WIDTHS.into_iter().chain([stated]).filter(|w| (least..=n).contains(w)) {
-            let lambda = CHOICE * (2.0 * (2.0 * n as f64 / width as f64).ln()).sqrt();
+            let lambda = limits.choice * (2.0 * (2.0 * n as f64 / width as f64).ln()).sqrt();
             let step = (width / 5).max(1);
             for from in (0..n - width).step_by(step).chain([n - width]) {
                 let (from, to) = (range.start + from, range.start + from + width);
-                if self.x[to - 1] - self.x[from] > width as f64 + BRIDGE_PX {
+                if self.x[to - 1] - self.x[from] > width as f64 + limits.bridge_px {
                     continue;
                 }
                 let indices = (from + (from + parity) % 2..to).step_by(2);
@@ -197,12 +213,13 @@ impl Line {
 
     /// Candidates that represent a stretch.
     fn candidates(&self, fit: &Fit, (from, to): (usize, usize), least: usize) -> [Option<(Order, f64)>; 4] {
+        let limits = LargestValueLimits::get();
         let width = to - from;
         let (first, last) = (self.x[from], self.x[to - 1]);
-        let end = |at: f64, ends: bool| (width >= LEAST_OF_LINE && ends).then_some((Order::Line, at));
-        let vertex = if width >= LEAST_OF_PARABOLA { fit.vertex() } else { None };
+        let end = |at: f64, ends: bool| (width >= limits.least_of_line && ends).then_some((Order::Line, at));
+        let vertex = if width >= limits.least_of_parabola { fit.vertex() } else { None };
         [
-            (width <= WIDEST_MEAN.max(least)).then_some((Order::Mean, 0.5 * (first + last))),
+            (width <= limits.widest_mean.max(least)).then_some((Order::Mean, 0.5 * (first + last))),
             end(first, self.ends_at(from, -1)),
             end(last, self.ends_at(to - 1, 1)),
             vertex.map(|at| (Order::Parabola, at)),
@@ -212,11 +229,12 @@ impl Line {
     /// Whether the line ends at a point on the side of `step`: nothing follows, or what follows
     /// lies far below.
     fn ends_at(&self, index: usize, step: isize) -> bool {
+        let limits = LargestValueLimits::get();
         let inside = |i: isize| (0..self.len() as isize).contains(&i);
         let index = index as isize;
         // Blur rounds the corner itself off: the second to fifth point beyond it are compared.
         let beyond = index + 2 * step;
-        if !inside(beyond) || (self.x[beyond as usize] - self.x[index as usize]).abs() > BRIDGE_PX {
+        if !inside(beyond) || (self.x[beyond as usize] - self.x[index as usize]).abs() > limits.bridge_px {
             return true;
         }
         let mean = |from: isize, step: isize| {
@@ -224,21 +242,23 @@ impl Line {
             let (sum, n) = taken.fold((0.0, 0.0), |(s, n), i| (s + self.size[i as usize], n + 1.0));
             sum / n
         };
-        mean(index, -step) - mean(beyond, step) > (SHOULDER * self.sd[index as usize]).max(SHOULDER_PX)
+        mean(index, -step) - mean(beyond, step)
+            > (limits.shoulder * self.sd[index as usize]).max(limits.shoulder_px)
     }
 
     /// Estimate of a stretch by the points that did not choose it.
     fn measure(&self, choice: &Choice, parity: usize) -> Option<Estimate> {
+        let limits = LargestValueLimits::get();
         let points = Points { x: &self.x, y: &self.shown, sd: &self.sd };
         let (mut from, mut to) = (choice.from, choice.to);
         let length = self.x[to - 1] - self.x[from];
         let reach = match choice.order {
             Order::Mean => f64::INFINITY,
-            Order::Line => MEASURED * length,
-            Order::Parabola => 0.5 * MEASURED * length,
+            Order::Line => limits.measured * length,
+            Order::Parabola => 0.5 * limits.measured * length,
         };
         let near = |i: &usize| (self.x[*i] - choice.at).abs() <= reach;
-        if (from..to).filter(near).count() >= LEAST_OF_LINE {
+        if (from..to).filter(near).count() >= limits.least_of_line {
             from = (from..to).find(near)?;
             to = (from..to).rfind(near)? + 1;
         }
@@ -261,6 +281,7 @@ impl Line {
 /// Scatter of values over their stated noise, by the median of their fourth differences (Σw² = 70
 /// of white noise), which slopes, steps and waves of ten columns or more hardly move.
 fn scatter(values: &[f64], noise: &[f64]) -> f64 {
+    let limits = LargestValueLimits::get();
     let mut sizes: Vec<f64> = values
         .windows(5)
         .zip(noise.windows(5))
@@ -279,8 +300,8 @@ fn scatter(values: &[f64], noise: &[f64]) -> f64 {
     // Quantiles of |z|: .6745 and .3186. Corners (a thread has them in half of its columns) raise
     // the median, noise alone hardly the ratio.
     let (half, quarter) = (quantile(0.5) / 0.6745, quantile(0.25) / 0.3186);
-    let scatter = if quarter < CORNERS * half { quarter } else { half };
-    scatter.max(LEAST_SCATTER)
+    let scatter = if quarter < limits.corners * half { quarter } else { half };
+    scatter.max(limits.least_scatter)
 }
 
 /// Whether one value alone is an outlier of its neighbours.
