@@ -1,11 +1,11 @@
-//! Comments of the sources describe what is computed: words that make code a person, or that metrology
-//! has another term for, are refused. Doc comments that reach users (the schema's and the command
-//! line's) are left out: those texts are part of the interface.
+//! Comments of the sources describe the computation: words that treat code as a person, or that
+//! metrology has another term for, are refused. Doc comments that reach users (the schema's and the
+//! command line's) are excluded: those texts are part of the interface.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot set up its case must fail")]
 
 use std::path::{Path, PathBuf};
 
-/// Word and the term to use.
+/// Refused words, each with the term to use.
 const REFUSED: [(&str, &str); 54] = [
     ("matter", "contamination"),
     ("soil", "contamination"),
@@ -63,7 +63,7 @@ const REFUSED: [(&str, &str); 54] = [
     ("bench", "optical setup"),
 ];
 
-/// Lines that may hold such a word: the end of the file's path and a part of the line.
+/// Lines that may contain such a word: the end of the file's path and a part of the line.
 const ALLOWED: [(&str, &str); 0] = [];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
