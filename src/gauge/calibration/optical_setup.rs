@@ -211,7 +211,7 @@ impl SetupCalibration {
     }
 
     /// Whether a frame is as sharp as the masters predict for a part in these conditions, within
-    /// [`FOCUS`].
+    /// `FOCUS`.
     ///
     /// # Errors
     /// The blur that is not the calibrated one.

@@ -168,7 +168,8 @@ fn collect(windows: &Windows, level: Level, columns: usize, pool: &mut Vec<f32>)
     }
 }
 
-/// The grey value that all but [`GreyEndLimits::beyond`] of the pixels stay at or below, where many stand at it.
+/// The grey value that all but [`GreyEndLimits::beyond`] of the pixels stay at or below, where many
+/// stand at it.
 fn candidate(pool: &mut [f32]) -> Option<f32> {
     if pool.len() < 24 {
         return None;
@@ -299,8 +300,8 @@ pub(crate) fn flank_noise(windows: &Windows, elsewhere: &Elsewhere, squares: &mu
 }
 
 /// Mean of squares without those beyond 36 times the median one; `None` of too few. Where most are
-/// 0 (whole counts, a scatter below half a step), those beyond four of the least steps seen are left
-/// out: hot pixels, which such a scatter does not reach.
+/// 0 (whole counts, a scatter below half a step), those beyond four of the least steps seen are
+/// left out: hot pixels, which such a scatter does not reach.
 pub(crate) fn robust_mean(squares: &mut [f32]) -> Option<f64> {
     if squares.len() < GreyEndLimits::get().least_pairs {
         return None;
