@@ -1,7 +1,7 @@
 //! Thresholds of the instrument as fields with a name, a unit, a value and a reason.
 //!
 //! A file that decides by thresholds declares them once, in a group made by `limits!`, beside the
-//! code that uses them, and reads them by `Group::get()`. A field's comment says what is compared
+//! code that uses them, and reads them by `Group::get()`. A field's comment states what is compared
 //! with what, in which unit, and why the value is what it is: a source, a derivation, a quantile,
 //! or the study that set it. `shadowgauge study limits` halves and doubles every field and prints
 //! what that changes; a field that changes nothing and holds no test's case is deleted.
